@@ -15,7 +15,7 @@ from leadthrough.check import Float64Array
 from leadthrough.planning import Grid, arrival_times, descend
 from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
-    HinderedField,
+    ObstacleField,
     TubeField,
     add_obstacles,
     quickest,
@@ -47,7 +47,7 @@ def _past_a_box(dimensions: int, spacing: float, room: float) -> Benchmark:
 
     def in_band() -> Float64Array:
         free = TubeField(grid, [way], [1.0], **tube)
-        field = HinderedField(free, Walls(grid, obstacles), area_of_influence=CLEARANCE)
+        field = ObstacleField(free, Walls(grid, obstacles), area_of_influence=CLEARANCE)
         return quickest(field, way[0], way[-1])
 
     def in_all_cells() -> Float64Array:

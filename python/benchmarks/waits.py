@@ -30,9 +30,9 @@ from leadthrough.check import Float64Array
 from leadthrough.planning import Grid, arrival_times, descend
 from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
+    DetourField,
     ExperienceField,
-    HinderedField,
-    PassableField,
+    ObstacleField,
     SpeedField,
     TubeField,
     quickest,
@@ -245,10 +245,10 @@ def scene(seed: int) -> tuple[SpeedField, Float64Array, list[lt.Shape]]:
     radius = float(rng.choice([0.02, 0.15]))
     if seed // 2 % 2:
         free = ExperienceField(grid, [way], area_of_influence=radius, saturation=0.02)
-        field: SpeedField = PassableField(free, walls, band=0.01, reach=0.04)
+        field: SpeedField = DetourField(free, walls, band=0.01, reach=0.04)
     else:
         tube = TubeField(grid, [way], [1.0], area_of_influence=radius, saturation=0.02)
-        field = HinderedField(tube, walls, area_of_influence=0.015)
+        field = ObstacleField(tube, walls, area_of_influence=0.015)
     return field, way, obstacles
 
 

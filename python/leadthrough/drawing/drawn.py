@@ -25,7 +25,7 @@ class Drawn(ShortRepr, ABC):
         """A figure of matplotlib, which `savefig` writes to a file.
 
         Raises:
-            LeadthroughError: where there is nothing to draw, with the reason.
+            LeadthroughError: if there is nothing to draw, with the reason.
         """
         from leadthrough.drawing.figure import figure_of
 
@@ -33,7 +33,7 @@ class Drawn(ShortRepr, ABC):
 
     @abstractmethod
     def _panels(self) -> Sequence[Panel]:
-        """What to draw, side by side."""
+        """The panels to draw, side by side."""
 
     def _repr_html_(self) -> str:
         """A drawing with the short text below it; the text alone where nothing can be drawn."""

@@ -56,9 +56,9 @@ class Dot:
 class Panel:
     """Lines in one pair of axes."""
 
-    title: str  # what is drawn, and its unit
+    title: str  # the quantity drawn, and its unit
     lines: Sequence[Line]  # drawn in this order
-    x_label: str = ""  # what x is, and its unit
+    x_label: str = ""  # the quantity along x, and its unit
     bands: Sequence[Band] = ()  # below the lines
     dots: Sequence[Dot] = ()  # above the lines
     marks: Sequence[tuple[float, str]] = ()  # x of vertical lines and their texts
@@ -122,7 +122,7 @@ def triad(corner: Numbers, length: float) -> tuple[list[Line], list[Dot]]:
 
 
 def on_paper(points: Numbers) -> Numbers:
-    """Where points (n, 2) or (n, 3) are drawn, (n, 2)."""
+    """Drawn coordinates (n, 2) of points (n, 2) or (n, 3)."""
     return points if points.shape[1] == 2 else np.asarray(points @ _ASPECT.T)
 
 
@@ -205,8 +205,8 @@ def of_poses(
     deviations: Numbers | None = None,
 ) -> list[Panel]:
     """Poses: the path, and position and quaternion over time."""
-    turned = over(times, orientations, "wxyz", title="orientation, a quaternion")
-    return [*of_points(times, positions, events, unit="m", deviations=deviations), turned]
+    rotation = over(times, orientations, "wxyz", title="orientation, a quaternion")
+    return [*of_points(times, positions, events, unit="m", deviations=deviations), rotation]
 
 
 def of_joints(

@@ -18,13 +18,24 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.planning.grid import MOST_CELLS, Grid, bounds_of, spacings
+from leadthrough.planning.grid import MAX_CELLS, Grid, bounds_of, spacings
 from leadthrough.repr import ShortRepr
+
+FloatArray = NDArray[np.float32] | NDArray[np.float64]
+# Any: numbers of every type may come in, and which precision they get is known only then.
+Numbers = NDArray[Any]
+Precision = np.dtype[Any]
+Kind = Literal["none", "repair", "full_march"]
 
 # Cells; at second order it takes the largest error of a point source in 150^3 cells of constant
 # speed from 0.62 to 0.08 cells. At first order the error grows from everywhere, not the source.
 _SOURCE_RADIUS = {1: 0.0, 2: 8.0}
-_LARGEST_RADIUS = 50.0
+_MAX_RADIUS = 50.0
+# Beyond this ratio squares of times leave the range of float32.
+_MAX_SPEED_RATIO = 1e15
+
+# An ArrivalField counts in units of up to this times its fastest speed.
+_HEADROOM = 4.0
 
 
 @overload  # no type is both float32 and float64
@@ -94,7 +105,7 @@ def arrival_times(
     precision = precision_of(dtype)
     check.integer(order, "order", at_least=1, at_most=2)
     radius = _radius(source_radius, order)
-    field = speed_map(speed)
+    field = checked_speeds(speed)
     cells = source_cells(sources, field)
     last = -1 if stop is None else int(flat_indices(stop, "stop", field.shape)[0])
     steps = spacings(spacing, field.ndim)
@@ -169,7 +180,7 @@ def arrival_times_batch(
     check.integer(order, "order", at_least=1, at_most=2)
     check.integer(threads, "threads", at_least=1)
     radius = _radius(source_radius, order)
-    maps = [speed_map(speed) for speed in _entries(speeds, "speeds")]
+    maps = [checked_speeds(speed) for speed in _entries(speeds, "speeds")]
     starts = _entries(sources, "sources")
     count = _count(len(maps), len(starts))
     _check_shapes({field.shape for field in maps})
@@ -184,146 +195,6 @@ def arrival_times_batch(
         return march([arrays[k] for k in fields], steps.tolist(), cells, order, radius, threads)
 
 
-# Any: maps and sources pass through here alike; each is checked where it is used.
-def _entries(values: Sequence[Any], name: str) -> list[Any]:
-    entries = list(values) if np.iterable(values) and not isinstance(values, str) else []
-    if not entries:
-        raise InvalidInput(f"{name}: expected a sequence, one entry per problem, got {values!r}")
-    return entries
-
-
-def _count(maps: int, sources: int) -> int:
-    """Number of problems that the maps and sources make."""
-    count = max(maps, sources)
-    if {maps, sources} - {1, count}:
-        raise InvalidInput(
-            "sources: expected as many entries as speeds, or a single one of either, "
-            f"got {sources} for {maps}"
-        )
-    return count
-
-
-def _check_shapes(shapes: set[tuple[int, ...]]) -> None:
-    if len(shapes) > 1:
-        raise InvalidInput(f"speeds: expected maps of one shape, got {sorted(shapes)}")
-
-
-def _radius(source_radius: float | None, order: int) -> float:
-    if source_radius is None:
-        return _SOURCE_RADIUS[order]
-    return check.number(source_radius, "source_radius", at_least=0.0, at_most=_LARGEST_RADIUS)
-
-
-FloatArray = NDArray[np.float32] | NDArray[np.float64]
-# Any: numbers of every type may come in, and which precision they get is known only then.
-Numbers = NDArray[Any]
-Precision = np.dtype[Any]
-
-# Beyond this ratio squares of times leave the range of float32.
-MOST_SPEED_RATIO = 1e15
-
-# An ArrivalField counts in units of up to this times its fastest speed.
-_HEADROOM = 4.0
-
-
-def precision_of(dtype: DTypeLike) -> Precision:
-    """The type in which a march computes, float32 or float64; raises InvalidInput for others."""
-    try:
-        precision = np.dtype(dtype)
-    except TypeError:
-        raise InvalidInput(f"dtype: expected float32 or float64, got {dtype!r}") from None
-    if precision not in (np.dtype(np.float32), np.dtype(np.float64)):
-        raise InvalidInput(f"dtype: expected float32 or float64, got {precision}")
-    return precision
-
-
-def regular(value: ArrayLike, name: str) -> Numbers:
-    """`value` as an array of its own type; raises InvalidInput for ragged rows."""
-    try:
-        return np.asarray(value)
-    except ValueError:
-        raise InvalidInput(f"{name}: expected a regular array, got ragged rows") from None
-
-
-def speed_map(speed: ArrayLike) -> Numbers:
-    """`speed` as a 2-D or 3-D array of finite numbers >= 0; raises InvalidInput for others."""
-    field = regular(speed, "speed")
-    if field.dtype.kind not in "fiu" or field.ndim not in (2, 3) or field.size == 0:
-        raise InvalidInput(
-            "speed: expected a 2-D or 3-D array of numbers, "
-            f"got shape {field.shape} of {field.dtype}"
-        )
-    if field.size > MOST_CELLS:
-        raise InvalidInput(f"speed: expected at most {MOST_CELLS:.0e} cells, got {field.size}")
-    return finite_speeds(field)
-
-
-def finite_speeds(field: Numbers) -> Numbers:
-    """`field` if its numbers are finite and >= 0; raises InvalidInput otherwise."""
-    if not (field.min() >= 0 and field.max() < np.inf):
-        at = tuple(int(i) for i in np.argwhere(~((field >= 0) & (field < np.inf)))[0])
-        raise InvalidInput(f"speed: expected finite numbers >= 0, got {field[at]} at {at}")
-    return field
-
-
-def range_of(speed: Numbers) -> tuple[float, float]:
-    """The slowest speed above 0, inf if there is none, and the fastest."""
-    least = float(speed.min())
-    slowest = least if least > 0.0 else float(np.where(speed > 0, speed, np.inf).min())
-    return slowest, float(speed.max())
-
-
-def check_range(
-    slowest: float, fastest: float, *, cells: int, spacing: Float64Array, dtype: Precision
-) -> None:
-    """Checks that times can be told apart and stay in the range of a precision."""
-    if slowest < fastest / MOST_SPEED_RATIO:
-        raise InvalidInput(
-            f"speed: expected 0 or at least {1 / MOST_SPEED_RATIO:.0e} times the fastest, "
-            f"{fastest}, got {slowest}; make such cells walls (0) or faster"
-        )
-    limits = np.finfo(dtype)
-    with np.errstate(over="ignore"):
-        quickest = spacing.min() / np.float64(fastest)
-        longest = spacing.max() / np.float64(slowest) * cells
-        highest = _HEADROOM * np.float64(fastest)
-    if not (limits.tiny < min(quickest, slowest) and max(longest, highest) < limits.max):
-        raise InvalidInput(
-            f"speed: expected times in the range of {dtype}, got speeds from {slowest} to {fastest}"
-        )
-
-
-def source_cells(sources: ArrayLike, speed: Numbers) -> NDArray[np.int64]:
-    """Flat indices (k,) of sources in free cells; raises InvalidInput for one in a wall."""
-    cells = flat_indices(sources, "sources", speed.shape)
-    walls = speed.ravel()[cells] == 0.0
-    if walls.any():
-        at = np.unravel_index(cells[int(np.argmax(walls))], speed.shape)
-        raise InvalidInput(
-            f"sources: expected cells of speed > 0, got a wall at {tuple(int(i) for i in at)}"
-        )
-    return cells
-
-
-def flat_indices(indices: ArrayLike, name: str, shape: tuple[int, ...]) -> NDArray[np.int64]:
-    """Flat indices (k,) of cells given as (d,) or (k, d), k > 0; raises InvalidInput for others."""
-    cells = regular(indices, name)
-    dimensions = len(shape)
-    if cells.dtype.kind not in "iu" or cells.ndim not in (1, 2) or cells.shape[-1] != dimensions:
-        raise InvalidInput(
-            f"{name}: expected integer indices of shape ({dimensions},) or (k, {dimensions}), "
-            f"got shape {cells.shape} of {cells.dtype}"
-        )
-    rows = cells.reshape(-1, dimensions)
-    if len(rows) == 0:
-        raise InvalidInput(f"{name}: expected at least one cell, got none")
-    outside = ((rows < 0) | (rows >= np.array(shape))).any(axis=1)
-    if outside.any():
-        row = tuple(int(i) for i in rows[int(np.argmax(outside))])
-        raise InvalidInput(f"{name}: expected cells in a grid of shape {shape}, got {row}")
-    return np.asarray(np.ravel_multi_index(tuple(rows.T), shape), dtype=np.int64)
-
-
 def nearest_sources(
     arrival: ArrayLike, sources: ArrayLike, *, spacing: ArrayLike = 1.0
 ) -> NDArray[np.int32]:
@@ -331,7 +202,7 @@ def nearest_sources(
 
     The index is carried down the characteristics: each cell takes a mean of its earlier
     neighbours' fractions of the sources, by the weights of the differentiated upwind equation.
-    Where two fronts meet, the border is right to about a cell.
+    The border between two fronts is right to about a cell.
 
     Args:
         arrival: 2-D or 3-D times >= 0, from `arrival_times` with the same sources and spacing.
@@ -355,17 +226,14 @@ def nearest_sources(
     return _core.nearest_sources(times, spacings(spacing, raw.ndim).tolist(), cells.tolist())
 
 
-Kind = Literal["none", "repair", "full_march"]
-
-
 @dataclass(frozen=True)
 class FieldUpdate(ShortRepr):
-    """What an update did.
+    """The effect of an update.
 
     Attributes:
         kind: "none" if no speed changed, "repair" or "full_march".
         invalidated: number of cells whose times depended on speeds that fell; with a full march,
-            of those found until it proved cheaper.
+            of those visited until it proved cheaper.
     """
 
     kind: Kind
@@ -395,7 +263,7 @@ class ArrivalField:
         self, speed: ArrayLike, grid: Grid, sources: ArrayLike, *, dtype: DTypeLike = np.float64
     ) -> None:
         self._precision = precision_of(dtype)
-        field = speed_map(speed)
+        field = checked_speeds(speed)
         if field.shape != grid.shape:
             raise InvalidInput(
                 f"speed: expected the grid's shape {grid.shape}, got shape {field.shape}"
@@ -439,7 +307,7 @@ class ArrivalField:
             return self._times
 
     def update(self, speed: ArrayLike) -> FieldUpdate:
-        """Replaces the whole speed map; the changed part is found first.
+        """Replaces the whole speed map; the changed part is determined first.
 
         Args:
             speed: of grid.shape, as for `arrival_times`.
@@ -520,6 +388,134 @@ class ArrivalField:
         if len(walled):
             point = self._grid.origin + self._grid.spacing * (walled[0] + low)
             raise InvalidInput(f"speed: expected speed > 0 at the sources, got a wall at {point}")
+
+
+# Any: maps and sources pass through here alike; each is checked where it is used.
+def _entries(values: Sequence[Any], name: str) -> list[Any]:
+    entries = list(values) if np.iterable(values) and not isinstance(values, str) else []
+    if not entries:
+        raise InvalidInput(f"{name}: expected a sequence, one entry per problem, got {values!r}")
+    return entries
+
+
+def _count(maps: int, sources: int) -> int:
+    """Number of problems that the maps and sources make."""
+    count = max(maps, sources)
+    if {maps, sources} - {1, count}:
+        raise InvalidInput(
+            "sources: expected as many entries as speeds, or a single one of either, "
+            f"got {sources} for {maps}"
+        )
+    return count
+
+
+def _check_shapes(shapes: set[tuple[int, ...]]) -> None:
+    if len(shapes) > 1:
+        raise InvalidInput(f"speeds: expected maps of one shape, got {sorted(shapes)}")
+
+
+def _radius(source_radius: float | None, order: int) -> float:
+    if source_radius is None:
+        return _SOURCE_RADIUS[order]
+    return check.number(source_radius, "source_radius", at_least=0.0, at_most=_MAX_RADIUS)
+
+
+def precision_of(dtype: DTypeLike) -> Precision:
+    """The type in which a march computes, float32 or float64; raises InvalidInput for others."""
+    try:
+        precision = np.dtype(dtype)
+    except TypeError:
+        raise InvalidInput(f"dtype: expected float32 or float64, got {dtype!r}") from None
+    if precision not in (np.dtype(np.float32), np.dtype(np.float64)):
+        raise InvalidInput(f"dtype: expected float32 or float64, got {precision}")
+    return precision
+
+
+def regular(value: ArrayLike, name: str) -> Numbers:
+    """`value` as an array of its own type; raises InvalidInput for ragged rows."""
+    try:
+        return np.asarray(value)
+    except ValueError:
+        raise InvalidInput(f"{name}: expected a regular array, got ragged rows") from None
+
+
+def checked_speeds(speed: ArrayLike) -> Numbers:
+    """`speed` as a 2-D or 3-D array of finite numbers >= 0; raises InvalidInput for others."""
+    field = regular(speed, "speed")
+    if field.dtype.kind not in "fiu" or field.ndim not in (2, 3) or field.size == 0:
+        raise InvalidInput(
+            "speed: expected a 2-D or 3-D array of numbers, "
+            f"got shape {field.shape} of {field.dtype}"
+        )
+    if field.size > MAX_CELLS:
+        raise InvalidInput(f"speed: expected at most {MAX_CELLS:.0e} cells, got {field.size}")
+    return finite_speeds(field)
+
+
+def finite_speeds(field: Numbers) -> Numbers:
+    """`field` if its numbers are finite and >= 0; raises InvalidInput otherwise."""
+    if not (field.min() >= 0 and field.max() < np.inf):
+        at = tuple(int(i) for i in np.argwhere(~((field >= 0) & (field < np.inf)))[0])
+        raise InvalidInput(f"speed: expected finite numbers >= 0, got {field[at]} at {at}")
+    return field
+
+
+def range_of(speed: Numbers) -> tuple[float, float]:
+    """The slowest speed above 0, inf if there is none, and the fastest."""
+    least = float(speed.min())
+    slowest = least if least > 0.0 else float(np.where(speed > 0, speed, np.inf).min())
+    return slowest, float(speed.max())
+
+
+def check_range(
+    slowest: float, fastest: float, *, cells: int, spacing: Float64Array, dtype: Precision
+) -> None:
+    """Checks that times can be distinguished and stay in the range of a precision."""
+    if slowest < fastest / _MAX_SPEED_RATIO:
+        raise InvalidInput(
+            f"speed: expected 0 or at least {1 / _MAX_SPEED_RATIO:.0e} times the fastest, "
+            f"{fastest}, got {slowest}; make such cells walls (0) or faster"
+        )
+    limits = np.finfo(dtype)
+    with np.errstate(over="ignore"):
+        quickest = spacing.min() / np.float64(fastest)
+        longest = spacing.max() / np.float64(slowest) * cells
+        highest = _HEADROOM * np.float64(fastest)
+    if not (limits.tiny < min(quickest, slowest) and max(longest, highest) < limits.max):
+        raise InvalidInput(
+            f"speed: expected times in the range of {dtype}, got speeds from {slowest} to {fastest}"
+        )
+
+
+def source_cells(sources: ArrayLike, speed: Numbers) -> NDArray[np.int64]:
+    """Flat indices (k,) of sources in free cells; raises InvalidInput for one in a wall."""
+    cells = flat_indices(sources, "sources", speed.shape)
+    walls = speed.ravel()[cells] == 0.0
+    if walls.any():
+        at = np.unravel_index(cells[int(np.argmax(walls))], speed.shape)
+        raise InvalidInput(
+            f"sources: expected cells of speed > 0, got a wall at {tuple(int(i) for i in at)}"
+        )
+    return cells
+
+
+def flat_indices(indices: ArrayLike, name: str, shape: tuple[int, ...]) -> NDArray[np.int64]:
+    """Flat indices (k,) of cells given as (d,) or (k, d), k > 0; raises InvalidInput for others."""
+    cells = regular(indices, name)
+    dimensions = len(shape)
+    if cells.dtype.kind not in "iu" or cells.ndim not in (1, 2) or cells.shape[-1] != dimensions:
+        raise InvalidInput(
+            f"{name}: expected integer indices of shape ({dimensions},) or (k, {dimensions}), "
+            f"got shape {cells.shape} of {cells.dtype}"
+        )
+    rows = cells.reshape(-1, dimensions)
+    if len(rows) == 0:
+        raise InvalidInput(f"{name}: expected at least one cell, got none")
+    outside = ((rows < 0) | (rows >= np.array(shape))).any(axis=1)
+    if outside.any():
+        row = tuple(int(i) for i in rows[int(np.argmax(outside))])
+        raise InvalidInput(f"{name}: expected cells in a grid of shape {shape}, got {row}")
+    return np.asarray(np.ravel_multi_index(tuple(rows.T), shape), dtype=np.int64)
 
 
 def _fitting(speed: ArrayLike, shape: tuple[int, ...]) -> Numbers:

@@ -19,7 +19,7 @@ CellArray = NDArray[np.int64]
 CellNumbers = NDArray[np.int64]
 
 # A march over this many cells takes some 10 s and 5 GB; a finer one is a mistake in the spacing.
-MOST_CELLS = 200_000_000
+MAX_CELLS = 200_000_000
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -53,7 +53,7 @@ class Grid(ShortRepr):
         Centres lie on whole multiples of the spacing, so that grids of one spacing coincide.
 
         Args:
-            points: what to cover, (n, d).
+            points: to cover, (n, d).
             margin: in the points' unit, >= 0.
             spacing: distance between neighbours' centres, > 0, (d,) or one number.
 
@@ -69,9 +69,9 @@ class Grid(ShortRepr):
             low = np.floor((p.min(axis=0) - room) / steps)
             high = np.ceil((p.max(axis=0) + room) / steps)
             counts = high - low + 1
-        if not counts.prod() <= MOST_CELLS:
+        if not counts.prod() <= MAX_CELLS:
             raise InvalidInput(
-                f"spacing: expected a grid of at most {MOST_CELLS:.0e} cells, "
+                f"spacing: expected a grid of at most {MAX_CELLS:.0e} cells, "
                 f"got one of {' x '.join(f'{count:.6g}' for count in counts)}"
             )
         return cls(low * steps, steps, tuple(int(count) for count in counts))
@@ -171,8 +171,8 @@ def _shape(shape: Iterable[int], dimensions: int) -> tuple[int, ...]:
     counts = tuple(check.integer(count, "shape", at_least=1) for count in shape)
     if len(counts) != dimensions:
         raise InvalidInput(f"shape: expected {dimensions} integers, got {len(counts)}")
-    if math.prod(counts) > MOST_CELLS:
-        raise InvalidInput(f"shape: expected at most {MOST_CELLS:.0e} cells, got {counts}")
+    if math.prod(counts) > MAX_CELLS:
+        raise InvalidInput(f"shape: expected at most {MAX_CELLS:.0e} cells, got {counts}")
     return counts
 
 

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import _core, check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.planning.grid import MOST_CELLS, CellNumbers, Grid, spacings
+from leadthrough.planning.grid import MAX_CELLS, CellNumbers, Grid, spacings
 from leadthrough.shapes import Shape, check_shapes, compiled
 
 
 def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> NDArray[np.bool_]:
-    """Which cells have their centre in an obstacle or closer to it than a margin, grid.shape.
+    """Mask, grid.shape, of the cells whose centre is in an obstacle or nearer than a margin.
 
     Args:
         grid: the cells; a 2-D grid is the plane z = 0.
@@ -35,7 +35,7 @@ def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> 
 
 
 def occupied_by_points(grid: Grid, points: ArrayLike, *, radius: float) -> NDArray[np.bool_]:
-    """Which cells have their centre within a radius of a point of a cloud, grid.shape.
+    """Mask, grid.shape, of the cells whose centre is within a radius of a point of a cloud.
 
     Args:
         grid: the cells.
@@ -54,8 +54,8 @@ def occupied_by_points(grid: Grid, points: ArrayLike, *, radius: float) -> NDArr
     if len(cloud) == 0:
         return np.zeros(grid.shape, dtype=np.bool_)
     # A point is half a diagonal at most from the centre of its cell: only cells that near the
-    # sphere around that centre have to be searched. What a point outside the grid reaches is also
-    # in reach of the grid's point nearest to it.
+    # sphere around that centre have to be searched. The reach of a point outside the
+    # grid lies within that of the grid's point nearest to it.
     slack = 0.5 * float(np.linalg.norm(grid.spacing))
     last = grid.origin + grid.spacing * (np.array(grid.shape) - 1)
     result = _distance_to_cells(grid, cloud[grid.contains(cloud)]) <= reach - slack
@@ -108,9 +108,9 @@ def distance_transform(mask: ArrayLike, *, spacing: ArrayLike = 1.0) -> Float64A
         InvalidInput: if the mask is not such an array or a spacing is not > 0.
     """
     cells = np.asarray(mask)
-    if cells.dtype != np.bool_ or cells.ndim not in (2, 3) or not 0 < cells.size <= MOST_CELLS:
+    if cells.dtype != np.bool_ or cells.ndim not in (2, 3) or not 0 < cells.size <= MAX_CELLS:
         raise InvalidInput(
-            f"mask: expected a 2-D or 3-D array of booleans with 1 to {MOST_CELLS:.0e} cells, "
+            f"mask: expected a 2-D or 3-D array of booleans with 1 to {MAX_CELLS:.0e} cells, "
             f"got shape {cells.shape} of {cells.dtype}"
         )
     steps = spacings(spacing, cells.ndim).tolist()

@@ -55,7 +55,7 @@ def tube_map(
 ) -> Float64Array:
     """Speeds of grid.shape that fall linearly from weight_j on path j to the saturation outside it.
 
-    Where tubes overlap, the faster one counts.
+    In the overlap of tubes the faster one counts.
 
     Args:
         grid: covers the paths.
@@ -108,7 +108,7 @@ def add_passable_obstacles(
     saturation: float,
     reach: float,
 ) -> Speeds:
-    """The speed map with walls at the obstacles, slower cells beside them and ways round them."""
+    """The speed map with walls at obstacles, slower cells beside them and detours around them."""
     part, beside = _beside(grid, obstacles, 2.0 * band)
     if part is None:
         return speed
@@ -296,7 +296,7 @@ class TubeField(FreeField):
         super().__init__(grid, saturation, speeds)
 
 
-class HinderedField(SpeedField):
+class ObstacleField(SpeedField):
     """The speeds of `add_obstacles`: a field without obstacles times how far these are.
 
     Args:
@@ -322,14 +322,14 @@ class SaturatedField(SpeedField):
         super().__init__(free.grid, free.outside, speeds)
 
 
-class PassableField(SpeedField):
-    """The speeds of `add_passable_obstacles`, with ways round obstacles that stand in tubes.
+class DetourField(SpeedField):
+    """The speeds of `add_passable_obstacles`, with detours around obstacles that stand in tubes.
 
     Args:
         free: the field without obstacles; its saturation is the speed outside the tubes.
         walls: of its grid.
         band: distance over which the speed grows from 0 at an obstacle to its own value.
-        reach: of the ways round, from where an obstacle stands in a tube.
+        reach: of the detours, from the cells of a tube that an obstacle occupies.
     """
 
     def __init__(self, free: FreeField, walls: Walls, *, band: float, reach: float) -> None:
@@ -349,7 +349,7 @@ def quickest(field: SpeedField, start: Float64Array, goal: Float64Array) -> Floa
         goal: (d,).
 
     Raises:
-        NoPath: where an end lies in an obstacle, or obstacles separate them.
+        NoPath: if an end lies in an obstacle, or obstacles separate them.
     """
     with check.enough_memory(f"resolution: a grid of shape {field.grid.shape}"):
         status, path = field.compiled.quickest(start.tolist(), goal.tolist())

@@ -81,8 +81,8 @@ class Animation(ShortRepr):
             return np.zeros((0, 3))
         reach = np.stack([item.mesh.vertices.min(axis=0), item.mesh.vertices.max(axis=0)])
         corners = np.stack(np.meshgrid(*reach.T), axis=-1).reshape(-1, 3)
-        turned = rotations.to_matrix(self.orientations[frame, item.link][None])[0]
-        return np.asarray(corners @ turned.T + self.positions[frame, item.link])
+        rotation = rotations.to_matrix(self.orientations[frame, item.link][None])[0]
+        return np.asarray(corners @ rotation.T + self.positions[frame, item.link])
 
     def poses_at(self, time: float) -> tuple[Float64Array, Float64Array]:
         """Positions (links, 3) and orientations (links, 4) at a time, s; held beyond the ends."""
@@ -92,8 +92,8 @@ class Animation(ShortRepr):
         span = self.times[j] - self.times[i]
         passed = float(np.clip((time - self.times[i]) / span, 0.0, 1.0)) if span > 0.0 else 0.0
         position = (1.0 - passed) * self.positions[i] + passed * self.positions[j]
-        turned = (1.0 - passed) * self.orientations[i] + passed * self.orientations[j]
-        return position, turned / np.linalg.norm(turned, axis=1, keepdims=True)
+        orientation = (1.0 - passed) * self.orientations[i] + passed * self.orientations[j]
+        return position, orientation / np.linalg.norm(orientation, axis=1, keepdims=True)
 
 
 def sampled(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:
@@ -120,8 +120,8 @@ def link_motion(arm: Arm, q: Float64Array) -> tuple[tuple[str, ...], Float64Arra
     poses = link_poses(arm, q)
     positions = np.stack([position for _, position in poses.values()], axis=1)
     matrices = np.concatenate([matrix for matrix, _ in poses.values()])
-    turned = rotations.from_matrix(matrices).reshape(len(poses), len(q), 4)
-    return tuple(poses), positions, np.stack([*map(rotations.align_signs, turned)], axis=1)
+    orientations = rotations.from_matrix(matrices).reshape(len(poses), len(q), 4)
+    return tuple(poses), positions, np.stack([*map(rotations.align_signs, orientations)], axis=1)
 
 
 def _middle(arm: Arm) -> Float64Array:

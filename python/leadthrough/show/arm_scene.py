@@ -88,10 +88,10 @@ def arm_items(
     """The arm's surfaces; links without a colour of their own get one of two in turn."""
     parts = parts or _rods(arm)
     colours = cycle((palette.rgb(palette.SHELL), palette.rgb(palette.JOINT)))
-    for (link, own), usual in zip(parts.items(), colours, strict=False):
+    for (link, own), default in zip(parts.items(), colours, strict=False):
         by_colour: dict[Colour, list[Surface]] = {}
         for part in own:
-            by_colour.setdefault(part.colour or usual, []).append(part.surface)
+            by_colour.setdefault(part.colour or default, []).append(part.surface)
         for i, (colour, meshes) in enumerate(by_colour.items()):
             name = f"{link} {i}" if i else link
             yield Item(name, ARM, merged(meshes), colour, link=links.index(link))

@@ -1,4 +1,4 @@
-"""What a file contains: recordings or motions, a skill, or a robot."""
+"""The contents of a file: recordings or motions, a skill, or a robot."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class FileInfo(ShortRepr):
 
     def __str__(self) -> str:
         lines = [f"{self.path}: {self.format}, {self.kind}"]
-        facts = {} if self.text else self.facts  # a description tells them itself
+        facts = {} if self.text else self.facts  # a description contains them
         for name, value in facts.items():
             if value is None or value == []:
                 continue
@@ -83,16 +83,16 @@ def describe(
         arm = Arm.from_urdf(where, base=base, tip=tip, limits=limits, mesh_folders=mesh_folders)
         return _robot(where, arm)
     with blaming(where):
-        found = formats.of_file(where)
-        if found.name == "npz" and (skill := _skill(where)):
+        kind = formats.of_file(where)
+        if kind.name == "npz" and (skill := _skill(where)):
             return skill
-        if found.name == "rosbag" and request.topic is None:
-            return _bag(where, found.title, request)
-        return _recordings(where, found, request)
+        if kind.name == "rosbag" and request.topic is None:
+            return _bag(where, kind.title, request)
+        return _recordings(where, kind, request)
 
 
-def _recordings(path: Path, found: formats.Format, request: Request) -> FileInfo:
-    tables = found.tables(path, request)
+def _recordings(path: Path, kind: formats.Format, request: Request) -> FileInfo:
+    tables = kind.tables(path, request)
     facts = {"columns": list(tables[0].names)} if tables else {}
     summaries, problem = [], None
     for table, name in zip(tables, names_of(path, tables), strict=True):
@@ -101,7 +101,7 @@ def _recordings(path: Path, found: formats.Format, request: Request) -> FileInfo
         except InvalidInput as error:
             problem = str(error)
             break
-    return FileInfo(str(path), found.title, "recordings", facts, tuple(summaries), problem=problem)
+    return FileInfo(str(path), kind.title, "recordings", facts, tuple(summaries), problem=problem)
 
 
 def _bag(path: Path, title: str, request: Request) -> FileInfo:

@@ -70,10 +70,10 @@ def document(title: str, parts: Sequence[str] | str, *, whole: bool = False) -> 
     )
 
 
-def scene(shown: Animation, caption: str = "") -> str:
+def scene(animation: Animation, caption: str = "") -> str:
     """A scene to look at from all sides and to play, with a caption below."""
-    remarks = "".join(f"<div>{html.escape(remark)}</div>" for remark in shown.remarks)
-    return _SCENE.format(data=_packed(shown), caption=_caption(caption), remarks=remarks)
+    remarks = "".join(f"<div>{html.escape(remark)}</div>" for remark in animation.remarks)
+    return _SCENE.format(data=_packed(animation), caption=_caption(caption), remarks=remarks)
 
 
 def figure(drawn: Figure, caption: str = "") -> str:
@@ -148,16 +148,16 @@ def _resource(name: str) -> str:
     return (files("leadthrough.show") / name).read_text(encoding="utf-8")
 
 
-def _packed(shown: Animation) -> str:
+def _packed(animation: Animation) -> str:
     """The scene as base64 of deflated bytes: the head's length, the head as JSON, arrays."""
     arrays: list[NDArray[np.generic]] = []
 
-    def kept(values: ArrayLike, kind: type[np.generic]) -> int:
+    def stored(values: ArrayLike, kind: type[np.generic]) -> int:
         arrays.append(np.ascontiguousarray(values, dtype=kind).ravel())
         return len(arrays) - 1
 
     items = []
-    for item in shown.items:
+    for item in animation.items:
         mesh, normals = creased(item.mesh)
         items.append(
             {
@@ -166,18 +166,18 @@ def _packed(shown: Animation) -> str:
                 "colour": [round(part, 4) for part in item.colour],
                 "opacity": item.opacity,
                 "link": -1 if item.link is None else item.link,
-                "vertices": kept(_rounded(mesh.vertices), np.float32),
-                "normals": kept(np.round(127.0 * normals), np.int8),
-                "faces": kept(mesh.faces, np.uint32),
+                "vertices": stored(_rounded(mesh.vertices), np.float32),
+                "normals": stored(np.round(127.0 * normals), np.int8),
+                "faces": stored(mesh.faces, np.uint32),
             }
         )
-    poses = np.concatenate([shown.positions, shown.orientations], axis=2)
+    poses = np.concatenate([animation.positions, animation.orientations], axis=2)
     head = {
-        "links": shown.links,
-        "times": [round(float(time), 5) for time in shown.times],
-        "poses": kept(_rounded(poses), np.float32),
+        "links": animation.links,
+        "times": [round(float(time), 5) for time in animation.times],
+        "poses": stored(_rounded(poses), np.float32),
         "items": items,
-        **_extent(shown),
+        **_extent(animation),
     }
     return _deflated(head, arrays)
 
@@ -190,9 +190,9 @@ def _deflated(head: dict[str, Any], arrays: Sequence[NDArray[np.generic]]) -> st
         {"kind": array.dtype.name, "offset": int(offset), "count": array.size}
         for array, offset in zip(arrays, offsets, strict=False)
     ]
-    told = json.dumps(head, allow_nan=False).encode()
-    told += b" " * (-len(told) % 4)
-    content = b"".join([len(told).to_bytes(4, "little"), told, *parts])
+    encoded = json.dumps(head, allow_nan=False).encode()
+    encoded += b" " * (-len(encoded) % 4)
+    content = b"".join([len(encoded).to_bytes(4, "little"), encoded, *parts])
     return base64.b64encode(zlib.compress(content, 9)).decode()
 
 
@@ -201,11 +201,11 @@ def _rounded(values: Float64Array) -> Float64Array:
     return np.asarray(np.round(values * 2.0**18) / 2.0**18)
 
 
-def _extent(shown: Animation) -> dict[str, Any]:
+def _extent(animation: Animation) -> dict[str, Any]:
     """The ball that the camera shows at first, and the height of the floor, m."""
-    centre, radius = shown.ball()
+    centre, radius = animation.ball()
     lowest = min(
-        (float(i.mesh.vertices[:, 2].min()) for i in shown.items if i.link is None), default=0.0
+        (float(i.mesh.vertices[:, 2].min()) for i in animation.items if i.link is None), default=0.0
     )
     return {
         "centre": np.round(centre, 4).tolist(),

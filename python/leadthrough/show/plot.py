@@ -128,22 +128,25 @@ def _differences(trajectory: JointTrajectory, order: int) -> tuple[Float64Array,
 _SIDES = ((0, 2, "x", "z"), (0, 1, "x", "y"))  # seen from the side, and from above
 
 
-def reach_figure(found: ReachMap) -> Figure:
+def reach_figure(reach_map: ReachMap) -> Figure:
     """The best of each line of sight, from the side and from above: reach and manipulability.
 
     Args:
-        found: by `leadthrough.reachability.reach_map`.
+        reach_map: by `leadthrough.reachability.reach_map`.
     """
     with styled():
         figure = Figure(figsize=(8.5, 7.5))
         panels = figure.subplots(2, 2)
-        values = {"orientations reached": found.fraction, "manipulability": found.manipulability}
+        values = {
+            "orientations reached": reach_map.fraction,
+            "manipulability": reach_map.manipulability,
+        }
         for row, (first, second, *names) in zip(panels, _SIDES, strict=True):
             for axes, (label, value) in zip(row, values.items(), strict=True):
                 seen = value.max(axis=3 - first - second)
                 drawn = axes.pcolormesh(
-                    _edges(found.axes[first], found.spacing),
-                    _edges(found.axes[second], found.spacing),
+                    _edges(reach_map.axes[first], reach_map.spacing),
+                    _edges(reach_map.axes[second], reach_map.spacing),
                     np.where(seen > 0.0, seen, np.nan).T,
                     vmin=0.0,
                 )
@@ -152,25 +155,25 @@ def reach_figure(found: ReachMap) -> Figure:
     return figure
 
 
-def placement_figure(found: Placement) -> Figure:
+def placement_figure(placement: Placement) -> Figure:
     """The best manipulability by where the base stands, over all heights and yaws.
 
     Args:
-        found: by `leadthrough.reachability.place_base`.
+        placement: by `leadthrough.reachability.place_base`.
     """
-    places, where = np.unique(found.bases[:, :2], axis=0, return_inverse=True)
-    best, most = np.zeros(len(places)), np.zeros(len(places))
-    np.maximum.at(best, where.ravel(), found.manipulability)
-    np.maximum.at(most, where.ravel(), found.fraction)
+    positions, where = np.unique(placement.bases[:, :2], axis=0, return_inverse=True)
+    best, most = np.zeros(len(positions)), np.zeros(len(positions))
+    np.maximum.at(best, where.ravel(), placement.manipulability)
+    np.maximum.at(most, where.ravel(), placement.fraction)
     with styled():
         figure = Figure(figsize=(5.5, 4.5))
         axes = figure.add_subplot()
         whole = best > 0.0
-        x, y = places.T
+        x, y = positions.T
         axes.scatter(x[~whole], y[~whole], c="lightgray", s=12 + 60 * most[~whole])
         drawn = axes.scatter(x[whole], y[whole], c=best[whole], s=80, vmin=0.0)
-        if found.best is not None:
-            axes.plot(found.best[0], found.best[1], "x", color="black")
+        if placement.best is not None:
+            axes.plot(placement.best[0], placement.best[1], "x", color="black")
         axes.set(xlabel="x of the base / m", ylabel="y of the base / m", aspect="equal")
         figure.colorbar(drawn, ax=axes, label="least manipulability along the motion")
     return figure

@@ -3,7 +3,7 @@
 Any web page that a browser has open may send requests to 127.0.0.1, by a name of its own that it
 lets point there (DNS rebinding) or across sites; so may any program of another user. The server
 therefore answers only where the path begins with a random token, the host is this machine's and
-the origin, where there is one, is the server's own page. viser has no way to say so: the function
+the origin, where there is one, is the server's own page. viser has no option for this: the function
 with which it starts to listen is replaced while it does.
 """
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _TOKEN_BYTES = 24
 _REFUSED = "Open the address that leadthrough printed, with all of its letters.\n"
 
-# What websockets asks before it answers: None lets a WebSocket be opened.
+# Called by websockets before it answers: None lets a WebSocket be opened.
 Answer = Callable[["ServerConnection", "Request"], "Response | None"]
 
 _starting = threading.Lock()

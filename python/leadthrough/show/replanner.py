@@ -28,9 +28,9 @@ from leadthrough.show.arm_scene import tip_path
 # Sampling of a preview and of a plan, s.
 _PREVIEW_STEP = 0.04
 _STEP = 0.01
-# A way around obstacles is looked for at this distance first, m: it serves for some more moves.
+# A detour around obstacles is searched at this distance first, m: it serves some more moves.
 _AMPLE = 0.03
-_NOT_SEARCHED = "the arm is in the way of an obstacle; let go, and it looks for another way"
+_NOT_SEARCHED = "an obstacle blocks the arm; release it to search for a detour"
 # How strongly a preview stays next to the answer before, 1/s: at any larger rate it is the same.
 _PULL = 100.0
 
@@ -41,9 +41,9 @@ class Answer(ShortRepr):
 
     path: Float64Array | None  # the tip's path (n, 3), m; None if there is none
     joints: JointTrajectory | None
-    trouble: str  # what went wrong, in one line; empty if nothing did
-    verdict: str  # what a collision check of the whole arm says; empty for a preview
-    seconds: float  # how long it took to compute
+    trouble: str  # the reason for a missing motion, in one line; empty if there is none
+    verdict: str  # of a collision check of the whole arm; empty for a preview
+    seconds: float  # of computation
 
 
 class _Query(TypedDict, total=False):
@@ -72,21 +72,21 @@ class Replanner:
         self._demonstrations = tuple(demonstrations)
         self.skill: Skill = skill
         self.duration: float | None = None
-        usual = skill.generate(dt=_STEP)
-        if not isinstance(usual, JointTrajectory) and usual.positions.shape[1] != 3:
+        nominal = skill.generate(dt=_STEP)
+        if not isinstance(nominal, JointTrajectory) and nominal.positions.shape[1] != 3:
             raise InvalidInput(
                 "skill: expected one of points or poses in 3-D, or of joints, "
-                f"got one of points in {usual.positions.shape[1]}-D"
+                f"got one of points in {nominal.positions.shape[1]}-D"
             )
-        warn_of_another_arm(arm._chain, usual)
-        self.usual_duration = float(usual.duration)
+        warn_of_another_arm(arm._chain, nominal)
+        self.nominal_duration = float(nominal.duration)
         self._first: Float64Array | None = None
         self._last: JointTrajectory | None = None
         self._has_ample_room = True
         self._may_search = True
-        self._is_of_joints = isinstance(usual, JointTrajectory)
-        self._is_of_poses = isinstance(usual, PoseTrajectory)
-        self.goal_position, self.goal_orientation = self._usual_goal(usual)
+        self._is_of_joints = isinstance(nominal, JointTrajectory)
+        self._is_of_poses = isinstance(nominal, PoseTrajectory)
+        self.goal_position, self.goal_orientation = self._nominal_goal(nominal)
         self._asked = False
         if goal is not None:
             self.move_goal(*parted(goal))
@@ -172,7 +172,7 @@ class Replanner:
         return planned.tip.positions, planned.joints
 
     def _path_of_the_tip_alone(self) -> Float64Array | None:
-        """What the arm cannot follow, to be looked at; None if there is no path either."""
+        """The path that the arm cannot follow, to draw it; None if there is no path either."""
         try:
             return tip_path(self.arm, self._motion(_PREVIEW_STEP, preview=True))
         except LeadthroughError:
@@ -220,7 +220,7 @@ class Replanner:
         return None
 
     def _searched(self, motion: Trajectory | PoseTrajectory) -> JointTrajectory:
-        """Another way around the obstacles, looked for until that fails."""
+        """A detour around the obstacles, searched until that fails."""
         if not self.obstacles or self._first is None:
             return self._from_any_posture(motion)
         if not self._may_search:
@@ -240,7 +240,7 @@ class Replanner:
     def _from_the_same_posture(
         self, motion: Trajectory | PoseTrajectory, first: Float64Array
     ) -> JointTrajectory:
-        """A way around from a posture (joints,), found by one short search at each distance."""
+        """A detour from a posture (joints,), by one short search at each distance."""
         if self._has_ample_room:
             try:
                 return self._quickly_around(motion, first, _AMPLE)
@@ -263,12 +263,12 @@ class Replanner:
         scene = replace(self.scene, margin=margin).for_planning()
         return CollisionTest(self.arm._collision, scene)
 
-    def _usual_goal(self, usual: Motion) -> tuple[Float64Array, Float64Array | None]:
+    def _nominal_goal(self, nominal: Motion) -> tuple[Float64Array, Float64Array | None]:
         if self._is_of_joints:
-            self._last_joints = usual.positions[-1]
-            return self.arm.forward_kinematics(usual.positions[-1])
-        turned = usual.orientations[-1] if isinstance(usual, PoseTrajectory) else None
-        return usual.positions[-1].copy(), turned
+            self._last_joints = nominal.positions[-1]
+            return self.arm.forward_kinematics(nominal.positions[-1])
+        orientation = nominal.orientations[-1] if isinstance(nominal, PoseTrajectory) else None
+        return nominal.positions[-1].copy(), orientation
 
     def _goal(self) -> Target:
         """The goal in the form that the skill takes."""
@@ -276,25 +276,25 @@ class Replanner:
             return self.goal_position, self.goal_orientation
         if not self._is_of_joints:
             return self.goal_position
-        found = self.arm.inverse_kinematics(
+        solution = self.arm.inverse_kinematics(
             self.goal_position, self.goal_orientation, q0=self._last_joints
         )
-        if not found.success:
-            bars = [name in found.limiting_joints for name in self.arm.joint_names]
-            why = limiting_joints_text(self.arm.limits, found.q, bars) or found.status
+        if not solution.success:
+            bars = [name in solution.limiting_joints for name in self.arm.joint_names]
+            why = limiting_joints_text(self.arm.limits, solution.q, bars) or solution.status
             raise InvalidInput(
                 f"goal: the arm does not reach it: {why}; the nearest is "
-                f"{found.position_error:.3g} m and {found.orientation_error:.3g} rad away"
+                f"{solution.position_error:.3g} m and {solution.orientation_error:.3g} rad away"
             )
-        return found.q
+        return solution.q
 
     @cached_property
     def _quick(self) -> Generator:
         return self.skill.preview() if isinstance(self.skill, Previewed) else self.skill
 
 
-def parted(place: Target) -> tuple[ArrayLike, ArrayLike | None]:
+def parted(target: Target) -> tuple[ArrayLike, ArrayLike | None]:
     """Position and orientation of a goal; the latter None for a position alone."""
-    if isinstance(place, tuple) and len(place) == 2:
-        return place[0], place[1]
-    return place, None
+    if isinstance(target, tuple) and len(target) == 2:
+        return target[0], target[1]
+    return target, None

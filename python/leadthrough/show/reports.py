@@ -95,20 +95,20 @@ _CELLS = 12  # of the map along each axis
 _AXES = "xyz"
 
 
-def write_validation(folder: Path, found: Validation) -> None:
+def write_validation(folder: Path, validation: Validation) -> None:
     """Writes report.html and results.json.
 
     Args:
-        folder: where to write, made if missing.
-        found: by `lt.validate`.
+        folder: of both files, made if missing.
+        validation: by `lt.validate`.
 
     Raises:
         InvalidInput: if a file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    certificate = found.certificate
+    certificate = validation.certificate
     with replacing(folder / "results.json") as temporary:
-        temporary.write_text(json.dumps(_document(found), indent=1) + "\n", encoding="utf-8")
+        temporary.write_text(json.dumps(_document(validation), indent=1) + "\n", encoding="utf-8")
     rows = [
         [cause, count, f"{count / certificate.runs:.2%}"]
         for cause, count in certificate.causes.items()
@@ -117,56 +117,60 @@ def write_validation(folder: Path, found: Validation) -> None:
         page.text(f"{certificate}. Bounds by: {certificate.method}. Seed {certificate.seed}."),
         page.text(f"Arm: {certificate.robot}. Goals: {certificate.goals}. Starts: "
                   f"{certificate.starts}. {len(certificate.obstacles)} obstacles."),
-        page.text(_holding(found)),
-        page.figure(success_map(found), "Success rate by the goal's position; failures as dots"),
+        page.text(_holding(validation)),
+        page.figure(success_map(validation), "Success rate by the goal's position; dots: failures"),
         page.heading("Why motions failed"),
         page.table(["cause", "queries", "of all"], rows),
     ]  # fmt: skip
-    if found.nearest:
-        told = f"query {found.nearest.number}, goal {found.nearest.goal.round(4).tolist()}"
-        parts.append(page.text(f"Nearest failure to the middle: {told}. {found.nearest.detail}"))
+    if validation.nearest:
+        query = (
+            f"query {validation.nearest.number}, goal {validation.nearest.goal.round(4).tolist()}"
+        )
+        parts.append(
+            page.text(f"Nearest failure to the middle: {query}. {validation.nearest.detail}")
+        )
     page.write_page(folder / "report.html", "Validation", parts)
 
 
-def success_map(found: Validation) -> Figure:
+def success_map(validation: Validation) -> Figure:
     """The success rate over the region of goals, seen along its shortest side."""
-    goals = found.certificate.goals
+    goals = validation.certificate.goals
     sides = goals.upper - goals.lower
     wide = sorted(np.argsort(-sides, kind="stable")[:2].tolist())
     with styled():
         figure = Figure(figsize=(5.5, 4.5))
-        _draw(figure, found, wide, sides)
+        _draw(figure, validation, wide, sides)
     return figure
 
 
-def _draw(figure: Figure, found: Validation, wide: list[int], sides: Float64Array) -> None:
-    goals, axes = found.certificate.goals, figure.add_subplot()
+def _draw(figure: Figure, validation: Validation, wide: list[int], sides: Float64Array) -> None:
+    goals, axes = validation.certificate.goals, figure.add_subplot()
     names = [_AXES[i] if len(sides) == len(_AXES) else f"coordinate {i + 1}" for i in wide]
     axes.set(xlabel=f"{names[0]} / m", ylabel=f"{names[-1]} / m")
-    at = found.goals[:, wide] if found.goals.size else np.empty((0, len(wide)))
+    at = validation.goals[:, wide] if validation.goals.size else np.empty((0, len(wide)))
     known = np.isfinite(at).all(axis=1)
     if len(wide) == 2 and sides[wide].min() > 0.0:
         edges = [np.linspace(goals.lower[i], goals.upper[i], _CELLS + 1) for i in wide]
         every = _counted(at[known], edges)
-        good = _counted(at[known & found.succeeded], edges)
+        good = _counted(at[known & validation.succeeded], edges)
         rate = np.divide(good, every, out=np.full_like(every, np.nan), where=every > 0)
         drawn = axes.pcolormesh(edges[0], edges[1], rate.T, vmin=0.0, vmax=1.0, cmap="viridis")
         figure.colorbar(drawn, ax=axes, label="success rate")
-    failed = at[known & ~found.succeeded]
+    failed = at[known & ~validation.succeeded]
     if len(failed):
         axes.plot(failed[:, 0], failed[:, -1], ".", color="black", markersize=3)
 
 
 def _counted(at: Float64Array, edges: list[Float64Array]) -> Float64Array:
-    """The number of places (n, 2) in each cell between the edges."""
+    """The number of positions (n, 2) in each cell between the edges."""
     cells = [np.searchsorted(edge, column) - 1 for edge, column in zip(edges, at.T, strict=True)]
     counts = np.zeros((_CELLS, _CELLS))
     np.add.at(counts, tuple(np.clip(each, 0, _CELLS - 1) for each in cells), 1.0)
     return counts
 
 
-def _holding(found: Validation) -> str:
-    certificate = found.certificate
+def _holding(validation: Validation) -> str:
+    certificate = validation.certificate
     if certificate.holds is None:
         return f"No part of the goals has a success rate of {certificate.required:.0%} for certain."
     return (
@@ -175,17 +179,21 @@ def _holding(found: Validation) -> str:
     )
 
 
-def _document(found: Validation) -> dict[str, object]:
-    failed = np.flatnonzero(~found.succeeded)
+def _document(validation: Validation) -> dict[str, object]:
+    failed = np.flatnonzero(~validation.succeeded)
     return {
-        "certificate": found.certificate.to_settings(),
-        "errors": found.errors,
+        "certificate": validation.certificate.to_settings(),
+        "errors": validation.errors,
         "failures": [
-            {"query": int(i), "cause": str(found.causes[i]), "goal": _listed(found.goals[i])}
+            {
+                "query": int(i),
+                "cause": str(validation.causes[i]),
+                "goal": _listed(validation.goals[i]),
+            }
             for i in failed
         ],
     }
 
 
-def _listed(place: Float64Array) -> list[float] | None:
-    return place.tolist() if np.isfinite(place).all() else None
+def _listed(position: Float64Array) -> list[float] | None:
+    return position.tolist() if np.isfinite(position).all() else None

@@ -124,14 +124,14 @@ def _swept(path: Float64Array, rings: Float64Array) -> Surface:
 
 
 def _welded(mesh: Surface) -> NDArray[np.int64]:
-    """A number (n,) for each vertex, the same for vertices at the same place."""
+    """A number (n,) for each vertex, the same for vertices at the same position."""
     grain = _WELD * max(float(np.ptp(mesh.vertices, axis=0).max()), 1e-9)
     cells = np.round(mesh.vertices / grain).astype(np.int64)
     return np.unique(cells, axis=0, return_inverse=True)[1].ravel()
 
 
 def _around(points: NDArray[np.int64], flat: Float64Array, areas: Float64Array) -> Float64Array:
-    """For each corner, the mean normal of the faces at its point that are turned almost alike."""
+    """For each corner, the mean normal of the nearly parallel faces at its point."""
     order = np.argsort(points, kind="stable")
     starts = np.searchsorted(points[order], points)
     counts = np.bincount(points)[points]

@@ -27,24 +27,24 @@ _FRAME = 1.0 / 40.0  # s
 # A plan in full is made when nothing has been dragged for this long, s.
 _REST = 0.25
 _HANDLE = 0.18  # m
-_MOST_SPEED = 2.0
+_MAX_SPEED = 2.0
 
 
 class LiveView:
     """A page that shows a scene and, with a replanner, plans anew while things are dragged."""
 
     def __init__(
-        self, shown: Animation, replanner: Replanner | None = None, *, port: int = 0
+        self, animation: Animation, replanner: Replanner | None = None, *, port: int = 0
     ) -> None:
         self._private = PrivateServer(check.integer(port, "port", at_least=0, at_most=65535))
         self._server = self._private.server
-        self._shown, self._planner = shown, replanner
+        self._animation, self._planner = animation, replanner
         if replanner is not None:
             dragged = (OBSTACLES, GOAL)
-            kept = tuple(item for item in shown.items if item.layer not in dragged)
-            self._stage = Stage(self._server, replace(shown, items=kept))
+            fixed = tuple(item for item in animation.items if item.layer not in dragged)
+            self._stage = Stage(self._server, replace(animation, items=fixed))
         else:
-            self._stage = Stage(self._server, shown)
+            self._stage = Stage(self._server, animation)
         self.handles: dict[str, viser.TransformControlsHandle] = {}
         self._answer: Answer | None = None
         self._changes: list[Callable[[], None]] = []
@@ -108,13 +108,13 @@ class LiveView:
             self._playing = gui.add_checkbox("play", True)
             # Any: mypy takes the handle's `value` for read-only.
             self._time: Any = gui.add_slider("time, s", 0.0, self._end(), 0.01, 0.0)
-            self._speed = gui.add_slider("speed", 0.1, _MOST_SPEED, 0.1, 1.0)
-        self._told = gui.add_markdown("\n\n".join(self._shown.remarks))
-        self._time.on_update(lambda _: self._stage.pose(self._shown, self._time.value))
+            self._speed = gui.add_slider("speed", 0.1, _MAX_SPEED, 0.1, 1.0)
+        self._status = gui.add_markdown("\n\n".join(self._animation.remarks))
+        self._time.on_update(lambda _: self._stage.pose(self._animation, self._time.value))
 
     def _layer_controls(self) -> None:
         with self._server.gui.add_folder("Layers"):
-            for layer in dict.fromkeys(item.layer for item in self._shown.items):
+            for layer in dict.fromkeys(item.layer for item in self._animation.items):
                 self._layer_box(layer)
 
     def _layer_box(self, layer: str) -> None:
@@ -122,10 +122,10 @@ class LiveView:
         box.on_update(lambda _: self._stage.show(layer, box.value))
 
     def _model_controls(self, planner: Replanner) -> None:
-        usual = round(planner.usual_duration, 2)
+        nominal = round(planner.nominal_duration, 2)
         with self._server.gui.add_folder("Model"):
             slider = self._server.gui.add_slider(
-                "duration, s", round(0.2 * usual, 2), 3.0 * usual, 0.01, usual
+                "duration, s", round(0.2 * nominal, 2), 3.0 * nominal, 0.01, nominal
             )
             slider.on_update(
                 lambda _: self.request(lambda: setattr(planner, "duration", slider.value))
@@ -147,8 +147,8 @@ class LiveView:
             self._stage.draw(goal_item(np.zeros(3)), under="/goal")
         for i, shape in enumerate(planner.obstacles):
             name = f"obstacle {i}"
-            turned = getattr(shape, "orientation", None)
-            self._handle(name, shape.position, turned, partial(planner.move_obstacle, i))
+            orientation = getattr(shape, "orientation", None)
+            self._handle(name, shape.position, orientation, partial(planner.move_obstacle, i))
             item = replace(obstacle_item(shape, i), mesh=shape.surface())
             self._stage.draw(item, under=f"/{name}")
 
@@ -156,32 +156,36 @@ class LiveView:
         self,
         name: str,
         position: Float64Array,
-        turned: Float64Array | None,
+        orientation: Float64Array | None,
         move: Callable[[Float64Array, Float64Array | None], None],
     ) -> None:
         handle = self._server.scene.add_transform_controls(
             f"/{name}",
             scale=_HANDLE,
             depth_test=False,
-            disable_rotations=turned is None,
+            disable_rotations=orientation is None,
             position=position,
-            wxyz=(1.0, 0.0, 0.0, 0.0) if turned is None else turned,
+            wxyz=(1.0, 0.0, 0.0, 0.0) if orientation is None else orientation,
         )
 
         def moved(_: object) -> None:
-            place = np.array(handle.position)
-            turn = None if turned is None else np.array(handle.wxyz)
-            self.request(lambda: move(place, turn))
+            position = np.array(handle.position)
+            rotated = None if orientation is None else np.array(handle.wxyz)
+            self.request(lambda: move(position, rotated))
 
         handle.on_update(moved)
         self.handles[name] = handle
 
     def _end(self) -> float:
-        return round(max(float(self._shown.times[-1]), 0.01), 2)
+        return round(max(float(self._animation.times[-1]), 0.01), 2)
 
     def _play(self) -> None:
         while not self._closing.wait(_FRAME):
-            if self._playing.value and len(self._shown.times) > 1 and self._server.get_clients():
+            if (
+                self._playing.value
+                and len(self._animation.times) > 1
+                and self._server.get_clients()
+            ):
                 at = self._time.value + _FRAME * self._speed.value
                 self._time.value = 0.0 if at > self._end() else at
 
@@ -210,16 +214,16 @@ class LiveView:
         if answer.path is not None:
             self._stage.redraw(PATH, [path_item(answer.path)])
         if answer.joints is not None:
-            self._shown = self._shown.with_motion(planner.arm, answer.joints)
+            self._animation = self._animation.with_motion(planner.arm, answer.joints)
             self._time.max = self._end()
-            self._stage.pose(self._shown, self._time.value)
+            self._stage.pose(self._animation, self._time.value)
         if not answer.trouble:
             spread = spread_items(planner.arm, planner.asked_skill())
             self._stage.redraw(SPREAD, spread)
         kind = "planned" if answer.verdict else "previewed"
         head = f"**{kind} in {1e3 * answer.seconds:.0f} ms**"
-        told = [head, answer.trouble or answer.verdict, *self._shown.remarks]
-        self._told.content = "\n\n".join(told)
+        lines = [head, answer.trouble or answer.verdict, *self._animation.remarks]
+        self._status.content = "\n\n".join(lines)
         self._answer = answer
 
 
@@ -230,18 +234,18 @@ _GRID_SECTION = (205, 211, 218)
 class Stage:
     """The nodes of a scene on a viser server, by layer."""
 
-    def __init__(self, server: viser.ViserServer, shown: Animation) -> None:
+    def __init__(self, server: viser.ViserServer, animation: Animation) -> None:
         self._server = server
         self._nodes: dict[str, list[viser.MeshHandle]] = {}
         self._hidden: set[str] = set()
-        self._set_up(shown)
-        self._links = shown.links
+        self._set_up(animation)
+        self._links = animation.links
         self._frames = [
-            server.scene.add_frame(f"/arm/{link}", show_axes=False) for link in shown.links
+            server.scene.add_frame(f"/arm/{link}", show_axes=False) for link in animation.links
         ]
-        for item in shown.items:
+        for item in animation.items:
             self.draw(item)
-        self.pose(shown, 0.0)
+        self.pose(animation, 0.0)
 
     def draw(self, item: Item, *, under: str | None = None) -> None:
         """Adds a surface below its link, or below the node `under`."""
@@ -273,14 +277,16 @@ class Stage:
         for node in self._nodes.get(layer, []):
             node.visible = visible
 
-    def pose(self, shown: Animation, time: float) -> None:
+    def pose(self, animation: Animation, time: float) -> None:
         """Moves the links to their poses at a time, s."""
-        positions, orientations = shown.poses_at(time)
+        positions, orientations = animation.poses_at(time)
         with self._server.atomic():
-            for frame, position, turned in zip(self._frames, positions, orientations, strict=True):
-                frame.position, frame.wxyz = position, turned
+            for frame, position, orientation in zip(
+                self._frames, positions, orientations, strict=True
+            ):
+                frame.position, frame.wxyz = position, orientation
 
-    def _set_up(self, shown: Animation) -> None:
+    def _set_up(self, animation: Animation) -> None:
         server = self._server
         server.gui.configure_theme(
             show_logo=False,
@@ -298,7 +304,7 @@ class Stage:
             "/ground", width=4.0, height=4.0, cell_size=0.1, section_size=0.5, plane="xy",
             cell_color=_GRID_CELL, section_color=_GRID_SECTION, shadow_opacity=0.0,
         )  # fmt: skip
-        centre, radius = shown.ball()
+        centre, radius = animation.ball()
         server.initial_camera.position = tuple(centre + radius * np.array([2.0, -2.0, 1.3]))
         server.initial_camera.look_at = tuple(centre)
         server.initial_camera.fov = 0.7

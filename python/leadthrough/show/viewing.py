@@ -38,7 +38,7 @@ def view(
     Args:
         arm: the arm to show.
         motion: of the joints, or of the tip, which the arm then follows; without it the skill's
-            own motion is planned and shown.
+            own motion is planned and drawn.
         demonstrations: recordings to draw; in the live page also for model parameters that need a
             new fit.
         skill: its uncertainty is drawn as a tube. In the live page its goal and the obstacles can
@@ -55,13 +55,15 @@ def view(
         IkFailure: if the arm cannot follow the motion of the tip.
         MissingDependency: for the live page, if the extra `view` is not installed.
     """
-    shown = list(demonstrations)
+    recordings = list(demonstrations)
     if html is not None:
-        drawn = page.scene(_Content(arm, motion, shown, skill, goal, as_scene(scene)).animation())
+        drawn = page.scene(
+            _Content(arm, motion, recordings, skill, goal, as_scene(scene)).animation()
+        )
         page.write_page(html, title or arm.robot.name, drawn, whole=True)
         return
     live = open_view(
-        arm, motion, demonstrations=shown, skill=skill, goal=goal, scene=scene, port=port
+        arm, motion, demonstrations=recordings, skill=skill, goal=goal, scene=scene, port=port
     )
     print(f"{live.url} shows the motion; Ctrl-C ends it")
     live.open()
@@ -84,8 +86,8 @@ def open_view(
         arm: the arm to show.
         motion: of the joints or of the tip.
         demonstrations: recordings to draw, and for parameters that need a new fit.
-        skill: what plans anew when something is dragged.
-        goal: where the skill's motion is to end at first.
+        skill: plans anew when something is dragged.
+        goal: first end of the skill's motion.
         scene: obstacles in the arm's base frame, which can be dragged, and the margins.
         port: port of the page; 0 picks a free one.
 
@@ -120,7 +122,7 @@ def inline(
     Args:
         arm: the arm to show.
         motion: of the joints, or of the tip, which the arm then follows; without it the skill's
-            own motion is planned and shown.
+            own motion is planned and drawn.
         demonstrations: recordings to draw.
         skill: its uncertainty is drawn as a tube.
         goal: of the skill, as `view` takes it.

@@ -7,7 +7,7 @@ import leadthrough as lt
 from leadthrough.errors import NoPath
 from leadthrough.planning import Grid, arrival_times, descend
 from leadthrough.planning.obstacles import Walls
-from leadthrough.planning.speed_map import HinderedField, MapField, TubeField, quickest, speeds_at
+from leadthrough.planning.speed_map import MapField, ObstacleField, TubeField, quickest, speeds_at
 from leadthrough.preprocess.curve_distance import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 
@@ -38,7 +38,7 @@ def random_scene(seed):
     grid = Grid.covering(path, margin=0.15, spacing=0.004 if dimensions == 2 else 0.009)
     radius = rng.choice([0.02, 0.15])
     free = TubeField(grid, [path], [1.0], area_of_influence=radius, saturation=0.02)
-    return HinderedField(free, Walls(grid, obstacles), area_of_influence=0.015), path
+    return ObstacleField(free, Walls(grid, obstacles), area_of_influence=0.015), path
 
 
 @pytest.mark.parametrize("seed", range(8))

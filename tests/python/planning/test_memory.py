@@ -1,4 +1,4 @@
-"""What a march of 150^3 cells of float32 takes above the input at its peak, in a new process."""
+"""Peak memory of a march of 150^3 cells of float32 above its input, in a new process."""
 
 import subprocess
 import sys

@@ -5,10 +5,10 @@ import leadthrough as lt
 from leadthrough.planning import Grid, speed_map
 from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
+    DetourField,
     ExperienceField,
-    HinderedField,
     MapField,
-    PassableField,
+    ObstacleField,
     SaturatedField,
     TubeField,
     speeds_at,
@@ -55,7 +55,7 @@ def fields(dimensions):
         yield free, map_
         yield MapField(grid, map_), map_
         yield (
-            HinderedField(free, walls, area_of_influence=REACH),
+            ObstacleField(free, walls, area_of_influence=REACH),
             speed_map.add_obstacles(map_, grid, obstacles, area_of_influence=REACH),
         )
         saturated = {"area_of_influence": REACH, "saturation": 0.3}
@@ -65,7 +65,7 @@ def fields(dimensions):
         )
         ways = {"band": REACH / 2, "reach": 0.17}
         yield (
-            PassableField(free, walls, **ways),
+            DetourField(free, walls, **ways),
             speed_map.add_passable_obstacles(map_, grid, obstacles, saturation=SATURATION, **ways),
         )
 

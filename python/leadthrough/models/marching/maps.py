@@ -14,9 +14,9 @@ from leadthrough.errors import InvalidInput
 from leadthrough.planning import Grid
 from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
+    DetourField,
     FreeField,
-    HinderedField,
-    PassableField,
+    ObstacleField,
     SaturatedField,
     SpeedField,
     Speeds,
@@ -165,14 +165,14 @@ def obstacle_field(
         return SaturatedField(
             free, walls, area_of_influence=scales.clearance, saturation=scales.saturation
         )
-    return HinderedField(free, walls, area_of_influence=band * scales.clearance)
+    return ObstacleField(free, walls, area_of_influence=band * scales.clearance)
 
 
 def detour_field(free: FreeField, obstacles: Sequence[Shape], scales: Scales) -> SpeedField:
     """The speeds of `with_detours`, computed on demand."""
     if not obstacles or scales.obstacle_map == "minimum":
         return obstacle_field(free, obstacles, scales)
-    return PassableField(
+    return DetourField(
         free,
         Walls(free.grid, obstacles),
         band=_BAND * scales.clearance,

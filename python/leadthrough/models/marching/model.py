@@ -273,7 +273,7 @@ class FastMarchingSkill(FittedSkill, Generic[MotionT_co]):
 
         Raises:
             InvalidInput: if an argument is of another shape or range.
-            NoPath: where start or goal lies in an obstacle, or obstacles separate them.
+            NoPath: if start or goal lies in an obstacle, or obstacles separate them.
         """
         route = self.plan(start=start, goal=goal, obstacles=obstacles)
         return self.in_time(route, start=start, goal=goal, duration=duration, dt=dt)

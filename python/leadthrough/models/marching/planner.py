@@ -1,7 +1,7 @@
 """Plans the route of a query: its method, its demonstrations, and its distance to the nominal one.
 
-A demonstration predicts the path if its ends lie near start and goal. Where they lie only nearly
-so, it has to resemble another one: an outlier may have its ends there by accident. Otherwise the
+A demonstration predicts the path if its ends lie near start and goal. If they lie only nearly so,
+it has to resemble another one: an outlier may have its ends there by accident. Otherwise the
 map holds the demonstrations that are relevant to the query: those that lead somewhere, and whose
 stretch past start and goal approaches the goal about as fast as the demonstration itself proceeds.
 A wandering demonstration does neither, and the wave in a map of it would make detours that nobody

@@ -248,10 +248,10 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
         point about it.
 
         Args:
-            start: where the frame at the start is now: columns (d,); for poses (position (3,),
+            start: present pose of the frame at the start: columns (d,); for poses (position (3,),
                 orientation (4,) as w, x, y, z), or the position alone to keep the mean
                 orientation. By default the demonstrations' mean.
-            goal: where the frame at the goal is now, likewise.
+            goal: present pose of the frame at the goal, likewise.
             duration: duration, s, > 0; by default the skill's own.
             dt: largest time between samples, s, > 0.
             obstacles: must be empty.

@@ -1,4 +1,4 @@
-"""Fast Marching Learning: what it promises of paths, obstacles, timing and bad input."""
+"""Fast Marching Learning: paths, obstacles, timing and bad input."""
 
 import numpy as np
 import pytest

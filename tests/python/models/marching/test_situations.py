@@ -1,4 +1,4 @@
-"""What Fast Marching Learning makes of situations that were not shown."""
+"""Fast Marching Learning in situations that were not demonstrated."""
 
 import numpy as np
 import pytest
