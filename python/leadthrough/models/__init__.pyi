@@ -3,9 +3,9 @@ from .demonstrations import MisalignmentWarning
 from .dmp.discrete import DMP, DMPSkill
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
 from .dynamical.clf_dm import CLFDM
+from .dynamical.field import StabilityReport
 from .dynamical.lpv_ds import LPVDS
 from .dynamical.modified_ds import ModifiedDS
-from .dynamical.rollout import StabilityReport
 from .dynamical.seds import SEDS
 from .dynamical.skill import DynamicalSkill
 from .frame import Frame

@@ -21,7 +21,7 @@ from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.demonstrations import Demonstrations
-from leadthrough.models.protocol import Distributed, Parameter, Skill
+from leadthrough.models.protocol import Distributed, Parameter, Skill, fitted_again
 from leadthrough.models.registry import entry_of_skill
 from leadthrough.motion import Motion
 
@@ -61,16 +61,18 @@ class FittedSkill(Drawn):
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings, plain values only, and arrays of numbers, for `from_archive` of its model."""
 
-    def parameters(
-        self,
-        demonstrations: Demonstrations[Motion] = (),  # noqa: ARG002 (others fit again)
-    ) -> Sequence[Parameter[Any]]:
-        """The numbers of its model that a person may drag; by default none.
+    def parameters(self, demonstrations: Demonstrations[Motion] = ()) -> Sequence[Parameter[Any]]:
+        """The parameters that a person may drag: by default the `slider` of its model, if any.
 
         Args:
-            demonstrations: those that it was fitted to.
+            demonstrations: those that it was fitted to, to fit it again.
         """
-        return ()
+        slider = getattr(getattr(self, "model", None), "slider", None)
+        if slider is None:
+            return []
+        setting, least, most = slider
+        skill: Any = self
+        return fitted_again(skill, setting, demonstrations, least=least, most=most)
 
     @property
     def certificate(self) -> Certificate | None:

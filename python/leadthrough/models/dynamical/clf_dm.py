@@ -27,10 +27,15 @@ from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.models.dynamical.corrected import Corrected, trusted
 from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.linear_mixture import GaussianGates
-from leadthrough.models.dynamical.lyapunov import AsymmetricQuadratics, Descent, fitted_quadratics
+from leadthrough.models.dynamical.lyapunov import (
+    AsymmetricQuadratics,
+    Corrected,
+    Descent,
+    fitted_quadratics,
+    trusted,
+)
 from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Samples
 from leadthrough.models.gaussians.fitting import fit_mixture

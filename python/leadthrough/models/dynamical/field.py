@@ -1,19 +1,51 @@
-"""Dynamical systems: a velocity everywhere, and an energy that falls.
+"""Dynamical systems: a velocity everywhere, an energy that falls, and their trajectories.
 
 Columns are normalised: the goal is 0, the demonstrations lie about in the unit ball, and the time
-is in durations of the demonstrations.
+is in durations of the demonstrations. A system converges to its goal only asymptotically: from a
+twentieth of the motion's size on, a motion is continued to rest there by the quintic that begins
+with its velocity and acceleration.
+
+Source: Bogacki and Shampine 1989, "A 3(2) pair of Runge-Kutta formulas".
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import BPoly, CubicHermiteSpline
 
 from leadthrough.check import Float64Array
+from leadthrough.errors import NoPath
+from leadthrough.repr import ShortRepr
+
+# Error of a step: a ten-thousandth of the distance from the goal, as valleys of an energy, which
+# trajectories slide along, become as narrow as they are near.
+_TOLERANCE, _NEAREST = 1e-4, 0.01
+# Steps, in durations of the demonstrations; a step changes by at most these factors.
+_FIRST, _MAX_STEP = 1e-3, 0.05
+_SHRINK, _GROW, _SAFETY = 0.2, 4.0, 0.9
+_MAX_STEPS = 20_000
+# Sizes of the motion beyond which a trajectory is lost.
+_MAX_DISTANCE = 1e3
+# Distances from the goal at which a trajectory has arrived, and at which a motion's last piece
+# begins, in sizes of the motion.
+NEAR, _LAST = 0.01, 0.05
+# Time after which it is given up, in durations of the demonstrations.
+MAX_DURATION = 100.0
+# The last piece takes this many times as long as at the speed with which it begins, as the end of a
+# minimum-jerk motion does; and at most this much, in durations.
+_SLOWING, _MAX_ENDING = 2.7, 0.25
+# Deviation of starts about the demonstrations' samples, in sizes of the motion.
+_ABOUT = 0.05
+# Points of the grid on which other places of rest are looked for, at most.
+_GRID = 40_000
+# A system is at rest where it moves slower than this, in sizes per duration and size of distance.
+_AT_REST = 1e-3
 
 
 class Field(ABC):
@@ -66,3 +98,226 @@ def squared_distances(x: Float64Array, centres: Float64Array) -> Float64Array:
     mixed = x @ centres.T
     squared = (x**2).sum(axis=1)[:, None] - 2.0 * mixed + (centres**2).sum(axis=1)
     return np.asarray(np.maximum(squared, 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Rollout(ShortRepr):
+    """One trajectory."""
+
+    times: Float64Array  # times (n,) of its samples, from 0 on
+    states: Float64Array  # states (n, s)
+    rates: Float64Array  # their derivatives (n, s)
+
+
+@dataclass(frozen=True, eq=False)
+class GoalTrajectory(ShortRepr):
+    """A trajectory from a start to rest at the goal."""
+
+    times: Float64Array
+    positions: Float64Array  # positions (n, d) there
+    velocities: Float64Array  # velocities (n, d) there
+
+    @property
+    def duration(self) -> float:
+        """In durations of the demonstrations."""
+        return float(self.times[-1])
+
+    def at(self, phases: Float64Array) -> Float64Array:
+        """Positions (n, d) at fractions (n,) of the duration."""
+        spline = CubicHermiteSpline(self.times, self.positions, self.velocities)
+        return np.asarray(spline(phases * self.duration))
+
+
+@dataclass(frozen=True, eq=False)
+class Endpoints(ShortRepr):
+    """Last states of many trajectories."""
+
+    times: Float64Array  # when each one (m,) arrived or was given up
+    states: Float64Array  # states (m, s) there
+    arrived: NDArray[np.bool_]  # whether each one (m,) came as near to the goal as asked
+    falling: NDArray[np.bool_]  # whether the energy of each one (m,) fell at every sample
+
+
+@dataclass(frozen=True, eq=False)
+class StabilityReport(ShortRepr):
+    """Results of a system's trajectories from many starts.
+
+    Attributes:
+        starts: number of starts.
+        arrived: number that came within 1 % of the motion's size of the goal.
+        rising: number whose energy did not fall at one of their samples.
+        resting: number of points of a fine grid, away from the goal, at which the system is nearly
+            at rest.
+        longest: longest time of a trajectory, in durations of the demonstrations.
+        lost: up to ten starts (m, d), normalised, that did not arrive.
+    """
+
+    starts: int
+    arrived: int
+    rising: int
+    resting: int
+    longest: float
+    lost: Float64Array
+
+    @property
+    def violations(self) -> int:
+        """Starts that did not arrive, energies that rose and other places of rest."""
+        return self.starts - self.arrived + self.rising + self.resting
+
+    @property
+    def ok(self) -> bool:
+        """Whether there is no violation."""
+        return self.violations == 0
+
+
+def rollout(field: Field, start: Float64Array, *, near: float, longest: float) -> Rollout:
+    """The trajectory from a position (d,) until it is near the goal."""
+    times: list[float] = []
+    states: list[Float64Array] = []
+    rates: list[Float64Array] = []
+    for time, state, rate in _steps(field, start[None], near=near, longest=longest):
+        if not times or time[0] > times[-1]:  # otherwise the step was refused
+            times.append(float(time[0]))
+            states.append(state[0].copy())
+            rates.append(rate[0].copy())
+    return Rollout(np.array(times), np.array(states), np.array(rates))
+
+
+def endpoints(field: Field, starts: Float64Array, *, near: float, longest: float) -> Endpoints:
+    """Last states of the trajectories from positions (m, d), and whether their energies fell."""
+    falling = np.ones(len(starts), dtype=bool)
+    time, state = np.zeros(len(starts)), field.states(starts)
+    for now, states, _ in _steps(field, starts, near=near, longest=longest):
+        moved = np.flatnonzero(now > time)
+        falling[moved] &= field.power(states[moved]) < 0.0
+        time, state = now.copy(), states
+    return Endpoints(time, state.copy(), _near(state, starts.shape[1], near), falling)
+
+
+def goal_trajectory(field: Field, start: Float64Array) -> GoalTrajectory:
+    """The trajectory from a start (d,) to rest at the goal, 0."""
+    made = rollout(field, start, near=_LAST, longest=MAX_DURATION)
+    d = len(start)
+    x, v = made.states[:, :d], _velocities(made.states, made.rates, d)
+    if np.linalg.norm(x[-1]) > _LAST:
+        raise NoPath(
+            f"start: the goal was not reached in {MAX_DURATION:.0f} times the duration of the "
+            "demonstrations; start nearer to them, or check the skill's stability",
+            reason="not_reached",
+        )
+    times, ending, slopes = _ending(made.times, x, v)
+    return GoalTrajectory(
+        np.concatenate([made.times, made.times[-1] + times]),
+        np.concatenate([x, ending]),
+        np.concatenate([v, slopes]),
+    )
+
+
+def _velocities(states: Float64Array, rates: Float64Array, size: int) -> Float64Array:
+    """Velocities (n, d) of states (n, s): a state of second order holds them."""
+    return states[:, size:] if states.shape[1] > size else rates[:, :size]
+
+
+def _ending(
+    times: Float64Array, x: Float64Array, v: Float64Array
+) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """Times (m,), positions and velocities (m, d) of the last piece, without its begin."""
+    distance, speed = float(np.linalg.norm(x[-1])), float(np.linalg.norm(v[-1]))
+    if distance == 0.0:
+        return np.full(1, 1e-6), np.zeros((1, x.shape[1])), np.zeros((1, x.shape[1]))
+    long = min(_SLOWING * distance / max(speed, 1e-12), _MAX_ENDING)
+    bend = np.zeros(x.shape[1])
+    if len(times) > 1:
+        bend = (v[-1] - v[-2]) / (times[-1] - times[-2])
+        bend *= min(1.0, speed / long / max(float(np.linalg.norm(bend)), 1e-12))
+    rest = np.zeros(x.shape[1])
+    piece = BPoly.from_derivatives([0.0, long], [[x[-1], v[-1], bend], [rest, rest, rest]])
+    inside = np.linspace(0.0, long, 9)[1:]
+    positions = np.asarray(piece(inside))
+    positions[-1] = 0.0
+    return inside, positions, np.asarray(piece.derivative()(inside))
+
+
+def stability_report(
+    field: Field, positions: Float64Array, count: int, around: float, rng: np.random.Generator
+) -> StabilityReport:
+    """The report of a system."""
+    lower, upper = _box(positions, around)
+    half = count // 2
+    about = positions[rng.integers(len(positions), size=half)]
+    starts = np.concatenate(
+        [
+            about + _ABOUT * rng.standard_normal(about.shape),
+            rng.uniform(lower, upper, (count - half, positions.shape[1])),
+        ]
+    )
+    reached = endpoints(field, starts, near=NEAR, longest=MAX_DURATION)
+    return StabilityReport(
+        count,
+        int(reached.arrived.sum()),
+        int((~reached.falling).sum()),
+        _resting(field, lower, upper, rng),
+        float(reached.times.max()),
+        starts[~reached.arrived][:10],
+    )
+
+
+def _box(positions: Float64Array, around: float) -> tuple[Float64Array, Float64Array]:
+    low, high = positions.min(axis=0), positions.max(axis=0)
+    margin = around * (high - low)
+    return low - margin, high + margin
+
+
+def _resting(
+    field: Field, lower: Float64Array, upper: Float64Array, rng: np.random.Generator
+) -> int:
+    """Points of a grid over a box, or of as many random ones in more than three dimensions."""
+    d = len(lower)
+    if d <= 3:
+        lines = np.linspace(lower, upper, int(_GRID ** (1 / d))).T
+        points = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, d)
+    else:
+        points = rng.uniform(lower, upper, (_GRID, d))
+    distance = np.linalg.norm(points, axis=1)
+    away = distance > NEAR
+    speed = np.linalg.norm(field.velocity(points[away]), axis=1)
+    return int((speed < _AT_REST * np.minimum(distance[away], 1.0)).sum())
+
+
+def _near(states: Float64Array, size: int, near: float) -> NDArray[np.bool_]:
+    return np.asarray((states[:, :size] ** 2).sum(axis=1) <= near**2)
+
+
+def _steps(
+    field: Field, starts: Float64Array, *, near: float, longest: float
+) -> Iterator[tuple[Float64Array, Float64Array, Float64Array]]:
+    """Times (m,), states (m, s) and rates (m, s) after every round of steps, from the start on."""
+    size = starts.shape[1]
+    states = field.states(starts).copy()
+    times = np.zeros(len(starts))
+    steps = np.full(len(starts), _FIRST)
+    rates = field.rate(states)
+    yield times, states, rates
+    going = np.flatnonzero(~_near(states, size, near))
+    for _ in range(_MAX_STEPS):
+        if len(going) == 0:
+            return
+        here, slope, h = states[going], rates[going], steps[going][:, None]
+        second = field.rate(here + 0.5 * h * slope)
+        third = field.rate(here + 0.75 * h * second)
+        there = here + h * (2.0 * slope + 3.0 * second + 4.0 * third) / 9.0
+        last = field.rate(there)
+        error = h * (-5.0 / 72.0 * slope + second / 12.0 + third / 9.0 - last / 8.0)
+        distance = np.sqrt((here[:, :size] ** 2).sum(axis=1))
+        allowed = _TOLERANCE * np.clip(distance, _NEAREST, 1.0)
+        ratio = np.abs(error).max(axis=1) / allowed
+        good = ratio <= 1.0
+        taken = going[good]
+        times[taken] += steps[taken]
+        states[taken], rates[taken] = there[good], last[good]
+        change = _SAFETY / np.cbrt(np.maximum(ratio, 1e-9))
+        steps[going] = np.minimum(steps[going] * np.clip(change, _SHRINK, _GROW), _MAX_STEP)
+        yield times, states, rates
+        on_way = ~_near(states[going], size, near) & (times[going] < longest)
+        on_way &= _near(states[going], size, _MAX_DISTANCE)
+        going = going[on_way]

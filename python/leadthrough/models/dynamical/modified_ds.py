@@ -23,9 +23,8 @@ from scipy.special import expit
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.models.dynamical.corrected import Corrected, trusted
 from leadthrough.models.dynamical.field import Field, squared_distances
-from leadthrough.models.dynamical.lyapunov import Descent, Slopes, fitted_energy
+from leadthrough.models.dynamical.lyapunov import Corrected, Descent, Slopes, fitted_energy, trusted
 from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Samples
 from leadthrough.repr import ShortRepr

@@ -3,29 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any, ClassVar, Generic
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, rotations
+from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.coordinates import NODES, Coordinates
-from leadthrough.models.demonstrations import Demonstrations
-from leadthrough.models.dynamical.field import Field
-from leadthrough.models.dynamical.rollout import (
+from leadthrough.models.coordinates import Coordinates
+from leadthrough.models.dynamical.field import (
+    Field,
     StabilityReport,
     goal_trajectory,
     stability_report,
 )
-from leadthrough.models.protocol import Parameter, fitted_again
+from leadthrough.models.dynamical.query import (
+    Situation,
+    pose_of,
+    refuse_obstacles,
+    sheets,
+    situation,
+    twist,
+)
 from leadthrough.models.queries import checked_query, even_times
-from leadthrough.models.registry import entry_of_class
 from leadthrough.models.targets import Target
-from leadthrough.motion import Motion, MotionT_co, normalised_times
+from leadthrough.motion import MotionT_co, normalised_times
 from leadthrough.shapes import Shape
 
 
@@ -37,8 +41,8 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
 
     Attributes:
         model: the settings that it was fitted with.
-        coordinates: of the d columns: of points, joints, or for poses the position and a rotation
-            vector from the goal's orientation.
+        coordinates: of the d columns: of points, joints, or for poses the position and a
+            rotation vector from the goal's orientation.
         field: the system, in normalised columns about the goal and durations.
         scale: divisors (d,) of the columns.
         ends: mean start and goal (2, d) of the demonstrations.
@@ -76,7 +80,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
             InvalidInput: if an argument is of another shape.
         """
         if self.coordinates.kind == "poses":
-            here = self._situation(self._pose(position), goal)
+            here = self._situation(pose_of(position), goal)
             x = self._nearest_to_demonstrations(here.start)[None]
             columns = self._velocities(x)
             vectors = x[:, 3:] * self.scale[3:]
@@ -117,11 +121,7 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
             UnsupportedQuery: for obstacles.
             NoPath: if the goal is not reached in 100 times the demonstrations' duration.
         """
-        if len(obstacles) > 0:
-            raise UnsupportedQuery(
-                "obstacles: a dynamical system cannot avoid them; leave them out or use "
-                "FastMarching"
-            )
+        refuse_obstacles(obstacles)
         check.number(dt, "dt", above=0.0)
         if duration is not None:
             check.number(duration, "duration", above=0.0)
@@ -160,17 +160,6 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
         return stability_report(self.field, self.positions, starts, around, rng)
 
-    def parameters(
-        self, demonstrations: Demonstrations[Motion] = ()
-    ) -> Sequence[Parameter[MotionT_co]]:
-        """The number of its parts, if there are demonstrations to fit again.
-
-        Args:
-            demonstrations: the demonstrations that the skill was fitted to.
-        """
-        setting, least, most = self.model.slider
-        return fitted_again(self, setting, demonstrations, least=least, most=most)
-
     # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays that `archive.from_archive` turns into the skill again."""
@@ -202,103 +191,3 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
         turns = sheets(x[3:] * self.scale[3:], self.ends[0, 3:])
         places = [np.concatenate([x[:3], turn / self.scale[3:]]) for turn in turns]
         return min(places, key=lambda each: float(((self.positions - each) ** 2).sum(axis=1).min()))
-
-    def _pose(self, place: Any) -> Target:
-        if not isinstance(place, tuple | list) or len(place) != 2:
-            raise InvalidInput(
-                "position: expected (position (3,), orientation (4,)) of a skill of poses"
-            )
-        return place[0], place[1]
-
-
-# Any: settings are whatever JSON holds.
-def from_archive(settings: dict[str, Any], arrays: Arrays) -> DynamicalSkill:
-    """The skill from the settings and arrays that `DynamicalSkill.to_archive` returned."""
-    coordinates = Coordinates.from_archive(settings, arrays)
-    kind = entry_of_class(settings["name"]).load()
-    own = {
-        name.removeprefix("field_"): check.frozen(value, name, shape=value.shape)
-        for name, value in arrays.items()
-        if name.startswith("field_")
-    }
-    field = kind.system.from_arrays(own)
-    if field.size != coordinates.width:
-        raise InvalidInput(f"field: expected {coordinates.width} columns, got {field.size}")
-    return DynamicalSkill(
-        kind(**settings["model"]),
-        coordinates,
-        field,
-        check.frozen(arrays["scale"], "scale", shape=(coordinates.width,)),
-        check.frozen(arrays["ends"], "ends", shape=(2, coordinates.width)),
-        check.number(settings["duration"], "duration", above=0.0),
-        check.number(settings["pace"], "pace", above=0.0),
-        check.frozen(arrays["positions"], "positions", shape=("n", coordinates.width)),
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class Situation(Generic[MotionT_co]):
-    """A goal, and where a motion starts."""
-
-    coordinates: Coordinates[MotionT_co]  # of motions to this goal
-    goal: Float64Array  # position or joints (m,) of the goal
-    start: Float64Array  # the start (d,) in normalised columns about the goal
-    scale: Float64Array  # divisors (d,) of the columns
-
-    def columns(self, x: Float64Array) -> Float64Array:
-        """Columns (n, d) of normalised positions (n, d)."""
-        columns = x * self.scale
-        columns[:, : self.coordinates.size] += self.goal
-        return columns
-
-
-def situation(
-    coordinates: Coordinates[MotionT_co],
-    ends: Float64Array,
-    scale: Float64Array,
-    start: Target | None,
-    goal: Target | None,
-) -> Situation[MotionT_co]:
-    """The situation that a query describes; what it leaves open is as demonstrated."""
-    size = coordinates.size
-    position = ends[1, :size]
-    if goal is not None:
-        target = coordinates.target(goal, "goal", 1.0)
-        position = target[:size]
-        if len(target) > size:
-            coordinates = _about(
-                coordinates, coordinates.orientations(target[None, size:], np.ones(1))[0]
-            )
-    demonstrated = ends[0].copy()
-    if start is not None:
-        given = coordinates.target(start, "start", 0.0)
-        if len(given) > size:
-            given = np.concatenate(
-                [given[:size], _nearest_sheet(given[size:], demonstrated[size:])]
-            )
-        demonstrated[: len(given)] = given
-    demonstrated[:size] -= position
-    return Situation(coordinates, position, demonstrated / scale, scale)
-
-
-def _about(coordinates: Coordinates[MotionT_co], goal: Float64Array) -> Coordinates[MotionT_co]:
-    return replace(coordinates, reference=np.tile(goal, (len(NODES), 1)))
-
-
-def _nearest_sheet(vector: Float64Array, other: Float64Array) -> Float64Array:
-    """The rotation vector (3,) of the same rotation that is nearest to another vector."""
-    return min(sheets(vector, other), key=lambda each: float(np.linalg.norm(each - other)))
-
-
-def sheets(turn: Float64Array, axis: Float64Array) -> list[Float64Array]:
-    """Rotation vectors (3,) of one rotation: the shortest, and with a turn less and a turn more."""
-    angle = float(np.linalg.norm(turn))
-    own = turn / angle if angle > 0.0 else axis / max(float(np.linalg.norm(axis)), 1e-300)
-    return [(angle + 2.0 * np.pi * k) * own for k in (0, -1, 1)]
-
-
-def twist(coordinates: Coordinates, vectors: Float64Array, rate: Float64Array) -> Float64Array:
-    """Angular velocities (n, 3) in the base frame of rotation vectors from the goal."""
-    local = (rotations.left_jacobian(vectors) @ rate[:, :, None])[:, :, 0]
-    assert coordinates.reference is not None
-    return np.asarray(local @ rotations.to_matrix(coordinates.reference[:1])[0].T)

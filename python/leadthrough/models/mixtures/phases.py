@@ -26,9 +26,15 @@ from leadthrough.models.gaussians.em import (
     fit_blocks,
     sums_of,
 )
-from leadthrough.models.gaussians.fitting import FittedMixture, in_order, least_criterion
+from leadthrough.models.gaussians.fitting import (
+    FittedMixture,
+    Units,
+    in_order,
+    least_criterion,
+    own_units,
+    phase_units,
+)
 from leadthrough.models.gaussians.mixture import Mixture
-from leadthrough.models.gaussians.units import Units, own_units, phase_units
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 
