@@ -1,5 +1,6 @@
 """The tree in CONTRIBUTING.md against the repository; length and imports of every file."""
 
+import re
 import tomllib
 
 import pytest
@@ -77,3 +78,31 @@ def test_parts_to_mutate_name_files_that_exist():
     for part, named in parts.items():
         for pattern in (*named["sources"], *named["tests"]):
             assert any(ROOT.glob(pattern)), f"{part}: {pattern}"
+
+
+# Names in the sources of the examples of "How to add".
+EXAMPLES = {
+    "A shape": r"\bk?Cylinder\b|cylinder_shape",
+    "A model": r"ModifiedDS|modified_ds",
+    "A file format": r"\brobomimic\b",
+    "An arm": r"\btiago\b",
+}
+
+
+@pytest.mark.parametrize(("title", "example"), EXAMPLES.items())
+def test_how_to_add_lists_the_files_that_mention_its_example(title, example):
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    section = re.search(rf"^### {title}\n(.*?)^##", text, re.DOTALL | re.MULTILINE)[1]
+    listed = set(re.findall(r"`([\w/.-]+/[\w.-]+)`", section))
+    for path in listed:
+        assert (ROOT / path).exists(), path
+    sources = [*(ROOT / "cpp").rglob("*.?pp"), *PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.pyi")]
+    sources += (ROOT / "robots").rglob("*.*")
+    mentioning = {
+        str(path.relative_to(ROOT))
+        for path in sources
+        if re.search(example, path.read_text(encoding="utf-8"))
+    }
+    assert (
+        mentioning - {"python/leadthrough/cli/showing.py"} <= listed
+    )  # that has arms in a sentence

@@ -145,7 +145,7 @@ class ArmModel(Drawn):
         """The arm holding an object, whose pose is given in the frame of its present tip.
 
         Args:
-            shape: a Box, Sphere, Capsule, Cylinder or Mesh; it joins `attached` and counts in
+            shape: any but a PointCloud; it joins `attached` and counts in
                 collision checks. Of a mesh the hulls of its parts count, for its mass too.
             mass: in kg, >= 0, of uniform density; it adds to the payload.
 
