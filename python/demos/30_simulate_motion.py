@@ -9,7 +9,13 @@ from pathlib import Path
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.simulation import CartesianImpedance, ComputedTorque, JointImpedance, PositionServo
+from leadthrough.simulation import (
+    CartesianImpedance,
+    ComputedTorque,
+    Disturbances,
+    JointImpedance,
+    PositionServo,
+)
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda").with_attached(lt.Capsule(0.03, 0.1, (0.0, 0.0, 0.05)), mass=1.0)
@@ -20,8 +26,9 @@ motion = lt.retime(start + np.outer(way, reach), arm.limits)
 tip, _ = arm.forward_kinematics(start + 0.6 * reach)
 post = lt.Cylinder(0.03, 0.8, (tip[0], tip[1], 0.4))
 
+disturbed = Disturbances(friction=0.2, delay=0.001)
 for controller in (ComputedTorque(), PositionServo(), JointImpedance(), CartesianImpedance(2000.0)):
-    report = lt.simulate(arm, motion, controller=controller, friction=0.2, delay=0.001)
+    report = lt.simulate(arm, motion, controller=controller, disturbances=disturbed)
     theory = 1e3 * np.abs(report.expected).max()
     print(
         f"{type(controller).__name__}: joints off by {1e3 * np.abs(report.errors).max():.1f} mrad "
@@ -32,7 +39,9 @@ for controller in (ComputedTorque(), PositionServo(), JointImpedance(), Cartesia
 print("\nand what is found:")
 weak = {**vars(arm.limits), "effort": 0.4 * arm.limits.effort}
 faults = {
-    "the payload is three times as heavy": lt.simulate(arm, motion, payload=3.0),
+    "the payload is three times as heavy": lt.simulate(
+        arm, motion, disturbances=Disturbances(payload=3.0)
+    ),
     "a post that was not planned for": lt.simulate(arm, motion, [post]),
     "twice as fast": lt.simulate(arm, lt.JointTrajectory(0.5 * motion.times, motion.positions)),
     "less than half the torque": lt.simulate(

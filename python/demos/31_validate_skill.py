@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.validation import TargetRegion
+from leadthrough.validation import SamplingPlan, TargetRegion
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
@@ -26,8 +26,7 @@ found = lt.validate(
     arm,
     [lt.shapes.RandomObstacle(ball, (0.05, 0.2, 0.05))],
     goals=TargetRegion.around(goal, (0.15, 0.15, 0.1)),
-    runs=20,  # or width=0.05: as many as the interval needs
-    required=0.4,
+    plan=SamplingPlan(20, required=0.4),  # or width=0.05: as many as the interval needs
 )
 print(found)
 for cause, count in found.certificate.causes.items():

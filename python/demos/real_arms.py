@@ -15,9 +15,10 @@ class Simulated:
     rate = 1000.0
 
     def __init__(self, arm, q, obstacles=()):
-        from leadthrough.simulation import SimulatedArm
+        from leadthrough.simulation import Disturbances, SimulatedArm
 
-        self._arm = SimulatedArm(arm, q, obstacles, friction=0.02, rate=self.rate)
+        rough = Disturbances(friction=0.02)
+        self._arm = SimulatedArm(arm, q, obstacles, disturbances=rough, rate=self.rate)
         self.largest_error = 0.0
 
     @property

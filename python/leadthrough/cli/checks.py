@@ -199,12 +199,9 @@ def simulate(
             parse.obstacles(obstacle),
             controller=made,
             state=None if start is None else parse.numbers(start, "--start"),
-            payload=payload,
-            friction=friction,
-            damping=damping,
-            delay=delay,
-            encoder=encoder,
-            pushes=[_push(text) for text in push or ()],
+            disturbances=lt.simulation.Disturbances(
+                payload, friction, damping, delay, encoder, [_push(text) for text in push or ()]
+            ),
             tip_tolerance=tip_tolerance,
         )
     if html is not None:

@@ -259,8 +259,9 @@ def _certified(learned: lt.models.Skill, asked: dict[str, Any], arm: lt.Arm | No
     )
     if reasons:
         return f"outside: {'; '.join(reasons)}"
-    low, high = certificate.interval
-    return f"inside: {low:.1%} to {high:.1%} of {certificate.runs} such queries succeed"
+    interval = certificate.interval
+    bounds = f"{interval.lower:.1%} to {interval.upper:.1%}"
+    return f"inside: {bounds} of {certificate.runs} such queries succeed"
 
 
 def _lengthened(learned: lt.models.Skill, asked: dict[str, Any]) -> str | None:

@@ -92,21 +92,17 @@ def validate(
             lt.Scene([*fixed, *drawn], margin),
             goals=_places(learned, goals, -1, "--goals"),
             starts=_places(learned, starts, 0, "--starts"),
-            runs=runs,
-            width=width,
-            required=0.95 if required is None else required,
+            plan=lt.validation.SamplingPlan(
+                runs, width, 0.95 if required is None else required, seed=seed
+            ),
             controller=lt.simulation.ComputedTorque() if physics else None,
-            seed=seed,
-            on=on,
-            out=folder,
-            task_timeout=task_timeout,
-            progress=lt.tasks.with_progress,
+            execution=lt.tasks.Execution(on, folder, task_timeout, lt.tasks.with_progress),
         )
     lt.show.write_validation(folder, found)
     if certify is not None:
         learned.certified(found.certificate).save(certify)
     output.facts(_facts(found, folder), as_json=as_json, units={"margin": "m"})
-    low = found.certificate.interval[0]
+    low = found.certificate.interval.lower
     if found.errors or (required is not None and low < required):
         raise typer.Exit(1)
 
@@ -118,8 +114,8 @@ def _facts(found: lt.validation.Validation, folder: Path) -> dict[str, object]:
         "queries": certificate.runs,
         "succeeded": certificate.successes,
         "success_rate": certificate.fraction,
-        "interval": list(certificate.interval),
-        "method": f"{certificate.method}, {certificate.confidence:.0%}",
+        "interval": [certificate.interval.lower, certificate.interval.upper],
+        "method": f"{certificate.interval.method}, {certificate.interval.confidence:.0%}",
         "failures": causes,
         f"holds_{certificate.required:.0%}_in": str(certificate.holds or "no part of the goals"),
     }
@@ -211,10 +207,7 @@ def reach(
         orientations=orientations,
         scene=parse.obstacles(obstacle),
         seed=seed,
-        on=on,
-        out=folder,
-        task_timeout=task_timeout,
-        progress=lt.tasks.with_progress,
+        execution=lt.tasks.Execution(on, folder, task_timeout, lt.tasks.with_progress),
     )
     found.save(out)
     picture = out.with_suffix(".png")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from leadthrough.errors import InvalidInput
 from leadthrough.models.targets import Target, TargetRegion
 from leadthrough.repr import ShortRepr
-from leadthrough.shapes import MovingObstacle, Obstacle, RandomObstacle, Shape
+from leadthrough.shapes import MovingObstacle, Obstacle, RandomObstacle, Scene, Shape
 
 
 @dataclass(frozen=True)
@@ -40,21 +40,49 @@ class ValidatedObstacle:
 
 
 @dataclass(frozen=True, eq=False)
+class ValidatedScene(ShortRepr):
+    """An arm and its scene, as the certificate knows them."""
+
+    robot: str  # the arm: its name, base and tip
+    obstacles: tuple[ValidatedObstacle, ...]  # of every query
+    margin: float  # distance that the arm kept from obstacles, m
+
+    @staticmethod
+    def of(scene: Scene, robot: str) -> ValidatedScene:
+        """A scene around an arm of this name."""
+        return ValidatedScene(
+            robot, tuple(map(ValidatedObstacle.of, scene.obstacles)), scene.margin
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ConfidenceInterval(ShortRepr):
+    """Bounds of a fraction.
+
+    Attributes:
+        lower: of the fraction.
+        upper: of the fraction.
+        confidence: probability with which the bounds hold at least.
+        method: by which they were computed.
+    """
+
+    lower: float
+    upper: float
+    confidence: float
+    method: str
+
+
+@dataclass(frozen=True, eq=False)
 class Certificate(ShortRepr):
     """Success rate of a skill's motions, for queries drawn at random from stated regions.
 
     Attributes:
         goals: region of the queries' goals.
         starts: region of their starts.
-        obstacles: of every query.
-        robot: the arm: its name, base and tip.
-        margin: distance that the arm kept from obstacles, m.
+        scene: the arm, its obstacles and the margin.
         runs: number of queries.
-        successes: of them, whose motion the arm can run.
         causes: number of failures by their cause.
-        interval: lower and upper bound of the fraction that succeeds.
-        confidence: with which the interval holds it.
-        method: of the interval.
+        interval: bounds of the fraction that succeeds.
         required: fraction that `holds` promises.
         holds: the largest part of `goals` in which at least the required fraction succeeds, with
             the same confidence; None if there is none.
@@ -63,18 +91,18 @@ class Certificate(ShortRepr):
 
     goals: TargetRegion
     starts: TargetRegion
-    obstacles: tuple[ValidatedObstacle, ...]
-    robot: str
-    margin: float
+    scene: ValidatedScene
     runs: int
-    successes: int
     causes: Mapping[str, int]
-    interval: tuple[float, float]
-    confidence: float
-    method: str
+    interval: ConfidenceInterval
     required: float
     holds: TargetRegion | None
     seed: int
+
+    @property
+    def successes(self) -> int:
+        """Number of queries whose motion the arm can run."""
+        return self.runs - sum(self.causes.values())
 
     @property
     def fraction(self) -> float:
@@ -90,30 +118,36 @@ class Certificate(ShortRepr):
             start: start of the motion.
             goal: its end.
             obstacles: of the query.
-            robot: the arm, as `robot` names it; empty if none is known.
+            robot: the arm, as `scene.robot` names it; empty if none is known.
         """
         reasons = [
             f"{name} outside {region}"
             for name, region, target in (("start", self.starts, start), ("goal", self.goals, goal))
             if not region.contains(target)
         ]
-        if not _matched(list(obstacles), list(self.obstacles)):
+        if not _matched(list(obstacles), list(self.scene.obstacles)):
             reasons.append("other obstacles")
-        if robot and robot != self.robot:
-            reasons.append(f"another arm than {self.robot}")
+        if robot and robot != self.scene.robot:
+            reasons.append(f"another arm than {self.scene.robot}")
         return tuple(reasons)
 
     def to_settings(self) -> dict[str, Any]:
         """Plain values, as JSON knows them."""
-        plain = {each.name: getattr(self, each.name) for each in fields(self)}
-        holds = None if self.holds is None else self.holds.to_settings()
-        return plain | {
+        return {
             "goals": self.goals.to_settings(),
             "starts": self.starts.to_settings(),
-            "obstacles": [asdict(each) for each in self.obstacles],
+            "obstacles": [asdict(each) for each in self.scene.obstacles],
+            "robot": self.scene.robot,
+            "margin": self.scene.margin,
+            "runs": self.runs,
+            "successes": self.successes,
             "causes": dict(self.causes),
-            "interval": list(self.interval),
-            "holds": holds,
+            "interval": [self.interval.lower, self.interval.upper],
+            "confidence": self.interval.confidence,
+            "method": self.interval.method,
+            "required": self.required,
+            "holds": None if self.holds is None else self.holds.to_settings(),
+            "seed": self.seed,
         }
 
     @staticmethod
@@ -133,23 +167,27 @@ class Certificate(ShortRepr):
                 ValidatedObstacle(each["form"], tuple(each["lower"]), tuple(each["upper"]))
                 for each in settings["obstacles"]
             )
-            made = {
-                "goals": TargetRegion.from_settings(settings["goals"]),
-                "starts": TargetRegion.from_settings(settings["starts"]),
-                "obstacles": obstacles,
-                "interval": (float(low), float(high)),
-                "holds": None if holds is None else TargetRegion.from_settings(holds),
-            }
-            plain = {each.name: settings[each.name] for each in fields(Certificate)}
-            return Certificate(**{**plain, **made})
+            return Certificate(
+                TargetRegion.from_settings(settings["goals"]),
+                TargetRegion.from_settings(settings["starts"]),
+                ValidatedScene(settings["robot"], obstacles, settings["margin"]),
+                settings["runs"],
+                settings["causes"],
+                ConfidenceInterval(
+                    float(low), float(high), settings["confidence"], settings["method"]
+                ),
+                settings["required"],
+                None if holds is None else TargetRegion.from_settings(holds),
+                settings["seed"],
+            )
         except (KeyError, TypeError, ValueError) as error:
             raise InvalidInput(f"certificate: damaged ({error})") from None
 
     def __str__(self) -> str:
-        low, high = self.interval
+        low, high = self.interval.lower, self.interval.upper
         return (
             f"{self.successes} of {self.runs} queries succeed, {self.fraction:.2%}; with "
-            f"{self.confidence:.0%} confidence {low:.2%} to {high:.2%}"
+            f"{self.interval.confidence:.0%} confidence {low:.2%} to {high:.2%}"
         )
 
 

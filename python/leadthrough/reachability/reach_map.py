@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import pickle
-import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import check, tasks
+from leadthrough import check
 from leadthrough.arm import Arm, IkOptions
 from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array
@@ -21,7 +19,7 @@ from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.targets import TargetRegion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene
-from leadthrough.tasks import Outcome, Row, Store, Task
+from leadthrough.tasks import Execution, Outcome, Row, Store, Task, pickled
 
 _POSES = 2000  # of a task: a fraction of a second
 _MOST_PLACES = 10_000_000
@@ -91,10 +89,7 @@ def reach_map(
     spacing: float = 0.1,
     orientations: int = 12,
     seed: int = 0,
-    on: str | None = None,
-    out: Path | None = None,
-    task_timeout: float | None = None,
-    progress: tasks.Progress | None = None,
+    execution: Execution | None = None,
 ) -> ReachMap:
     """Where an arm's tip can be: in how many orientations, and how well it moves there.
 
@@ -109,10 +104,7 @@ def reach_map(
         spacing: between neighbouring places, m, > 0.
         orientations: number of orientations at each place, spread evenly over all, >= 1.
         seed: of the random number generator.
-        on: where to compute, as `leadthrough.tasks.run` takes it; None for this process.
-        out: folder that keeps what is finished, made if missing; None keeps nothing.
-        task_timeout: the longest that one task may take, s; None for no bound.
-        progress: shows the tasks' outcomes and passes them on: `leadthrough.tasks.with_progress`.
+        execution: where the tasks run, and where finished ones are kept; by default here.
 
     Raises:
         InvalidInput: if an argument is wrong, or the grid has too many places.
@@ -134,13 +126,10 @@ def reach_map(
         )
     axes = [low + step * np.arange(n) for low, n in zip(corners.lower, counts, strict=True)]
     places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    with ExitStack() as stack:
-        folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        folder.mkdir(parents=True, exist_ok=True)
-        file = folder / "workspace.pickle"
+    how = Execution() if execution is None else execution
+    with how.folder() as folder:
         common = Workspace(arm, as_scene(scene), turned, places)
-        with replacing(file) as temporary:
-            temporary.write_bytes(pickle.dumps(common, protocol=5))
+        file = pickled(common, folder / "workspace.pickle")
         each = max(1, _POSES // len(turned))
         todo = [
             Task(
@@ -151,11 +140,7 @@ def reach_map(
             for first in range(0, len(places), each)
         ]
         store = Store(folder / "cache")
-        outcomes = tasks.with_manifest(tasks.run(todo, store, on=on, timeout=task_timeout), folder)
-        told = (
-            outcomes if progress is None else progress(outcomes, len(todo), "mapping reachability")
-        )
-        found = _collected(told, todo, store)
+        found = _collected(how.outcomes(todo, store, folder, "mapping"), todo, store)
     fraction, measure = (column.reshape(counts) for column in found.T)
     return ReachMap(corners.lower, step, turned, fraction / len(turned), measure)
 

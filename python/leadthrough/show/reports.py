@@ -114,9 +114,10 @@ def write_validation(folder: Path, validation: Validation) -> None:
         for cause, count in certificate.causes.items()
     ]
     parts = [
-        page.text(f"{certificate}. Bounds by: {certificate.method}. Seed {certificate.seed}."),
-        page.text(f"Arm: {certificate.robot}. Goals: {certificate.goals}. Starts: "
-                  f"{certificate.starts}. {len(certificate.obstacles)} obstacles."),
+        page.text(f"{certificate}. Bounds by: {certificate.interval.method}. "
+                  f"Seed {certificate.seed}."),
+        page.text(f"Arm: {certificate.scene.robot}. Goals: {certificate.goals}. Starts: "
+                  f"{certificate.starts}. {len(certificate.scene.obstacles)} obstacles."),
         page.text(_holding(validation)),
         page.figure(success_map(validation), "Success rate by the goal's position; dots: failures"),
         page.heading("Why motions failed"),
@@ -174,8 +175,8 @@ def _holding(validation: Validation) -> str:
     if certificate.holds is None:
         return f"No part of the goals has a success rate of {certificate.required:.0%} for certain."
     return (
-        f"With {certificate.confidence:.0%} confidence, at least {certificate.required:.0%} of the "
-        f"motions to goals in {certificate.holds} succeed."
+        f"With {certificate.interval.confidence:.0%} confidence, at least "
+        f"{certificate.required:.0%} of the motions to goals in {certificate.holds} succeed."
     )
 
 

@@ -9,13 +9,14 @@ from leadthrough.simulation.controllers import (
 )
 from leadthrough.simulation.report import Contact, Finding, SimulationReport
 from leadthrough.simulation.simulate import simulate
-from leadthrough.simulation.simulated_arm import Push, SimulatedArm, Touch
+from leadthrough.simulation.simulated_arm import Disturbances, Push, SimulatedArm, Touch
 
 __all__ = [
     "CartesianImpedance",
     "ComputedTorque",
     "Contact",
     "Controller",
+    "Disturbances",
     "Finding",
     "JointImpedance",
     "PositionServo",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +21,7 @@ from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import Controller, Motion
 from leadthrough.simulation.report import Run, SimulationReport, findings, summed_contacts
-from leadthrough.simulation.simulated_arm import Push, SimulatedArm
+from leadthrough.simulation.simulated_arm import Disturbances, SimulatedArm
 
 _SETTLING = 0.2  # s that the arm is held after the end
 _AFTER_TOUCH = 0.1  # s after the first contact, by when real controllers have stopped
@@ -37,12 +36,7 @@ def simulate(
     *,
     controller: Controller | None = None,
     state: CommandedState | ArrayLike | None = None,
-    payload: float = 1.0,
-    friction: ArrayLike = 0.0,
-    damping: ArrayLike = 0.0,
-    delay: float = 0.0,
-    encoder: float = 0.0,
-    pushes: Sequence[Push] = (),
+    disturbances: Disturbances | None = None,
     gravity: ArrayLike = GRAVITY,
     tip_tolerance: float | None = None,
     rate: float = 1000.0,
@@ -64,13 +58,8 @@ def simulate(
             `CartesianImpedance`.
         state: where the arm is: positions (joints,) at rest, or a `CommandedState`; by default at
             the first sample.
-        payload: factor by which what the tip carries is heavier than the arm knows, >= 0. Errors
-            that follow from it count as more than the gains allow.
-        friction: of the joints, N m (N), >= 0, (joints,) or one number; besides the URDF's.
-        damping: of the joints, N m s/rad (N s/m), >= 0, likewise.
-        delay: of what is measured, s, 0 to 1, in whole periods.
-        encoder: steps in which positions are measured, rad (m), >= 0.
-        pushes: forces on the tip.
+        disturbances: load, friction, delay, encoder and pushes that the controller does not know;
+            by default none. Errors by a heavier load count as more than the gains allow.
         gravity: acceleration (3,) of gravity in the base frame, m/s^2.
         tip_tolerance: largest error of the tip, m, > 0, that is acceptable; by default any.
         rate: of the controller, Hz, 100 to 1e4.
@@ -97,12 +86,7 @@ def simulate(
         plan.start,
         around,
         controller=controller,
-        payload=payload,
-        friction=friction,
-        damping=damping,
-        delay=delay,
-        encoder=encoder,
-        pushes=pushes,
+        disturbances=disturbances,
         gravity=gravity,
         rate=rate,
     )
@@ -114,10 +98,8 @@ def simulate(
         plan.qd[:count],
         plan.qdd[:count],
         plan.progress[:count],
-        pushes=tuple(pushes),
-        late=round(delay / period),
     )
-    allowed = allowed_errors(expected, dry, encoder=encoder)
+    allowed = allowed_errors(expected, dry, encoder=real.disturbances.encoder)
     tip_errors, tip_turns = _tip_errors(arm, plan.q[:count], run.q)
     contacts = summed_contacts(run.touches, period)
     times = period * np.arange(count)
@@ -281,13 +263,10 @@ def expected_errors(
     qd: Float64Array,
     qdd: Float64Array,
     progress: Float64Array,
-    *,
-    pushes: tuple[Push, ...],
-    late: int,
 ) -> tuple[Float64Array, Float64Array]:
     """Tracking errors that the linear model gives, and the part of them that is by dry friction."""
-    law, plant = real.law, real.plant
-    left = plant.damping * qd + _pushed(real, q, pushes)
+    law, plant, late = real.law, real.plant, real.late
+    left = plant.damping * qd + _pushed(real, q)
     torques = law.arm.inverse_dynamics(q, qd, qdd, gravity=law.gravity)
     weight = law.arm.gravity_torques(q, gravity=law.gravity)
     coarse = slice(None, None, _EVERY)
@@ -347,11 +326,11 @@ def _directions(qd: Float64Array) -> Float64Array:
     return np.asarray(np.take_along_axis(signs, last, axis=0))
 
 
-def _pushed(real: SimulatedArm, q: Float64Array, pushes: tuple[Push, ...]) -> Float64Array:
+def _pushed(real: SimulatedArm, q: Float64Array) -> Float64Array:
     """Torques (n, joints) against the pushes."""
     result = np.zeros_like(q)
     times = real.period * np.arange(len(q))
-    for push in pushes:
+    for push in real.disturbances.pushes:
         during = (times >= push.time) & (times < push.time + push.duration)
         if during.any():
             jacobian = real.arm.jacobian(q[during])[:, :3]

@@ -21,7 +21,7 @@ from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment, per_joint
 from leadthrough.simulation.model import LINK, plant
 
-_LONGEST_DELAY = 1.0  # s
+_MAX_DELAY = 1.0  # s
 # No arm moves so fast, rad/s (m/s), or has such motors, N m (N); MuJoCo would soon give up and
 # write a file about it.
 _RUNAWAY, _STRONGEST = 1e3, 2e4
@@ -48,6 +48,40 @@ class Push(ShortRepr):
         check.number(self.time, "time", at_least=0.0)
         check.number(self.duration, "duration", above=0.0)
         object.__setattr__(self, "force", check.frozen(self.force, "force", shape=(3,)))
+
+
+@dataclass(frozen=True, eq=False)
+class Disturbances(ShortRepr):
+    """Differences of a simulated arm from the one that its controller knows.
+
+    Attributes:
+        payload: factor by which the load at the tip is heavier than known, >= 0.
+        friction: of the joints, N m (N), >= 0, (joints,) or one number; besides the URDF's.
+        damping: of the joints, N m s/rad (N s/m), >= 0, likewise.
+        delay: of measurements, s, 0 to 1, in whole periods.
+        encoder: steps in which positions are measured, rad (m), >= 0; velocities are their
+            differences.
+        pushes: forces on the tip.
+
+    Raises:
+        InvalidInput: if one is malformed or out of its range.
+    """
+
+    payload: float = 1.0
+    friction: ArrayLike = 0.0
+    damping: ArrayLike = 0.0
+    delay: float = 0.0
+    encoder: float = 0.0
+    pushes: Sequence[Push] = ()
+
+    def __post_init__(self) -> None:
+        check.number(self.payload, "payload", at_least=0.0)
+        check.number(self.delay, "delay", at_least=0.0, at_most=_MAX_DELAY)
+        check.number(self.encoder, "encoder", at_least=0.0)
+        object.__setattr__(self, "pushes", tuple(self.pushes))
+        for each in self.pushes:
+            if not isinstance(each, Push):
+                raise InvalidInput(f"pushes: expected Push objects, got {type(each).__name__}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,13 +117,8 @@ class SimulatedArm(ShortRepr):
         state: where it begins: positions (joints,) at rest, or a `CommandedState`.
         scene: obstacles in the base frame; the margins are not used.
         controller: what makes torques of the commands.
-        payload: factor by which what the tip carries is heavier than the arm knows, >= 0.
-        friction: of the joints, N m (N), >= 0, (joints,) or one number; besides the URDF's.
-        damping: of the joints, N m s/rad (N s/m), >= 0, likewise.
-        delay: of what is measured, s, 0 to 1, in whole periods.
-        encoder: steps in which positions are measured, rad (m), >= 0; velocities are their
-            differences.
-        pushes: forces on the tip.
+        disturbances: load, friction, delay, encoder and pushes that the controller does not know;
+            by default none.
         gravity: acceleration (3,) of gravity in the base frame, m/s^2.
         rate: commands per second, 100 to 1e4.
 
@@ -107,12 +136,7 @@ class SimulatedArm(ShortRepr):
         scene: SceneLike = (),
         *,
         controller: Controller | None = None,
-        payload: float = 1.0,
-        friction: ArrayLike = 0.0,
-        damping: ArrayLike = 0.0,
-        delay: float = 0.0,
-        encoder: float = 0.0,
-        pushes: Sequence[Push] = (),
+        disturbances: Disturbances | None = None,
         gravity: ArrayLike = GRAVITY,
         rate: float = 1000.0,
     ) -> None:
@@ -120,11 +144,11 @@ class SimulatedArm(ShortRepr):
         self.arm = arm
         self.period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
         pull = check.array(gravity, "gravity", shape=(3,))
-        factor = check.number(payload, "payload", at_least=0.0)
-        if factor != 1.0 and not arm.attachment.loads:
+        unknown = Disturbances() if disturbances is None else disturbances
+        if unknown.payload != 1.0 and not arm.attachment.loads:
             raise InvalidInput(
-                f"payload: expected 1 for an arm that carries nothing, got {factor:g}; state what "
-                "it carries first; in Python, by arm.with_payload or arm.with_attached"
+                f"payload: expected 1 for an arm that carries nothing, got {unknown.payload:g}; "
+                "state its load first; in Python, by arm.with_payload or arm.with_attached"
             )
         start = _started(state, len(arm.joint_names))
         self.law = (ComputedTorque() if controller is None else controller).law(
@@ -133,17 +157,15 @@ class SimulatedArm(ShortRepr):
         self.plant = plant(
             arm,
             as_scene(scene).shapes,
-            payload=factor,
-            friction=per_joint(friction, "friction", arm, at_least=0.0),
-            damping=per_joint(damping, "damping", arm, at_least=0.0),
+            payload=unknown.payload,
+            friction=per_joint(unknown.friction, "friction", arm, at_least=0.0),
+            damping=per_joint(unknown.damping, "damping", arm, at_least=0.0),
             drive_damping=self.law.drive_damping,
             gravity=pull,
             period=self.period,
         )
-        late = check.number(delay, "delay", at_least=0.0, at_most=_LONGEST_DELAY)
-        self._encoder = check.number(encoder, "encoder", at_least=0.0)
-        self._pushes = _checked_pushes(pushes)
-        self._begin(start, round(late / self.period))
+        self.disturbances = unknown
+        self._begin(start, self.late)
 
     def _begin(self, start: CommandedState, late: int) -> None:
         self.data: Any = self._mujoco.MjData(self.plant.model)
@@ -158,6 +180,11 @@ class SimulatedArm(ShortRepr):
         self._last_seen = before
         self.demanded = self.torques = np.zeros(len(start.q))
         self._mujoco.mj_forward(self.plant.model, self.data)
+
+    @property
+    def late(self) -> int:
+        """Periods by which measurements are delayed."""
+        return round(self.disturbances.delay / self.period)
 
     @property
     def time(self) -> float:
@@ -203,7 +230,7 @@ class SimulatedArm(ShortRepr):
         # the period, when the target's is another.
         self.data.ctrl[:] = asked + self.law.drive_damping * (qd + self.period * command.qdd)
         self.demanded = asked + self.law.drive_damping * (qd - before)
-        if self._pushes:
+        if self.disturbances.pushes:
             self._push()
         strongest = np.minimum(np.abs(self.demanded), self.plant.effort).max()
         if strongest < _STRONGEST:
@@ -228,7 +255,7 @@ class SimulatedArm(ShortRepr):
     def _measured(self) -> tuple[Float64Array, Float64Array]:
         """Positions and velocities as the controller sees them."""
         now = self._encoded(self.q)
-        if self._encoder > 0.0:
+        if self.disturbances.encoder > 0.0:
             speed = (now - self._last_seen) / self.period
             self._last_seen = now
         else:
@@ -238,12 +265,16 @@ class SimulatedArm(ShortRepr):
         return self._seen[0], self._seen_qd[0]
 
     def _encoded(self, q: Float64Array) -> Float64Array:
-        return np.asarray(np.round(q / self._encoder) * self._encoder) if self._encoder else q
+        return (
+            np.asarray(np.round(q / self.disturbances.encoder) * self.disturbances.encoder)
+            if self.disturbances.encoder
+            else q
+        )
 
     def _push(self) -> None:
         body = self.plant.tip
         force = np.zeros(3)
-        for push in self._pushes:
+        for push in self.disturbances.pushes:
             if push.time <= self.time < push.time + push.duration:
                 force += np.asarray(push.force)
         turned = self.data.xmat[body].reshape(3, 3)
@@ -260,14 +291,6 @@ def _started(state: CommandedState | ArrayLike, joints: int) -> CommandedState:
         return CommandedState(*rows)
     q = check.array(state, "state", shape=(joints,))
     return CommandedState(q, np.zeros(joints), np.zeros(joints))
-
-
-def _checked_pushes(pushes: Sequence[Push]) -> tuple[Push, ...]:
-    given = tuple(pushes)
-    for each in given:
-        if not isinstance(each, Push):
-            raise InvalidInput(f"pushes: expected Push objects, got {type(each).__name__}")
-    return given
 
 
 def _touches(mujoco: Any, model: Any, data: Any) -> list[Touch]:

@@ -1,6 +1,18 @@
 """Many tasks at once, on this machine or a Dask cluster; what is finished is never done again."""
 
 from leadthrough.tasks.engine import Outcome, Progress, run, with_manifest, with_progress
+from leadthrough.tasks.execution import Execution, pickled
 from leadthrough.tasks.task import Row, Store, Task
 
-__all__ = ["Outcome", "Progress", "Row", "Store", "Task", "run", "with_manifest", "with_progress"]
+__all__ = [
+    "Execution",
+    "Outcome",
+    "Progress",
+    "Row",
+    "Store",
+    "Task",
+    "pickled",
+    "run",
+    "with_manifest",
+    "with_progress",
+]

@@ -1,8 +1,8 @@
 """How often a skill's motions succeed on an arm, measured on random queries, with its certainty."""
 
-from leadthrough.models.certificate import Certificate
+from leadthrough.models.certificate import Certificate, ConfidenceInterval
 from leadthrough.models.targets import TargetRegion
-from leadthrough.validation.validate import validate
+from leadthrough.validation.validate import SamplingPlan, validate
 from leadthrough.validation.validation import (
     Failing,
     Validation,
@@ -12,7 +12,9 @@ from leadthrough.validation.validation import (
 
 __all__ = [
     "Certificate",
+    "ConfidenceInterval",
     "Failing",
+    "SamplingPlan",
     "TargetRegion",
     "Validation",
     "clopper_pearson",

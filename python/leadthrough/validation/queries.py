@@ -10,15 +10,17 @@ from typing import Any
 
 import numpy as np
 
+from leadthrough import check, optional
 from leadthrough.arm import Arm
+from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.models import load_skill
 from leadthrough.models.protocol import Skill
 from leadthrough.models.targets import Target, TargetRegion
-from leadthrough.motion import JointTrajectory, Motion
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.motion_planning import Query, plan_motion
-from leadthrough.shapes import Scene
+from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.simulation import Controller, simulate
 from leadthrough.tasks import Row
 from leadthrough.timing import check_limits, retime
@@ -37,6 +39,54 @@ class Setup:
     scene: Scene  # with the obstacles whose position is drawn
     rate: float  # of the motion that is checked, Hz
     controller: Controller | None  # of the simulated arm; None for no simulation
+
+    @classmethod
+    def of(
+        cls,
+        skill: Skill[Motion],
+        arm: Arm,
+        scene: SceneLike,
+        regions: tuple[TargetRegion | None, TargetRegion | None],
+        *,
+        rate: float,
+        controller: Controller | None,
+    ) -> Setup:
+        """The setup, checked, with regions of the starts and goals."""
+        check_arm(arm)
+        if controller is not None:
+            optional.load("mujoco", extra="simulation")
+        starts, goals = regions
+        return cls(
+            arm,
+            _region(skill, goals, "goals", -1),
+            _region(skill, starts, "starts", 0),
+            as_scene(scene),
+            check.number(rate, "rate", above=0.0),
+            controller,
+        )
+
+
+def _region(
+    skill: Skill[Motion], asked: TargetRegion | None, name: str, index: int
+) -> TargetRegion:
+    """A region with the orientation in its middle, for a skill of poses."""
+    motion = skill.generate()
+    position = motion.positions[index]
+    region = TargetRegion(position, position) if asked is None else asked
+    if region.lower.shape != position.shape:
+        raise InvalidInput(
+            f"{name}: expected {len(position)} coordinates, as the skill's, got {len(region.lower)}"
+        )
+    if asked is not None:
+        # Queries that the skill does not support are refused at once, not in each of the runs.
+        end: dict[str, Any] = {name.removesuffix("s"): region.middle}
+        skill.generate(**end)
+    if not isinstance(motion, PoseTrajectory):
+        if region.turn:
+            raise InvalidInput(f"{name}: expected no turn for a skill of {type(motion).__name__}")
+        return region
+    middle = motion.orientations[index] if region.orientation is None else region.orientation
+    return TargetRegion(region.lower, region.upper, region.turn, middle)
 
 
 def draw_query(setup: Setup, seed: int, number: int) -> tuple[Query, Scene]:

@@ -17,7 +17,7 @@ from leadthrough.arm import Arm, JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.errors import LeadthroughError
 from leadthrough.shapes import Sphere
-from leadthrough.simulation import SimulationReport, simulate
+from leadthrough.simulation import Disturbances, SimulationReport, simulate
 from leadthrough_studies.simulation.motions import Given, faster_limits, timed
 
 _RADII = (0.05, 0.03, 0.015, 0.008)  # m, of the obstacle; the first that fits
@@ -42,7 +42,7 @@ def faulty(given: Given) -> Iterator[tuple[str, SimulationReport | None]]:
     half = 0.5 * arm.limits.effort
     yield HALF, simulate(_weaker(arm, half), joints) if (needed > half).any() else None
     yield HALF_NEEDED, simulate(_weaker(arm, np.minimum(0.5 * needed, half)), joints)
-    yield PAYLOAD, simulate(arm, joints, payload=3.0)
+    yield PAYLOAD, simulate(arm, joints, disturbances=Disturbances(payload=3.0))
     obstacle = _missed(given)
     yield OBSTACLE, None if obstacle is None else simulate(arm, joints, [obstacle])
     yield LIMITS, _hurried(given)

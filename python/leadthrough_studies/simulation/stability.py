@@ -15,13 +15,14 @@ from leadthrough.arm import Arm, DampedLeastSquares
 from leadthrough.arm.damped_least_squares import follow_path
 from leadthrough.models import ProMP
 from leadthrough.motion import Demonstration, JointTrajectory
-from leadthrough.simulation import JointImpedance, SimulationReport, simulate
+from leadthrough.simulation import Disturbances, JointImpedance, SimulationReport, simulate
 from leadthrough_studies.human.demonstrations import ROBOT, damped, human
 from leadthrough_studies.singularity.paths import APPROACHES, ROTATION_WEIGHT, motion, start
 from leadthrough_studies.study import Row
 
 MEASURES = ("joint_error_mrad", "tip_error_mm", "torque_percent", "torque_rate", "energy_j")
 _SOFT = JointImpedance(frequency=15.0)
+_ROUGH, _LATE = Disturbances(friction=0.2), Disturbances(friction=0.2, delay=0.001)
 _DURATION = 5.0  # s
 _WEIGHTS = 20
 
@@ -38,7 +39,7 @@ def conditioning(*, number: int, damping: float, nullspace_gain: float) -> list[
         {"study": "conditioning", "approach": number, "damping": damping}
         | {"nullspace_gain": nullspace_gain, "largest_condition": float(condition.max())}
         | {"mean_log_condition": float(np.log10(condition).mean())}
-        | _measured(simulate(arm, joints, controller=_SOFT, friction=0.2, delay=0.001))
+        | _measured(simulate(arm, joints, controller=_SOFT, disturbances=_LATE))
     ]
 
 
@@ -49,7 +50,14 @@ def naturalness(*, index: int, seed: int) -> list[Row]:
     by_hand, computed = human(1, rng)[0], damped(arm, 2, rng)[1]
     return [
         {"study": "naturalness", "index": index, "source": source, "learned": int(learned)}
-        | _measured(simulate(arm, _stretched(shown, learned), controller=_SOFT, friction=0.2))
+        | _measured(
+            simulate(
+                arm,
+                _stretched(shown, learned),
+                controller=_SOFT,
+                disturbances=_ROUGH,
+            )
+        )
         for source, shown in (("human", by_hand), ("DLS-IK", computed))
         for learned in (False, True)
     ]

@@ -8,6 +8,7 @@ import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.reachability import place_base, reach_map, spread_orientations
 from leadthrough.reachability.reach_map import reached
+from leadthrough.tasks import Execution
 from leadthrough.validation import TargetRegion
 
 
@@ -40,20 +41,25 @@ def test_poses_of_clear_configurations_are_reached_and_others_are_not(panda):
     q = rng.uniform(panda.limits.lower, panda.limits.upper, (300, 7))
     q = q[panda.is_clear(q)]
     positions, orientations = panda.forward_kinematics(q)
-    found, joints = reached(panda, positions, orientations, (), 0)
+    found, joints = reached(panda, positions, orientations, lt.Scene(), 0)
     assert found.mean() > 0.97
     there, _ = panda.forward_kinematics(joints[found])
     assert np.linalg.norm(there - positions[found], axis=1).max() < 2e-4
     assert panda.is_clear(joints[found]).all()
     wall = lt.Box((0.1, 4.0, 4.0), (-0.3, 0.0, 0.0))
     behind = positions[:, 0] < -0.45
-    assert not reached(panda, positions[behind], orientations[behind], (wall,), 0)[0].any()
+    assert not reached(
+        panda, positions[behind], orientations[behind], lt.Scene([wall], margin=0.0), 0
+    )[0].any()
 
 
 def test_a_map_is_the_same_on_processes_and_ends_at_the_reach(panda, tmp_path):
     half = reach_map(panda, volume=TargetRegion([0.0, -1.2, 0.0], [1.2, 1.2, 0.4]), spacing=0.4)
     same = reach_map(
-        panda, volume=TargetRegion([0.0, -1.2, 0.0], [1.2, 1.2, 0.4]), spacing=0.4, on="local:1"
+        panda,
+        volume=TargetRegion([0.0, -1.2, 0.0], [1.2, 1.2, 0.4]),
+        spacing=0.4,
+        execution=Execution("local:1"),
     )
     assert (half.fraction == same.fraction).all()
     assert (half.manipulability == same.manipulability).all()

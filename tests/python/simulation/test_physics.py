@@ -116,7 +116,7 @@ def test_the_motors_work_is_what_lifts_and_moves_the_arm(loaded, swing):
 
 
 def test_friction_takes_energy(loaded, swing, simulated):
-    report = lt.simulate(loaded, swing, friction=0.5)
+    report = lt.simulate(loaded, swing, disturbances=lt.simulation.Disturbances(friction=0.5))
     way = np.abs(np.diff(report.simulated.positions, axis=0)).sum(axis=0)
     assert report.work.sum() - simulated.work.sum() == pytest.approx(0.5 * way.sum(), rel=0.05)
 

@@ -10,7 +10,8 @@ from cli.command_line import facts
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import RandomObstacle
-from leadthrough.validation import TargetRegion
+from leadthrough.tasks import Execution
+from leadthrough.validation import SamplingPlan, TargetRegion
 
 SPHERE = lt.Sphere(0.06, (0.45, 0.15, 0.55))
 WORLD = RandomObstacle(SPHERE, (0.05, 0.15, 0.05))
@@ -24,7 +25,7 @@ def goals(reach):
 
 @pytest.fixture(scope="module")
 def validation(reach, panda, goals):
-    return lt.validate(reach, panda, [WORLD], goals=goals, runs=RUNS, seed=3)
+    return lt.validate(reach, panda, [WORLD], goals=goals, plan=SamplingPlan(RUNS, seed=3))
 
 
 def test_each_query_ends_in_success_or_with_a_cause(validation, goals):
@@ -35,8 +36,7 @@ def test_each_query_ends_in_success_or_with_a_cause(validation, goals):
     assert all(asked.contains((goal[:3], goal[3:])) for goal in validation.goals)
     assert (asked.upper == goals.upper).all()
     assert np.ptp(validation.goals[:, :3], axis=0).min() > 0.15
-    low, high = certificate.interval
-    assert low < certificate.fraction < high
+    assert certificate.interval.lower < certificate.fraction < certificate.interval.upper
     assert validation.nearest.cause in certificate.causes
     assert validation.nearest.detail
     assert "queries succeed" in str(validation)
@@ -45,21 +45,21 @@ def test_each_query_ends_in_success_or_with_a_cause(validation, goals):
 def test_processes_find_the_same_and_go_on_where_they_were(
     reach, panda, goals, validation, tmp_path
 ):
-    asked = {"scene": [WORLD], "goals": goals, "seed": 3, "out": tmp_path}
-    found = lt.validate(reach, panda, **asked, runs=RUNS, on="local:1")
+    asked = {"scene": [WORLD], "goals": goals, "plan": SamplingPlan(RUNS, seed=3)}
+    found = lt.validate(reach, panda, **asked, execution=Execution("local:1", tmp_path))
     assert found.certificate.to_settings() == validation.certificate.to_settings()
     assert (found.goals == validation.goals).all()
-    again = lt.validate(reach, panda, **asked, runs=RUNS)
+    again = lt.validate(reach, panda, **asked, execution=Execution(out=tmp_path))
     assert again.certificate.to_settings() == found.certificate.to_settings()
     states = [each["state"] for each in json.loads((tmp_path / "manifest.json").read_text())]
     assert states == ["known", "known"]
 
 
 def test_it_stops_as_soon_as_the_interval_is_narrow(reach, panda):
-    found = lt.validate(reach, panda, runs=1000, width=0.35).certificate
+    found = lt.validate(reach, panda, plan=SamplingPlan(width=0.35)).certificate
     assert found.runs == 20
-    assert found.method == "confidence sequence"
-    assert np.ptp(found.interval) <= 0.35
+    assert found.interval.method == "confidence sequence"
+    assert found.interval.upper - found.interval.lower <= 0.35
 
 
 def test_the_certificate_travels_with_the_skill(reach, validation, tmp_path):
@@ -77,7 +77,7 @@ def test_the_certificate_knows_its_queries(validation):
     certificate = validation.certificate
     middle = {"start": certificate.starts.middle, "goal": certificate.goals.middle}
     world = [SPHERE.at((0.45, 0.25, 0.55))]
-    assert certificate.outside(**middle, obstacles=world, robot=certificate.robot) == ()
+    assert certificate.outside(**middle, obstacles=world, robot=certificate.scene.robot) == ()
     assert "start outside" in certificate.outside(
         start=certificate.starts.middle + 0.1, goal=middle["goal"], obstacles=world
     )[0]  # fmt: skip
@@ -118,6 +118,6 @@ def test_the_command_writes_a_report_and_a_certified_skill(reach, tmp_path):
 
 def test_each_motion_is_simulated_too_if_asked(reach, panda):
     wild = lt.simulation.ComputedTorque(frequency=2000.0)  # rad/s, at a rate of 1 kHz
-    found = lt.validate(reach, panda, runs=1, rate=100.0, controller=wild)
+    found = lt.validate(reach, panda, plan=SamplingPlan(1), rate=100.0, controller=wild)
     (cause,) = found.certificate.causes
     assert cause.startswith("simulation: ")
