@@ -126,6 +126,8 @@ class Findings:
         """The largest part of the goals, about their middle, in which enough queries succeed."""
         each = 1.0 - (1.0 - self._confidence) / len(_PARTS)
         positions = _stacked(self._places)[:, : len(self._goals.lower)]
+        if not positions.size:
+            return None  # no query was answered
         succeeded = np.array([not cause for cause in self._causes])
         for factor in _PARTS:
             part = self._goals.shrunk(float(factor))
