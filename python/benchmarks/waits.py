@@ -19,6 +19,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any, Literal
@@ -37,7 +38,7 @@ from leadthrough.planning.speed_map import (
     TubeField,
     quickest,
 )
-from leadthrough.preprocess import frechet_distance
+from leadthrough.preprocess import dtw_distance, frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 from leadthrough.show.replanner import Replanner
 
@@ -58,6 +59,7 @@ COMMANDS = (
     "check timed.csv",
     "guard timed.csv -o guarded.csv",
     "view timed.csv --html view.html",
+    "--help",
 )
 # Of the demonstrations in the plane, so far from the origin that a start 600 m away is no slip of
 # units, which would be refused.
@@ -104,7 +106,8 @@ def run(out: Path, *, quick: bool) -> bool:
     print("| wait | times | median, ms | worst, ms | at most, ms |")
     print("|---|---|---|---|---|")
     found = []
-    for row in (*rows(SCENES // 10 if quick else SCENES), *_drags(), *_commands()):
+    every = (*rows(SCENES // 10 if quick else SCENES), *_drags(), *_computations(), *_commands())
+    for row in every:
         found.append(row)
         print(_text(row), flush=True)
     out.mkdir(parents=True, exist_ok=True)
@@ -310,6 +313,29 @@ def _page() -> Iterator[Row]:
     yield Row(name, len(paints), statistics.median(paints), max(paints), 1500.0, limited="median")
     name = "frame to frame while it plays, 1200 x 800, drawn in software (wall time)"
     yield Row(name, len(frames), statistics.median(frames), max(frames), 17.0, limited="median")
+
+
+def _computations() -> Iterator[Row]:
+    """Processor times of single calls."""
+    a, b = np.random.default_rng(0).normal(size=(2, 1000, 2))
+    for distance in (dtw_distance, frechet_distance):
+        name = f"`preprocess.{distance.__name__}` of two curves of 1,000 points"
+        yield _timed(name, partial(distance, a, b), most=50.0)
+    times = np.linspace(0.0, 3.0, 301)
+    rest = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
+    motion = lt.JointTrajectory(times, rest + 0.3 * np.sin(times)[:, None] ** 3)
+    simulated = partial(lt.simulate, lt.Arm.load("panda"), motion)
+    yield _timed("`simulate`, 3 s of a Panda", simulated, most=300.0)
+
+
+def _timed(name: str, call: Callable[[], object], *, most: float) -> Row:
+    call()
+    taken = []
+    for _ in range(5):
+        begin = time.process_time()
+        call()
+        taken.append(1e3 * (time.process_time() - begin))
+    return Row(name, len(taken), statistics.median(taken), max(taken), most, "median")
 
 
 def _commands() -> Iterator[Row]:

@@ -1,6 +1,5 @@
 """Dynamic time warping and Frechet distances, against their definitions."""
 
-import time
 from functools import cache
 
 import numpy as np
@@ -48,13 +47,3 @@ def test_distances_are_symmetric_and_zero_only_for_the_same_curve(distance, a, b
 @given(curves(), curves(), curves())
 def test_frechet_keeps_the_triangle_inequality(a, b, c):
     assert frechet_distance(a, c) <= frechet_distance(a, b) + frechet_distance(b, c) + 1e-12
-
-
-@pytest.mark.parametrize("distance", DISTANCES)
-def test_a_thousand_points_against_a_thousand_are_quick(distance):
-    random = np.random.default_rng(0)
-    a, b = random.normal(size=(2, 1000, 2))
-    distance(a, b)
-    start = time.process_time()
-    distance(a, b)
-    assert time.process_time() - start < 0.05

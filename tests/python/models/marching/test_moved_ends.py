@@ -89,14 +89,6 @@ def test_moved_poses_turn_no_farther_than_their_ends():
         assert off.max() <= 1.5 * angle
 
 
-@pytest.mark.parametrize("slower", [0.1, 10.0])
-def test_time_scales_nothing_but_time(slower):
-    usual = lt.FastMarching().fit(family(1, 4)).generate(dt=0.01)
-    scaled = lt.FastMarching().fit(family(1, 4, slower=slower)).generate(dt=0.01 * slower)
-    assert scaled.duration == pytest.approx(slower * usual.duration)
-    np.testing.assert_allclose(scaled.positions, usual.positions, atol=1e-6)
-
-
 @pytest.mark.parametrize("sample", [0, 36, 60, 119])
 def test_one_sample_off_by_a_millimetre_changes_the_path_by_little_more(sample):
     for seed in range(4):
