@@ -75,7 +75,7 @@ std::optional<urdf::Error> check_chain(const Joints& moving) {
     });
     if (!driven)
       return urdf::Error{where, "mimics " + quoted(driver(*joint)) +
-                                    ", which is no joint of the arm; hold that one at a value"};
+                                    ", which is no joint of the arm; lock that one at a value"};
   }
   return std::nullopt;
 }

@@ -74,11 +74,11 @@ std::optional<Error> check_held(const Robot& robot, const Index& index, const He
   const std::string name = "joint " + quoted(held.joint);
   if (at == index.end()) return Error{name, "does not exist"};
   const Joint& joint = robot.joints[at->second];
-  if (joint.mimic) return Error{name, "mimics " + quoted(joint.mimic->joint) + "; hold that one"};
+  if (joint.mimic) return Error{name, "mimics " + quoted(joint.mimic->joint) + "; lock that one"};
   if (!slides_or_turns(joint))
     return Error{name, joint.type == JointType::kFixed
                            ? "is fixed"
-                           : "planar and floating joints cannot be held"};
+                           : "planar and floating joints cannot be locked"};
   return std::nullopt;
 }
 

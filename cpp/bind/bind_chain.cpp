@@ -62,14 +62,14 @@ std::vector<urdf::Joint> path(const urdf::Robot& robot, const std::string& base,
   return joints;
 }
 
-// A value that a joint cannot be held at is the caller's mistake and not the robot's.
+// A value that a joint cannot be locked at is the caller's mistake and not the robot's.
 urdf::Robot hold(const urdf::Robot& robot,
                  const std::vector<std::pair<std::string, double>>& values) {
   std::vector<urdf::Held> joints;
   for (const auto& [name, value] : values) joints.push_back({name, value});
   auto answer = urdf::hold(robot, joints);
   if (const auto* error = std::get_if<urdf::Error>(&answer))
-    raise("InvalidInput", to_text("hold: " + error->where + ": " + error->why));
+    raise("InvalidInput", to_text("locked_joints: " + error->where + ": " + error->why));
   return std::get<urdf::Robot>(std::move(answer));
 }
 

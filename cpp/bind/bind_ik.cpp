@@ -87,47 +87,47 @@ py::tuple solve_columns(int joints, const Solve& solve) {
 // `orientation` has four numbers or none.
 py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>& position,
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
-                    const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options) {
-  require(seed.size() == chain.joints() && orientations_fit(4, orientation.size()));
+                    const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options) {
+  require(q0.size() == chain.joints() && orientations_fit(4, orientation.size()));
   require_sizes(chain, options, orientation.size() > 0);
   IkResult result;
   {
     const py::gil_scoped_release release;
-    result = solve_ik(chain, to_target(position, orientation), seed, options);
+    result = solve_ik(chain, to_target(position, orientation), q0, options);
   }
   return to_tuple(result);
 }
 
 py::tuple solve_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                       const Eigen::Ref<const Rows4>& orientations,
-                      const Eigen::Ref<const Rows>& seeds, const IkOptions& options, int threads) {
-  require(seeds.rows() == positions.rows() && seeds.cols() == chain.joints() &&
+                      const Eigen::Ref<const Rows>& starts, const IkOptions& options, int threads) {
+  require(starts.rows() == positions.rows() && starts.cols() == chain.joints() &&
           orientations_fit(positions.rows(), orientations.rows()));
   require_sizes(chain, options, orientations.rows() > 0);
   return solve_columns(chain.joints(), [&] {
-    return solve_ik_batch(chain, positions, orientations, seeds, options, threads);
+    return solve_ik_batch(chain, positions, orientations, starts, options, threads);
   });
 }
 
 py::tuple solve_all(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>& position,
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
-                    const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options,
+                    const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
                     int count, double separation) {
-  require(seed.size() == chain.joints() && orientations_fit(4, orientation.size()) && count >= 0);
+  require(q0.size() == chain.joints() && orientations_fit(4, orientation.size()) && count >= 0);
   require_sizes(chain, options, orientation.size() > 0);
   return solve_columns(chain.joints(), [&] {
-    return solve_ik_all(chain, to_target(position, orientation), seed, options, count, separation);
+    return solve_ik_all(chain, to_target(position, orientation), q0, options, count, separation);
   });
 }
 
 py::tuple solve_plainly(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                         const Eigen::Ref<const Rows4>& orientations,
-                        const Eigen::Ref<const Rows>& seeds, const IkTolerance& tolerance,
+                        const Eigen::Ref<const Rows>& starts, const IkTolerance& tolerance,
                         int max_iterations, const YangOptions& options, int threads) {
-  require(seeds.rows() == positions.rows() && seeds.cols() == chain.joints() &&
+  require(starts.rows() == positions.rows() && starts.cols() == chain.joints() &&
           orientations_fit(positions.rows(), orientations.rows()));
   return solve_columns(chain.joints(), [&] {
-    return solve_yang_batch(chain, positions, orientations, seeds, tolerance, max_iterations,
+    return solve_yang_batch(chain, positions, orientations, starts, tolerance, max_iterations,
                             options, threads);
   });
 }
@@ -167,23 +167,23 @@ void bind_ik(py::module_& module) {
 
   py::class_<IkOptions>(module, "IkOptions")
       .def(py::init([](const IkTolerance& tolerance, const std::optional<IkAxes>& axes, IkMode mode,
-                       const std::optional<Eigen::VectorXd>& reference, double midrange,
+                       const std::optional<Eigen::VectorXd>& reference, double nullspace_gain,
                        const std::optional<Eigen::VectorXd>& posture, int max_iterations,
-                       int max_restarts, double max_cpu_seconds, std::uint64_t random_seed) {
+                       int max_restarts, double max_cpu_seconds, std::uint64_t seed) {
              return IkOptions{tolerance,
                               axes,
                               mode,
                               to_joints(reference),
-                              midrange,
+                              nullspace_gain,
                               to_joints(posture),
                               max_iterations,
                               max_restarts,
                               max_cpu_seconds,
-                              random_seed};
+                              seed};
            }),
            py::arg("tolerance"), py::arg("axes"), py::arg("mode"), py::arg("reference"),
-           py::arg("midrange"), py::arg("posture"), py::arg("max_iterations"),
-           py::arg("max_restarts"), py::arg("max_cpu_seconds"), py::arg("random_seed"));
+           py::arg("nullspace_gain"), py::arg("posture"), py::arg("max_iterations"),
+           py::arg("max_restarts"), py::arg("max_cpu_seconds"), py::arg("seed"));
 
   py::class_<YangOptions>(module, "YangOptions")
       .def(py::init([](double damping, double alpha, double condition_threshold,
@@ -195,15 +195,15 @@ void bind_ik(py::module_& module) {
            py::arg("nullspace_gain"), py::arg("rotation_weight"));
 
   module.def("solve_ik", &solve_one, py::arg("chain"), py::arg("position").noconvert(),
-             py::arg("orientation").noconvert(), py::arg("seed").noconvert(), py::arg("options"));
+             py::arg("orientation").noconvert(), py::arg("q0").noconvert(), py::arg("options"));
   module.def("solve_ik_batch", &solve_batch, py::arg("chain"), py::arg("positions").noconvert(),
-             py::arg("orientations").noconvert(), py::arg("seeds").noconvert(), py::arg("options"),
+             py::arg("orientations").noconvert(), py::arg("starts").noconvert(), py::arg("options"),
              py::arg("threads"));
   module.def("solve_ik_all", &solve_all, py::arg("chain"), py::arg("position").noconvert(),
-             py::arg("orientation").noconvert(), py::arg("seed").noconvert(), py::arg("options"),
+             py::arg("orientation").noconvert(), py::arg("q0").noconvert(), py::arg("options"),
              py::arg("count"), py::arg("separation"));
   module.def("solve_yang", &solve_plainly, py::arg("chain"), py::arg("positions").noconvert(),
-             py::arg("orientations").noconvert(), py::arg("seeds").noconvert(),
+             py::arg("orientations").noconvert(), py::arg("starts").noconvert(),
              py::arg("tolerance"), py::arg("max_iterations"), py::arg("options"),
              py::arg("threads"));
   module.def("yang_path", &step_along, py::arg("chain"), py::arg("positions").noconvert(),

@@ -27,7 +27,7 @@ class PoseSearch {
       : chain_(chain),
         target_(target),
         options_(options),
-        random_(options.random_seed, stream),
+        random_(options.seed, stream),
         n_(chain.joints()),
         beyond_(distance_from(chain.fixed[0].position, target) >
                 reach(chain) + (std::isfinite(options.tolerance.position)

@@ -18,9 +18,9 @@ IkResult finish(PoseSearch<M, Target>& search, const Chain& chain, const IkOptio
   if (met && options.posture) {
     search.take_turns_near(*options.posture);
     search.approach(towards(*options.posture), 1.0);
-  } else if (met && options.midrange > 0.0 && chain.joints() > M) {
+  } else if (met && options.nullspace_gain > 0.0 && chain.joints() > M) {
     search.take_turns_near(middle(chain));
-    search.approach(towards_middle(chain), std::min(options.midrange, 1.0));
+    search.approach(towards_middle(chain), std::min(options.nullspace_gain, 1.0));
   } else {
     search.take_turns_near(start);
   }
@@ -80,9 +80,9 @@ JointVector middle(const Chain& chain) {
 }
 
 IkResult solve_ik(const Chain& chain, const IkTarget& target,
-                  const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options,
+                  const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
                   std::uint64_t stream) {
-  const JointVector start = project(chain, seed);
+  const JointVector start = project(chain, q0);
   return visit_target(target, options.axes, [&](auto dimension, const auto& seen) {
     constexpr int M = decltype(dimension)::value;
     using Target = std::decay_t<decltype(seen)>;
@@ -94,14 +94,14 @@ IkResult solve_ik(const Chain& chain, const IkTarget& target,
 
 std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                                      const Eigen::Ref<const Rows4>& orientations,
-                                     const Eigen::Ref<const Rows>& seeds, const IkOptions& options,
+                                     const Eigen::Ref<const Rows>& starts, const IkOptions& options,
                                      int threads) {
   const auto count = static_cast<std::size_t>(positions.rows());
   std::vector<IkResult> results(count);
   for_each_index(count, threads, [&](std::size_t i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const JointVector seed = seeds.row(row);
-    results[i] = solve_ik(chain, target_in_row(positions, orientations, row), seed, options, i);
+    const JointVector q0 = starts.row(row);
+    results[i] = solve_ik(chain, target_in_row(positions, orientations, row), q0, options, i);
   });
   return results;
 }

@@ -54,15 +54,15 @@ struct IkOptions {
   IkTolerance tolerance;
   std::optional<IkAxes> axes;  // none: all are asked for alike, which is quickest
   IkMode mode = IkMode::kFastest;
-  std::optional<JointVector> reference;  // none: the seed
+  std::optional<JointVector> reference;  // none: q0
   // Share of the way to the middle of the joints' ranges taken by each step of self-motion once
   // the target is met, 0 (none) to 1; only redundant arms move.
-  double midrange = 0.0;
+  double nullspace_gain = 0.0;
   std::optional<JointVector> posture;  // self-motion goes here instead
   int max_iterations = 2000;
   int max_restarts = 100;
   double max_cpu_seconds = kInfinity;  // of this thread
-  std::uint64_t random_seed = 0;       // of the restarts
+  std::uint64_t seed = 0;              // of the restarts
 };
 
 struct IkResult {
@@ -74,17 +74,17 @@ struct IkResult {
   std::array<bool, kMaxJoints> limiting{};  // the joints that bar the way, with kLimits
 };
 
-// A seed outside the limits is moved to the nearest configuration inside. `stream` selects an
+// A start q0 outside the limits is moved to the nearest configuration inside. `stream` selects an
 // independent sequence of restarts.
 IkResult solve_ik(const Chain& chain, const IkTarget& target,
-                  const Eigen::Ref<const Eigen::VectorXd>& seed, const IkOptions& options = {},
+                  const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options = {},
                   std::uint64_t stream = 0);
 
 // One target a row; orientations (w, x, y, z) may have no rows. The results do not depend on the
 // number of threads.
 std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                                      const Eigen::Ref<const Rows4>& orientations,
-                                     const Eigen::Ref<const Rows>& seeds, const IkOptions& options,
+                                     const Eigen::Ref<const Rows>& starts, const IkOptions& options,
                                      int threads);
 
 // Up to `count` solutions, nearest to the reference first, of which any two differ by more than
@@ -92,7 +92,7 @@ std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const 
 // in the null space as near to the reference as the task lets them. The search goes on until the
 // budget is used up; none found, none returned.
 std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
-                                   const Eigen::Ref<const Eigen::VectorXd>& seed,
+                                   const Eigen::Ref<const Eigen::VectorXd>& q0,
                                    const IkOptions& options, int count, double separation);
 
 // Nearest configuration inside the limits; the middle of each range, 0 where there is none.

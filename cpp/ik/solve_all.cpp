@@ -55,9 +55,9 @@ class Postures {
 }  // namespace
 
 std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
-                                   const Eigen::Ref<const Eigen::VectorXd>& seed,
+                                   const Eigen::Ref<const Eigen::VectorXd>& q0,
                                    const IkOptions& options, int count, double separation) {
-  const JointVector start = project(chain, seed);
+  const JointVector start = project(chain, q0);
   const JointVector reference = options.reference.value_or(start);
   Postures postures(chain, reference, separation);
   visit_target(target, options.axes, [&](auto dimension, const auto& seen) {

@@ -87,11 +87,11 @@ YangStep yang_step(const Chain& chain, const double* q, const Vector6& twist, bo
 }
 
 IkResult solve_yang(const Chain& chain, const IkTarget& target,
-                    const Eigen::Ref<const Eigen::VectorXd>& seed, const IkTolerance& tolerance,
+                    const Eigen::Ref<const Eigen::VectorXd>& q0, const IkTolerance& tolerance,
                     int max_iterations, const YangOptions& options) {
   const double farthest = reach(chain);
   IkResult result;
-  result.q = project(chain, seed);
+  result.q = project(chain, q0);
   for (;; ++result.iterations) {
     Offset offset = offset_to(target, forward_kinematics(chain, result.q.data()));
     result.position_error = offset.position_error;
@@ -115,14 +115,14 @@ IkResult solve_yang(const Chain& chain, const IkTarget& target,
 
 std::vector<IkResult> solve_yang_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                                        const Eigen::Ref<const Rows4>& orientations,
-                                       const Eigen::Ref<const Rows>& seeds,
+                                       const Eigen::Ref<const Rows>& starts,
                                        const IkTolerance& tolerance, int max_iterations,
                                        const YangOptions& options, int threads) {
   std::vector<IkResult> results(static_cast<std::size_t>(positions.rows()));
   for_each_index(results.size(), threads, [&](std::size_t i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const JointVector seed = seeds.row(row);
-    results[i] = solve_yang(chain, target_in_row(positions, orientations, row), seed, tolerance,
+    const JointVector q0 = starts.row(row);
+    results[i] = solve_yang(chain, target_in_row(positions, orientations, row), q0, tolerance,
                             max_iterations, options);
   });
   return results;

@@ -33,12 +33,12 @@ YangStep yang_step(const Chain& chain, const double* q, const Vector6& twist, bo
 
 // Steps of one second each towards a pose, clamped to the limits; no restarts.
 IkResult solve_yang(const Chain& chain, const IkTarget& target,
-                    const Eigen::Ref<const Eigen::VectorXd>& seed, const IkTolerance& tolerance,
+                    const Eigen::Ref<const Eigen::VectorXd>& q0, const IkTolerance& tolerance,
                     int max_iterations, const YangOptions& options = {});
 
 std::vector<IkResult> solve_yang_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                                        const Eigen::Ref<const Rows4>& orientations,
-                                       const Eigen::Ref<const Rows>& seeds,
+                                       const Eigen::Ref<const Rows>& starts,
                                        const IkTolerance& tolerance, int max_iterations,
                                        const YangOptions& options, int threads);
 

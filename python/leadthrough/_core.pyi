@@ -102,12 +102,12 @@ class IkOptions:
         axes: IkAxes | None,
         mode: IkMode,
         reference: Float64Array | None,
-        midrange: float,
+        nullspace_gain: float,
         posture: Float64Array | None,
         max_iterations: int,
         max_restarts: int,
         max_cpu_seconds: float,
-        random_seed: int,
+        seed: int,
     ) -> None: ...
 
 class YangOptions:
@@ -395,14 +395,14 @@ def solve_ik(
     chain: Chain,
     position: Float64Array,
     orientation: Float64Array,
-    seed: Float64Array,
+    q0: Float64Array,
     options: IkOptions,
 ) -> tuple[Float64Array, int, float, float, int, int]: ...
 def solve_ik_batch(
     chain: Chain,
     positions: Float64Array,
     orientations: Float64Array,
-    seeds: Float64Array,
+    starts: Float64Array,
     options: IkOptions,
     threads: int,
 ) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array, Int32Array, NDArray[np.bool_]]: ...
@@ -410,7 +410,7 @@ def solve_ik_all(
     chain: Chain,
     position: Float64Array,
     orientation: Float64Array,
-    seed: Float64Array,
+    q0: Float64Array,
     options: IkOptions,
     count: int,
     separation: float,
@@ -419,7 +419,7 @@ def solve_yang(
     chain: Chain,
     positions: Float64Array,
     orientations: Float64Array,
-    seeds: Float64Array,
+    starts: Float64Array,
     tolerance: IkTolerance,
     max_iterations: int,
     options: YangOptions,

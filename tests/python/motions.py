@@ -20,6 +20,12 @@ def arm(name):
     return lt.Arm.load(name)
 
 
+def configurations(arm, count, seed):
+    """Random configurations (count, joints) inside the limits and within a half turn."""
+    lower, upper = np.maximum(arm.limits.lower, -np.pi), np.minimum(arm.limits.upper, np.pi)
+    return np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
+
+
 def motion_of(kind, times, positions, rotation_vectors=None, events=()):
     """A motion of "points", "joints" (a, b, c, ...) or "poses", along the same positions."""
     if kind == "points":

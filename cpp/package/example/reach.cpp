@@ -38,10 +38,10 @@ int main(int count, char** words) {
   const auto robot = accepted(leadthrough::urdf::parse(document));
   const auto chain = accepted(leadthrough::make_chain(robot, words[2], words[3]));
 
-  const leadthrough::JointVector seed = leadthrough::middle(chain);
-  const leadthrough::Pose tip = leadthrough::forward_kinematics(chain, seed.data());
+  const leadthrough::JointVector q0 = leadthrough::middle(chain);
+  const leadthrough::Pose tip = leadthrough::forward_kinematics(chain, q0.data());
   const leadthrough::IkTarget target{tip.position + Eigen::Vector3d(0.0, 0.0, 0.05), tip.rotation};
-  const leadthrough::IkResult result = leadthrough::solve_ik(chain, target, seed);
+  const leadthrough::IkResult result = leadthrough::solve_ik(chain, target, q0);
   std::cout << result.q.transpose() << '\n';
   return result.status == leadthrough::IkStatus::kConverged ? 0 : 1;
 }

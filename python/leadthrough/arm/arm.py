@@ -338,9 +338,8 @@ class Arm(ArmModel):
         Args:
             trajectory: a JointTrajectory. It may have other joints as well, such as a gripper's.
                 Names may end in ".pos", as LeRobot's do. Without names it has just the arm's
-                joints, in the arm's order. If a joint
-                without limits leaps by more than half a turn between two samples, as encoders do
-                at a whole turn, it is made continuous.
+                joints, in the arm's order. A joint without limits that leaps by more than half a
+                turn between two samples, as encoders do at a whole turn, is made continuous.
 
         Raises:
             InvalidInput: for another kind of motion, or if one of the arm's joints is missing.
@@ -401,7 +400,7 @@ class Arm(ArmModel):
     def self_distance(self, q: ArrayLike, *, threads: int = 1) -> float | Float64Array:
         """Smallest distance in m between parts of the arm, or of the robot; see `distance`.
 
-        `collision_pairs` tells which parts are compared.
+        `collision_pairs` lists the parts that are compared.
 
         Args:
             q: configuration (joints,) or a batch (m, joints).
@@ -476,7 +475,7 @@ class Arm(ArmModel):
 
     @property
     def collision_pairs(self) -> CollisionPairs:
-        """Which bodies are checked against each other, and why others are not.
+        """The pairs of bodies that are checked, and why others are left out.
 
         Raises:
             InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -102,8 +103,8 @@ class DifferentialIk(ShortRepr):
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        options = (self.dt, self.gain, self.posture, self.nullspace_gain)
-        return _restored, (self.arm, *options)
+        names = ("dt", "gain", "posture", "nullspace_gain")
+        return partial(DifferentialIk, **{name: getattr(self, name) for name in names}), (self.arm,)
 
     def start(self, q: ArrayLike, qd: ArrayLike | None = None) -> JointState:
         """The state to start in.
@@ -163,9 +164,3 @@ class DifferentialIk(ShortRepr):
             magnitudes.values(orientation, "orientation", shape=("n",)),  # the kernel normalises it
             magnitudes.values(twist, "twist", shape=(6,)),
         )
-
-
-def _restored(
-    arm: Arm, dt: float, gain: float, posture: Float64Array, nullspace_gain: float
-) -> DifferentialIk:
-    return DifferentialIk(arm, dt=dt, gain=gain, posture=posture, nullspace_gain=nullspace_gain)

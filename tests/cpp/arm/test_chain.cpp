@@ -133,7 +133,7 @@ TEST(Chain, AJointThatMimicsNarrowsTheLimitsOfItsLeader) {
 TEST(Chain, RefusesAMimicOfAJointOutsideTheArm) {
   const auto robot = three_joints(kAxis, kAxis + kLimit, kAxis + "<mimic joint='one'/>");
   EXPECT_EQ(why(make_chain(robot, "b", "d")),
-            "mimics 'one', which is no joint of the arm; hold that one at a value");
+            "mimics 'one', which is no joint of the arm; lock that one at a value");
   const auto held = std::get<urdf::Robot>(urdf::hold(robot, {{"one", 0.4}}));
   EXPECT_EQ(std::get<Chain>(make_chain(held, "b", "d")).joints(), 1);
 }

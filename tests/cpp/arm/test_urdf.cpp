@@ -123,7 +123,7 @@ TEST(Urdf, OnlyJointsThatMoveByThemselvesAreHeld) {
   EXPECT_EQ(why("lead", 0.5), "");
   EXPECT_EQ(why("ghost", 0.5), "joint 'ghost': does not exist");
   EXPECT_EQ(why("bolt", 0.5), "joint 'bolt': is fixed");
-  EXPECT_EQ(why("follow", 0.5), "joint 'follow': mimics 'lead'; hold that one");
+  EXPECT_EQ(why("follow", 0.5), "joint 'follow': mimics 'lead'; lock that one");
   EXPECT_EQ(why("lead", 1.5), "joint 'lead': 1.500000 is outside its limits -1.000000 to 1.000000");
   EXPECT_EQ(why("lead", 0.6),
             "joint 'follow': 1.200000 is outside its limits -1.000000 to 1.000000");

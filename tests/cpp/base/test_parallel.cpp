@@ -108,9 +108,9 @@ TEST(Threads, MarchesHaveTheSameBits) {
 TEST(Threads, InverseKinematicsHasTheSameBits) {
   const Chain chain = test::crooked_chain();
   const Poses targets = forward_kinematics_batch(chain, 5.0 * waving(64, 7));
-  const Rows seeds = waving(64, 7);
-  const auto one = solve_ik_batch(chain, targets.positions, targets.orientations, seeds, {}, 1);
-  const auto many = solve_ik_batch(chain, targets.positions, targets.orientations, seeds, {}, 4);
+  const Rows starts = waving(64, 7);
+  const auto one = solve_ik_batch(chain, targets.positions, targets.orientations, starts, {}, 1);
+  const auto many = solve_ik_batch(chain, targets.positions, targets.orientations, starts, {}, 4);
   for (std::size_t i = 0; i < one.size(); ++i) {
     EXPECT_EQ(one[i].q, many[i].q);
     EXPECT_EQ(one[i].iterations, many[i].iterations);

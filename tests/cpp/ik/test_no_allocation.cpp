@@ -25,7 +25,7 @@ IkTarget target_of(const Chain& chain, const Eigen::VectorXd& q) {
 struct Path {
   Rows3 positions;
   Rows4 orientations;
-  Rows seeds;
+  Rows starts;
 };
 
 Path still(const Chain& chain, int samples) {
@@ -40,7 +40,7 @@ Path still(const Chain& chain, int samples) {
 
 TEST(NoAllocation, ASinglePoseIsSolvedWithout) {
   const Chain chain = test::crooked_chain();
-  const Eigen::VectorXd seed = middle(chain);
+  const Eigen::VectorXd q0 = middle(chain);
   const IkTarget reached = target_of(chain, Eigen::VectorXd::Constant(chain.joints(), 0.3));
   const IkTarget beyond{Eigen::Vector3d(1.5, 0.2, 0.3), reached.rotation};
   IkAxes spinning;
@@ -48,27 +48,27 @@ TEST(NoAllocation, ASinglePoseIsSolvedWithout) {
   for (const IkTarget& target : {reached, beyond}) {
     for (const IkMode mode : {IkMode::kFastest, IkMode::kClosest}) {
       for (const bool by_axes : {false, true}) {
-        for (const double midrange : {0.0, 1.0}) {
+        for (const double nullspace_gain : {0.0, 1.0}) {
           IkOptions options;
           options.mode = mode;
-          options.midrange = midrange;
+          options.nullspace_gain = nullspace_gain;
           if (by_axes) options.axes = spinning;
-          if (midrange > 0.0) options.posture = middle(chain);
+          if (nullspace_gain > 0.0) options.posture = middle(chain);
           IkResult result;
-          EXPECT_EQ(count([&] { result = solve_ik(chain, target, seed, options); }), 0U);
+          EXPECT_EQ(count([&] { result = solve_ik(chain, target, q0, options); }), 0U);
         }
       }
     }
   }
   const IkTarget point{reached.position, std::nullopt};
-  EXPECT_EQ(count([&] { solve_ik(chain, point, seed); }), 0U);
+  EXPECT_EQ(count([&] { solve_ik(chain, point, q0); }), 0U);
 }
 
 TEST(NoAllocation, AllPosturesCostNoMoreThanTheirList) {
   const Chain chain = test::crooked_chain();
-  const Eigen::VectorXd seed = middle(chain);
+  const Eigen::VectorXd q0 = middle(chain);
   const IkTarget target = target_of(chain, Eigen::VectorXd::Constant(chain.joints(), 0.3));
-  EXPECT_LE(count([&] { solve_ik_all(chain, target, seed, {}, 64, 0.1); }), 1U);
+  EXPECT_LE(count([&] { solve_ik_all(chain, target, q0, {}, 64, 0.1); }), 1U);
 }
 
 TEST(NoAllocation, BatchesAndPathsDoNotAllocateInTheirLoops) {
@@ -76,16 +76,16 @@ TEST(NoAllocation, BatchesAndPathsDoNotAllocateInTheirLoops) {
   const auto batch = [&](int samples) {
     const Path path = still(chain, samples);
     return count(
-        [&] { solve_ik_batch(chain, path.positions, path.orientations, path.seeds, {}, 1); });
+        [&] { solve_ik_batch(chain, path.positions, path.orientations, path.starts, {}, 1); });
   };
   EXPECT_EQ(batch(10), batch(100));
   const auto along = [&](int samples) {
     const Path path = still(chain, samples);
-    const Eigen::VectorXd midrange = Eigen::VectorXd::Constant(samples, 0.01);
+    const Eigen::VectorXd rates = Eigen::VectorXd::Constant(samples, 0.01);
     const Eigen::VectorXd start = middle(chain);
     const Rows postures = start.transpose().replicate(samples, 1);
     return count(
-        [&] { track(chain, path.positions, path.orientations, start, {postures, midrange}); });
+        [&] { track(chain, path.positions, path.orientations, start, {postures, rates}); });
   };
   EXPECT_EQ(along(10), along(100));
 }

@@ -31,12 +31,12 @@ bool inside(const Chain& chain, const JointVector& q) {
 TEST(Ik, ReachesEveryReachableTargetInsideTheLimits) {
   const Chain chain = test::crooked_chain();
   const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 300, 1));
-  const Rows seeds = random_configurations(chain, 300, 2);
-  for (const double midrange : {0.0, 1.0}) {
+  const Rows starts = random_configurations(chain, 300, 2);
+  for (const double nullspace_gain : {0.0, 1.0}) {
     IkOptions options;
-    options.midrange = midrange;
+    options.nullspace_gain = nullspace_gain;
     const auto results =
-        solve_ik_batch(chain, targets.positions, targets.orientations, seeds, options, 1);
+        solve_ik_batch(chain, targets.positions, targets.orientations, starts, options, 1);
     for (Eigen::Index i = 0; i < 300; ++i) {
       const IkResult& result = results[static_cast<std::size_t>(i)];
       ASSERT_EQ(result.status, IkStatus::kConverged) << i;
@@ -70,8 +70,8 @@ TEST(Ik, ASeedOutsideTheLimitsIsMovedInside) {
   const Chain chain = test::crooked_chain();
   const Rows q = random_configurations(chain, 1, 7);
   const Pose pose = forward_kinematics(chain, q.data());
-  const Eigen::VectorXd seed = Eigen::VectorXd::Constant(chain.joints(), 100.0);
-  const IkResult result = solve_ik(chain, {pose.position, pose.rotation}, seed);
+  const Eigen::VectorXd q0 = Eigen::VectorXd::Constant(chain.joints(), 100.0);
+  const IkResult result = solve_ik(chain, {pose.position, pose.rotation}, q0);
   EXPECT_EQ(result.status, IkStatus::kConverged);
   EXPECT_TRUE(inside(chain, result.q));
 }
@@ -79,16 +79,16 @@ TEST(Ik, ASeedOutsideTheLimitsIsMovedInside) {
 TEST(Ik, TheClosestSolutionIsNeverFartherThanTheFirst) {
   const Chain chain = test::crooked_chain();
   const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 30, 8));
-  const Rows seeds = random_configurations(chain, 30, 9);
+  const Rows starts = random_configurations(chain, 30, 9);
   IkOptions closest;
   closest.mode = IkMode::kClosest;
-  const auto first = solve_ik_batch(chain, targets.positions, targets.orientations, seeds, {}, 1);
+  const auto first = solve_ik_batch(chain, targets.positions, targets.orientations, starts, {}, 1);
   const auto nearest =
-      solve_ik_batch(chain, targets.positions, targets.orientations, seeds, closest, 1);
+      solve_ik_batch(chain, targets.positions, targets.orientations, starts, closest, 1);
   for (std::size_t i = 0; i < first.size(); ++i) {
-    const JointVector seed = seeds.row(static_cast<Eigen::Index>(i));
+    const JointVector q0 = starts.row(static_cast<Eigen::Index>(i));
     ASSERT_EQ(nearest[i].status, IkStatus::kConverged);
-    EXPECT_LE((nearest[i].q - seed).norm(), (first[i].q - seed).norm() + 1e-9);
+    EXPECT_LE((nearest[i].q - q0).norm(), (first[i].q - q0).norm() + 1e-9);
   }
 }
 

@@ -31,10 +31,10 @@ TEST(Tracking, FollowsASmoothPathWithoutAJump) {
   const Rows q = smooth_motion(chain, 400);
   const Poses path = forward_kinematics_batch(chain, q);
   const Eigen::VectorXd start = q.row(0);
-  for (const double midrange : {0.0, 0.01}) {
-    const Track track = leadthrough::track(
-        chain, path.positions, path.orientations, start,
-        {to_middle(chain, q.rows()), Eigen::VectorXd::Constant(q.rows(), midrange)});
+  for (const double rate : {0.0, 0.01}) {
+    const Track track =
+        leadthrough::track(chain, path.positions, path.orientations, start,
+                           {to_middle(chain, q.rows()), Eigen::VectorXd::Constant(q.rows(), rate)});
     ASSERT_EQ(track.q.rows(), q.rows());
     EXPECT_LE(track.position_errors.maxCoeff(), 1e-6);
     EXPECT_LE(track.orientation_errors.maxCoeff(), 1e-6);

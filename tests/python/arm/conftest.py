@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from motions import arm as robot_of_package
+from motions import configurations
 
 import leadthrough as lt
 from leadthrough.arm.robot_files import find_robot
@@ -56,12 +57,7 @@ def panda():
 
 @pytest.fixture
 def random_configurations():
-    def draw(arm, count, seed):
-        lower = np.maximum(arm.limits.lower, -np.pi)
-        upper = np.minimum(arm.limits.upper, np.pi)
-        return np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
-
-    return draw
+    return configurations
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,7 @@ import pinocchio as pin
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from motions import configurations
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, InvalidRobot
@@ -21,12 +22,6 @@ TURN = (0.5, 0.5, 0.5, 0.5)
 def bundled(request):
     arm = lt.Arm.load(request.param)
     return arm, CoalArm(arm)
-
-
-def configurations(arm, count, seed):
-    lower = np.maximum(arm.limits.lower, -np.pi)
-    upper = np.minimum(arm.limits.upper, np.pi)
-    return np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
 
 
 def agrees(ours, theirs):

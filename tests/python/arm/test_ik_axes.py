@@ -20,15 +20,20 @@ def offsets(arm, q, positions, orientations):
     return frames.inv().apply(reached - positions), frames.inv() * tools
 
 
-def targets(arm, random_configurations, count=100):
-    return arm.forward_kinematics(random_configurations(arm, count, 1))
+@pytest.fixture
+def targets(arm, random_configurations):
+    return arm.forward_kinematics(random_configurations(arm, 100, 1))
 
 
-def test_the_tool_may_spin_about_its_approach_axis(arm, random_configurations):
-    positions, orientations = targets(arm, random_configurations)
-    batch = arm.inverse_kinematics_batch(positions, orientations, options=IkOptions(free=("rz",)))
+def solved(arm, targets, **options):
+    """The offsets of solutions, all of which must be found."""
+    batch = arm.inverse_kinematics_batch(*targets, options=IkOptions(**options))
     assert batch.success.all()
-    away, turned = offsets(arm, batch.q, positions, orientations)
+    return offsets(arm, batch.q, *targets)
+
+
+def test_the_tool_may_spin_about_its_approach_axis(arm, targets):
+    away, turned = solved(arm, targets, free=("rz",))
     assert np.abs(away).max() < 2e-6
     approach = turned.apply([0.0, 0.0, 1.0])
     np.testing.assert_allclose(approach, np.tile([0.0, 0.0, 1.0], (100, 1)), atol=2e-6)
@@ -47,13 +52,8 @@ def test_a_spin_that_no_wrist_can_make_does_not_matter(arm, posture):
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_along_a_free_axis_the_tool_may_slide(arm, random_configurations, axis):
-    positions, orientations = targets(arm, random_configurations)
-    batch = arm.inverse_kinematics_batch(
-        positions, orientations, options=IkOptions(free=("xyz"[axis],))
-    )
-    assert batch.success.all()
-    away, turned = offsets(arm, batch.q, positions, orientations)
+def test_along_a_free_axis_the_tool_may_slide(arm, targets, axis):
+    away, turned = solved(arm, targets, free=("xyz"[axis],))
     assert np.abs(np.delete(away, axis, axis=1)).max() < 2e-6
     assert np.abs(away[:, axis]).max() > 0.01
     assert turned.magnitude().max() < 2e-6
@@ -68,13 +68,8 @@ def test_a_target_far_along_a_free_axis_is_reached(arm, posture):
     assert result.success
 
 
-def test_of_two_free_rotations_the_third_is_kept(arm, random_configurations):
-    positions, orientations = targets(arm, random_configurations)
-    batch = arm.inverse_kinematics_batch(
-        positions, orientations, options=IkOptions(free=("rx", "ry"))
-    )
-    assert batch.success.all()
-    _, turned = offsets(arm, batch.q, positions, orientations)
+def test_of_two_free_rotations_the_third_is_kept(arm, targets):
+    _, turned = solved(arm, targets, free=("rx", "ry"))
     x, y, z, w = turned.as_quat().T
     half = np.hypot(z, w) > 1e-3  # elsewhere the twist is undefined
     assert np.abs(np.sin(np.arctan2(z, w)))[half].max() < 1e-6
@@ -98,22 +93,14 @@ def test_all_rotations_free_is_a_position_alone(arm, posture):
     assert result.orientation_error == 0.0
 
 
-def test_tolerances_hold_for_each_axis(arm, random_configurations):
-    positions, orientations = targets(arm, random_configurations)
-    batch = arm.inverse_kinematics_batch(
-        positions,
-        orientations,
-        options=IkOptions(
-            position_tolerance=(1e-3, 1e-2, 1e-3), orientation_tolerance=(1e-2, 1e-2, 0.1)
-        ),
-    )
-    tight = arm.inverse_kinematics_batch(
-        positions,
-        orientations,
-        options=IkOptions(position_tolerance=(1e-6,) * 3, orientation_tolerance=(1e-6,) * 3),
+def test_tolerances_hold_for_each_axis(arm, targets):
+    wide = IkOptions(position_tolerance=(1e-3, 1e-2, 1e-3), orientation_tolerance=(1e-2, 1e-2, 0.1))
+    narrow = IkOptions(position_tolerance=(1e-6,) * 3, orientation_tolerance=(1e-6,) * 3)
+    batch, tight = (
+        arm.inverse_kinematics_batch(*targets, options=options) for options in (wide, narrow)
     )
     assert batch.success.all()
-    away, turned = offsets(arm, batch.q, positions, orientations)
+    away, turned = offsets(arm, batch.q, *targets)
     assert (np.abs(away) <= [1e-3, 1e-2, 1e-3]).all()
     assert (np.abs(turned.as_rotvec()) <= [1e-2, 1e-2, 0.1]).all()
     assert (batch.iterations <= tight.iterations).all()
@@ -123,30 +110,19 @@ def test_tolerances_hold_for_each_axis(arm, random_configurations):
 def test_weights_decide_what_gives_way(arm, posture):
     position, orientation = arm.forward_kinematics(posture)
     beyond = position * 1.2 + [0.3, 0.3, 0.3]
-    place = arm.inverse_kinematics(
-        beyond,
-        orientation,
-        q0=posture,
-        options=IkOptions(weights=[10, 10, 10, 1, 1, 1], max_restarts=0),
-    )
-    turn = arm.inverse_kinematics(
-        beyond,
-        orientation,
-        q0=posture,
-        options=IkOptions(weights=[1, 1, 1, 10, 10, 10], max_restarts=0),
+    place, turn = (
+        arm.inverse_kinematics(
+            beyond, orientation, q0=posture, options=IkOptions(weights=weights, max_restarts=0)
+        )
+        for weights in ([10, 10, 10, 1, 1, 1], [1, 1, 1, 10, 10, 10])
     )
     assert not place.success
     assert place.position_error < turn.position_error + 1e-3
     assert place.orientation_error > turn.orientation_error
 
 
-def test_weights_do_not_move_a_target_that_is_met(arm, random_configurations):
-    positions, orientations = targets(arm, random_configurations)
-    batch = arm.inverse_kinematics_batch(
-        positions, orientations, options=IkOptions(weights=[1, 5, 1, 0.2, 1, 3])
-    )
-    assert batch.success.all()
-    away, turned = offsets(arm, batch.q, positions, orientations)
+def test_weights_do_not_move_a_target_that_is_met(arm, targets):
+    away, turned = solved(arm, targets, weights=[1, 5, 1, 0.2, 1, 3])
     assert np.linalg.norm(away, axis=1).max() < 1.001e-6
     assert turned.magnitude().max() < 1.01e-6
 

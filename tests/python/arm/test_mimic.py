@@ -149,17 +149,17 @@ def test_a_joint_wraps_only_where_a_turn_changes_nothing():
         assert arm.inverse_kinematics(target, q0=[7.0]).success
 
 
-def test_a_leader_outside_the_arm_must_be_held():
+def test_a_leader_outside_the_arm_must_be_locked():
     text = document(wrist=("revolute", "0.1 0.1 0", "0 0 -1", '{limit}<mimic joint="turn"/>'))
-    with pytest.raises(InvalidRobot, match="hold") as refusal:
+    with pytest.raises(InvalidRobot, match="lock") as refusal:
         lt.Arm.from_urdf(text, base="link1")
     assert refusal.value.where == "joint 'wrist'"
-    held = lt.Arm.from_urdf(text, base="link1", locked_joints={"turn": 0.4})
-    assert held.joint_names == ("lift", "lead")
+    locked = lt.Arm.from_urdf(text, base="link1", locked_joints={"turn": 0.4})
+    assert locked.joint_names == ("lift", "lead")
     bent = lt.Arm.from_urdf(document(), base="link1").with_tool((0.0, 0.0, 0.0))
     for q in Q[:3, 0, 1:3]:
         straight = bent.forward_kinematics([*q, 0.4])
-        for ours, truth in zip(held.forward_kinematics(q), straight, strict=True):
+        for ours, truth in zip(locked.forward_kinematics(q), straight, strict=True):
             np.testing.assert_allclose(ours, truth, atol=1e-14)
 
 
@@ -194,22 +194,22 @@ def test_contradictory_mimics_are_refused(change, message):
         lt.Arm.from_urdf(document(**change))
 
 
-def test_a_joint_that_mimics_cannot_be_held(arm):
-    with pytest.raises(InvalidInput, match="'lead'; hold that one"):
+def test_a_joint_that_mimics_cannot_be_locked(arm):
+    with pytest.raises(InvalidInput, match="'lead'; lock that one"):
         arm.lock_joints({"curl": 0.1})
 
 
-def test_holding_the_leader_holds_what_mimics_it(arm):
-    held = arm.lock_joints({"lead": 0.4})
-    assert held.joint_names == ("turn", "lift", "wrist")
+def test_locking_the_leader_locks_its_followers(arm):
+    locked = arm.lock_joints({"lead": 0.4})
+    assert locked.joint_names == ("turn", "lift", "wrist")
     for q, *_ in Q[:5]:
         q[2] = 0.4
         for ours, truth in zip(
-            held.forward_kinematics(q[[0, 1, 3]]), arm.forward_kinematics(q), strict=True
+            locked.forward_kinematics(q[[0, 1, 3]]), arm.forward_kinematics(q), strict=True
         ):
             np.testing.assert_allclose(ours, truth, atol=1e-14)
     np.testing.assert_allclose(
-        held.gravity_torques([0.1, 0.2, 0.3]),
+        locked.gravity_torques([0.1, 0.2, 0.3]),
         arm.gravity_torques([0.1, 0.2, 0.4, 0.3])[[0, 1, 3]],
         atol=1e-12,
     )

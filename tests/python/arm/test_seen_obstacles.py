@@ -4,6 +4,7 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
+from motions import configurations
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -20,11 +21,6 @@ HOME = np.array([0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8])
 @pytest.fixture(scope="module", params=("panda", "ur3"))
 def arm(request):
     return lt.Arm.load(request.param)
-
-
-def configurations(arm, count, seed):
-    lower, upper = np.maximum(arm.limits.lower, -3.0), np.minimum(arm.limits.upper, 3.0)
-    return np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
 
 
 def scattered(count, seed=1):

@@ -130,12 +130,12 @@ options = make(
     axes=axes,
     mode=core.IkMode.CLOSEST,
     reference=BENT,
-    midrange=0.0,
+    nullspace_gain=0.0,
     posture=BENT,
     max_iterations=50,
     max_restarts=3,
     max_cpu_seconds=10.0,
-    random_seed=0,
+    seed=0,
 )
 yang = make(
     core.YangOptions,
@@ -149,10 +149,10 @@ FREE = np.zeros((0, 4))
 ONE_POSE = {"chain": chain, "position": CORNER_OF_ARM, "orientation": QUARTER[0]}
 POSES = {"chain": chain, "positions": rows(*CORNER_OF_ARM), "orientations": QUARTER}
 FOUND = np.tile(Q[0], (2, 1))
-call(core.solve_ik, Q[0], seed=BENT, options=options, **ONE_POSE)
-call(core.solve_ik_all, Q[:1], seed=BENT, options=options, count=1, separation=0.1, **ONE_POSE)
-call(core.solve_ik_batch, FOUND, seeds=rows(*BENT), options=options, threads=2, **POSES)
-yang_call = {"seeds": rows(*BENT), "tolerance": tolerance, "max_iterations": 99, "threads": 2}
+call(core.solve_ik, Q[0], q0=BENT, options=options, **ONE_POSE)
+call(core.solve_ik_all, Q[:1], q0=BENT, options=options, count=1, separation=0.1, **ONE_POSE)
+call(core.solve_ik_batch, FOUND, starts=rows(*BENT), options=options, threads=2, **POSES)
+yang_call = {"starts": rows(*BENT), "tolerance": tolerance, "max_iterations": 99, "threads": 2}
 call(core.solve_yang, None, options=yang, **yang_call, **POSES)
 call(core.yang_path, FOUND, start=Q[0], steps=np.ones(2), options=yang, **POSES)
 wish = {"start": Q[0], "postures": np.full((2, 2), np.nan), "shares": np.zeros(2)}

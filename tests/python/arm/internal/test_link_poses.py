@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import configurations
 
 import leadthrough as lt
 from leadthrough.arm.link_poses import link_poses
@@ -17,15 +18,10 @@ MIMICRY = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/><li
 <mimic joint="turn" multiplier="0.5" offset="0.25"/></joint></robot>"""
 
 
-def configurations(arm, count, seed=0):
-    low, high = np.maximum(arm.limits.lower, -3.0), np.minimum(arm.limits.upper, 3.0)
-    return np.random.default_rng(seed).uniform(low, high, (count, len(low)))
-
-
 @pytest.mark.parametrize("name", ["panda", "ur3", "tiago"])
 def test_links_are_where_kinematics_put_them(name):
     arm = lt.Arm.load(name)
-    q = configurations(arm, 20)
+    q = configurations(arm, 20, 0)
     poses = link_poses(arm, q)
     compared = 0
     for link, (turned, position) in poses.items():
@@ -43,7 +39,7 @@ def test_links_are_where_kinematics_put_them(name):
 
 def test_base_link_stays_at_the_origin_of_its_own_frame():
     arm = lt.Arm.from_urdf(MIMICRY, base="b", tip="c")
-    turned, position = link_poses(arm, configurations(arm, 5))["b"]
+    turned, position = link_poses(arm, configurations(arm, 5, 0))["b"]
     assert np.allclose(position, 0.0)
     assert np.allclose(turned, np.eye(3))
 
