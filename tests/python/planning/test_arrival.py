@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
+from leadthrough.planning import arrival_times_batch, nearest_sources
 
 SHAPES = [(31, 40), (14, 17, 20)]
 
@@ -238,34 +239,6 @@ def test_every_cell_may_be_a_source():
     assert not lt.arrival_times(np.ones((40, 41)), cells, order=2).any()
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0, 1e-300])
-def test_speeds_that_are_not_speeds_are_refused(bad):
-    speed = np.ones((5, 6))
-    speed[2, 3] = bad
-    with pytest.raises(InvalidInput, match="speed"):
-        lt.arrival_times(speed, (0, 0))
-
-
-@pytest.mark.parametrize(
-    "speed",
-    [np.ones(5), np.ones((2, 2, 2, 2)), np.ones((0, 3)), [["a"]], np.ones((3, 3), complex), None],
-)
-def test_speeds_of_the_wrong_kind_are_refused(speed):
-    with pytest.raises(InvalidInput, match="speed"):
-        lt.arrival_times(speed, (0, 0))
-
-
-@pytest.mark.parametrize(
-    "sources",
-    [(5, 0), (-1, 0), (0.0, 0.0), (0,), (0, 0, 0), [], np.empty((0, 2), int), [(0, 0), (1, 1)]],
-)
-def test_sources_that_are_no_free_cells_are_refused(sources):
-    speed = np.ones((5, 6))
-    speed[1, 1] = 0.0
-    with pytest.raises(InvalidInput, match="sources"):
-        lt.arrival_times(speed, sources)
-
-
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("scale", [1e-320, 1e-50, 1e50, 1e308])
 def test_times_are_in_range_or_refused(dtype, scale):
@@ -275,21 +248,6 @@ def test_times_are_in_range_or_refused(dtype, scale):
         assert "range" in str(error)
     else:
         np.testing.assert_allclose(times[4, 0] * scale, 4.0, rtol=1e-6)
-
-
-def test_options_are_checked():
-    speed = np.ones((5, 6))
-    for name, options in {
-        "order": {"order": 3},
-        "dtype": {"dtype": np.int32},
-        "spacing": {"spacing": 0.0},
-        "stop": {"stop": (9, 9)},
-        "source_radius": {"source_radius": -1.0},
-    }.items():
-        with pytest.raises(InvalidInput, match=name):
-            lt.arrival_times(speed, (0, 0), **options)
-    with pytest.raises(InvalidInput, match="spacing"):
-        lt.arrival_times(speed, (0, 0), spacing=(1.0, 1.0, 1.0))
 
 
 def test_no_cell_is_reached_before_all_of_its_neighbours():
@@ -303,3 +261,100 @@ def test_no_cell_is_reached_before_all_of_its_neighbours():
     later = np.ones(times.shape, dtype=bool)
     later[30, 30] = False
     assert (times[later] > least[later]).all()
+
+
+def problems(count):
+    rng = np.random.default_rng(3)
+    speeds = [
+        np.where(rng.random((17, 18, 12)) < 0.1, 0.0, rng.uniform(0.3, 1.0)) for _ in range(count)
+    ]
+    for k, speed in enumerate(speeds):
+        speed[k % 17, 3, 4] = 1.0
+    return speeds, [(k % 17, 3, 4) for k in range(count)]
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_a_batch_has_the_bits_of_single_marches_whatever_the_threads(order, dtype):
+    speeds, sources = problems(9)
+    options = {"spacing": (1.0, 0.5, 2.0), "order": order, "dtype": dtype}
+    expected = [
+        lt.arrival_times(*problem, **options) for problem in zip(speeds, sources, strict=True)
+    ]
+    for threads in (1, 2, 5, 64):
+        times = arrival_times_batch(speeds, sources, threads=threads, **options)
+        np.testing.assert_array_equal(times, expected)
+
+
+def test_one_map_serves_many_sources_and_one_source_many_maps():
+    speeds, sources = problems(4)
+    speed = np.ones_like(speeds[0])
+    for k, times in enumerate(arrival_times_batch([speed], sources, threads=2)):
+        np.testing.assert_array_equal(times, lt.arrival_times(speed, sources[k]))
+    maps = [speed, 0.5 * speed]
+    for k, times in enumerate(arrival_times_batch(np.array(maps), [[(1, 2, 3), (4, 4, 4)]])):
+        np.testing.assert_array_equal(times, lt.arrival_times(maps[k], [(1, 2, 3), (4, 4, 4)]))
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("shape", [(90, 110), (36, 30, 40)])
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32), count=st.integers(1, 7))
+def test_at_constant_speed_labels_name_the_nearest_source(shape, order, seed, count):
+    rng = np.random.default_rng(seed)
+    spacing = rng.choice([1.0, 0.7, 1.6], len(shape))
+    sources = rng.integers(0, shape, (count, len(shape)))
+    times = lt.arrival_times(np.ones(shape), sources, spacing=spacing, order=order)
+    labels = nearest_sources(times, sources, spacing=spacing)
+    truth = np.array([distances(shape, each, spacing) for each in sources])
+    chosen = np.take_along_axis(truth, labels[None].astype(int), axis=0)[0]
+    loss = chosen - truth.min(axis=0)  # twice the distance to the border at most
+    assert loss.max() < 4.0 * spacing.max()
+    assert np.quantile(loss, 0.97) < 0.5 * spacing.max()
+
+
+def test_a_border_aslant_to_the_axes_does_not_drift():
+    """Far from two sources close together the fronts run nearly parallel along their border."""
+    shape, sources = (300, 300), np.array([(2, 9), (9, 2)])
+    times = lt.arrival_times(np.ones(shape), sources, order=2)
+    labels = nearest_sources(times, sources)
+    rows, columns = np.indices(shape)
+    assert ((labels == 0) == (rows < columns))[np.abs(rows - columns) > 4].all()
+    sources = np.array([(2, 2), (8, 12)])
+    truth = np.array([distances(shape, each, np.ones(2)) for each in sources])
+    labels = nearest_sources(lt.arrival_times(np.ones(shape), sources, order=2), sources)
+    wrong = labels != truth.argmin(axis=0)
+    assert np.abs(truth[0] - truth[1])[wrong].max() < 1.5
+
+
+def test_rooms_belong_to_the_source_inside_and_walled_off_cells_to_none():
+    speed = np.ones((20, 31))
+    speed[:, [10, 20]] = 0.0
+    sources = [(5, 3), (10, 15)]
+    labels = nearest_sources(lt.arrival_times(speed, sources), sources)
+    assert (labels[:, :10] == 0).all()
+    assert (labels[:, 11:20] == 1).all()
+    assert (labels[:, [10, *range(20, 31)]] == -1).all()
+    assert labels.dtype == np.int32
+
+
+def test_labels_follow_the_quicker_way_where_speed_varies():
+    rng = np.random.default_rng(1)
+    speed = rng.uniform(0.2, 1.0, (50, 60))
+    sources = [(10, 10), (40, 50), (12, 45)]
+    labels = nearest_sources(lt.arrival_times(speed, sources), sources)
+    each = np.array([lt.arrival_times(speed, source) for source in sources])
+    loss = np.take_along_axis(each, labels[None].astype(int), axis=0)[0] - each.min(axis=0)
+    assert (loss > 1.0).mean() < 0.03
+
+
+def test_of_two_sources_in_one_cell_the_first_counts():
+    sources = [(3, 3), (3, 3)]
+    assert not nearest_sources(lt.arrival_times(np.ones((6, 6)), sources), sources).any()
+
+
+def test_cells_that_lead_to_no_source_named_have_no_label():
+    times = lt.arrival_times(np.ones((6, 30)), [(3, 3), (3, 26)])
+    labels = nearest_sources(times, (3, 3))
+    assert labels[3, 4] == 0
+    assert labels[3, 25] == -1

@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 from leadthrough.planning import ArrivalField
 
 SHAPES = [(24, 31), (1, 40), (11, 13, 12), (7, 1, 9)]
@@ -141,39 +140,3 @@ def test_threads_may_share_a_field():
     for thread in threads:
         thread.join()
     assert_is_the_full_march(field, np.ones(grid.shape), (2, 2), rtol=1e-9, atol=0.0)
-
-
-def test_bad_input_is_refused_and_changes_nothing():
-    grid = lt.Grid((0.0, 0.0), 1.0, (9, 9))
-    field = ArrivalField(np.ones((9, 9)), grid, (2.0, 2.0))
-    before = field.times
-    walled = np.ones((9, 9))
-    walled[2, 2] = 0.0
-    for speed in (walled, np.full((9, 9), np.nan), -np.ones((9, 9)), np.ones((8, 9)), "speed"):
-        with pytest.raises(InvalidInput, match="speed"):
-            field.update(speed)
-    with pytest.raises(InvalidInput, match="1e-15"):
-        field.update_part((slice(0, 1), slice(0, 1)), 1e-20)
-    with pytest.raises(InvalidInput, match="1e-15"):
-        field.update_part((slice(0, 1), slice(0, 1)), 1e20)
-    for part in (slice(0, 2), (slice(0, 2),), (slice(0, 4, 2), slice(None)), (1, 2), ("a", "b")):
-        with pytest.raises(InvalidInput, match="part"):
-            field.update_part(part, 0.5)
-    for empty in ((slice(3, 3), slice(None)), (slice("a", None), slice(None))):
-        with pytest.raises(InvalidInput, match="part"):
-            field.update_part(empty, 0.5)
-    assert field.times is before
-
-
-def test_a_field_of_the_wrong_kind_is_refused():
-    grid = lt.Grid((0.0, 0.0), 1.0, (9, 9))
-    for name, arguments in {
-        "speed": (np.ones((9, 8)), grid, (2.0, 2.0)),
-        "points": (np.ones((9, 9)), grid, (20.0, 2.0)),
-        "sources": (np.zeros((9, 9)), grid, (2.0, 2.0)),
-        "sources: expected a regular": (np.ones((9, 9)), grid, [(2.0, 2.0), (1.0,)]),
-    }.items():
-        with pytest.raises(InvalidInput, match=name):
-            ArrivalField(*arguments)
-    with pytest.raises(InvalidInput, match="dtype"):
-        ArrivalField(np.ones((9, 9)), grid, (2.0, 2.0), dtype=int)

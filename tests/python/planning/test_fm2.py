@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 from leadthrough.planning import (
     distance_transform,
     fm2_speed,
@@ -119,20 +118,3 @@ def test_paths_among_random_obstacles_touch_no_wall(seed, dimensions):
     dense = np.concatenate([a + t * (b - a) for a, b in itertools.pairwise(found.path)])
     assert not walls[tuple(grid.cells_of(dense).T)].any()
     np.testing.assert_array_equal(found.path[[0, -1]], [start, goal])
-
-
-def test_bad_input_is_refused():
-    walls = np.zeros(GRID.shape, bool)
-    speed = np.ones(GRID.shape)
-    for name, call in {
-        "walls": lambda: fm2_speed(GRID, walls[1:], saturation=0.5),
-        "saturation: expected": lambda: fm2_speed(GRID, walls, saturation=1.5),
-        "saturation": lambda: fm2_speed(GRID, walls),
-        "area_of_influence": lambda: fm2_speed(GRID, walls, area_of_influence=0.0),
-        "not both": lambda: fm2_speed(GRID, walls, saturation=0.5, area_of_influence=1.0),
-        "speed": lambda: plan(speed[1:], GRID, (0.1, 0.1), (0.2, 0.2)),
-        "start": lambda: plan(speed, GRID, (0.1, np.nan), (0.2, 0.2)),
-        "goal": lambda: plan(speed, GRID, (0.1, 0.1), (0.2, 0.2, 0.2)),
-    }.items():
-        with pytest.raises(InvalidInput, match=name):
-            call()

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
+import scipy.ndimage
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
-from leadthrough.planning import occupied, occupied_by_points
+from leadthrough.planning import distance_transform, occupied, occupied_by_points
 from leadthrough.planning.speed_map import add_passable_obstacles
 
 TURNED = np.array([0.8, 0.2, -0.4, 0.4])
@@ -65,13 +65,20 @@ def test_cells_near_a_point_cloud_are_occupied_and_no_others(seed, shape, radius
     np.testing.assert_array_equal(occupied_by_points(grid, points, radius=radius), expected)
 
 
-def test_bad_input_is_refused():
-    grid = lt.Grid((0.0, 0.0), 1.0, (3, 3))
-    with pytest.raises(InvalidInput, match="obstacles"):
-        occupied(grid, ["box"])
-    with pytest.raises(InvalidInput, match="margin"):
-        occupied(grid, [], margin=np.nan)
-    with pytest.raises(InvalidInput, match="points"):
-        occupied_by_points(grid, [(0.0, np.inf)], radius=0.1)
-    with pytest.raises(InvalidInput, match="radius"):
-        occupied_by_points(grid, [(0.0, 0.0)], radius=0.0)
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.integers(1, 14), min_size=2, max_size=3),
+    st.floats(0.001, 0.9),
+    st.integers(0, 2**32),
+)
+def test_distances_equal_scipy_for_any_spacing(shape, share, seed):
+    rng = np.random.default_rng(seed)
+    mask = rng.random(shape) < share
+    mask.flat[int(rng.integers(mask.size))] = True
+    spacing = rng.uniform(0.1, 3.0, len(shape))
+    expected = scipy.ndimage.distance_transform_edt(~mask, sampling=spacing)
+    np.testing.assert_allclose(distance_transform(mask, spacing=spacing), expected, rtol=1e-12)
+
+
+def test_without_a_cell_every_distance_is_infinite():
+    assert np.isinf(distance_transform(np.zeros((4, 5), bool))).all()
