@@ -93,13 +93,6 @@ class FastMarching(Unfitted):
     obstacle_map: Literal["product", "minimum"] = "product"
 
     def __post_init__(self) -> None:
-        check.number(self.saturation, "saturation", above=0.0, at_most=1.0)
-        for name in ("area_of_influence", "resolution"):
-            if getattr(self, name) is not None:
-                check.number(getattr(self, name), name, above=0.0)
-        check.choice(self.method, "method", METHODS)
-        check.choice(self.timing, "timing", TIMINGS)
-        check.choice(self.obstacle_map, "obstacle_map", OBSTACLE_MAPS)
         if self.workspace is not None:
             corners = check.array(self.workspace, "workspace", shape=(2, "d"))
             if not (corners[0] < corners[1]).all():
@@ -108,6 +101,13 @@ class FastMarching(Unfitted):
                 )
             plain = tuple(tuple(float(x) for x in corner) for corner in corners)
             object.__setattr__(self, "workspace", plain)
+        check.number(self.saturation, "saturation", above=0.0, at_most=1.0)
+        for name in ("area_of_influence", "resolution"):
+            if getattr(self, name) is not None:
+                check.number(getattr(self, name), name, above=0.0)
+        check.choice(self.method, "method", METHODS)
+        check.choice(self.timing, "timing", TIMINGS)
+        check.choice(self.obstacle_map, "obstacle_map", OBSTACLE_MAPS)
 
     def fit(self, demonstrations: Demonstrations[MotionT]) -> FastMarchingSkill[MotionT]:
         """A skill from demonstrations.

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
+from models.marching.paths import apart, gaps_to
 
 import leadthrough as lt
 from leadthrough.errors import NoPath
 from leadthrough.models.marching import maps
-from leadthrough.preprocess.curve_distance import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 
 MIDDLE = np.array([40.0, 0.3])  # so far from the origin that a place a kilometre away is no slip
@@ -53,8 +53,7 @@ def test_way_from_afar_is_that_of_a_map_of_everything(end, angle, monkeypatch):
     route = skill.plan(**query)
     whole = planned_in_one_map(skill, monkeypatch, **query)
     assert route.travel_time == pytest.approx(whole.travel_time, rel=2e-3)
-    even = (by_arc_length(each.path, 3000) for each in (route, whole))
-    assert frechet_distance(*even) < 2.0 * 0.004
+    assert apart(route.path, whole.path, 3000) < 2.0 * 0.004
 
 
 def test_obstacle_between_a_far_start_and_the_demonstrations_is_passed():
@@ -88,5 +87,5 @@ def test_motion_from_afar_has_the_shape_of_the_demonstrations_at_its_end():
     motion = skill.generate(start=away(3.0, 100.0), dt=0.001)
     usual = skill.generate().positions
     end = motion.positions[np.linalg.norm(motion.positions - MIDDLE, axis=1) < 0.15]
-    gaps = np.linalg.norm(end[:, None] - usual[None], axis=2).min(axis=1)
+    gaps = gaps_to(usual, end)
     assert gaps.max() < 0.01

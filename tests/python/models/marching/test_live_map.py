@@ -5,7 +5,6 @@ import pytest
 from scipy.spatial import cKDTree
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput, NoPath
 
 WORKSPACE = ((-0.1, -0.5, -0.1), (0.7, 0.5, 0.6))
 START, GOAL = np.array([0.1, -0.3, 0.1]), np.array([0.5, 0.3, 0.1])
@@ -53,38 +52,3 @@ def test_route_becomes_a_motion(skill, live):
     motion = skill.in_time(live.route(START, GOAL, ()), duration=3.0, dt=0.05)
     assert motion.duration == pytest.approx(3.0)
     assert np.allclose(motion.positions[-1], GOAL)
-
-
-def test_ends_in_an_obstacle_have_no_route(live):
-    for place, reason in ((GOAL, "goal_in_wall"), (START, "start_in_wall")):
-        with pytest.raises(NoPath) as error:
-            live.route(START, GOAL, [lt.Sphere(0.05, place)])
-        assert error.value.reason == reason
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ((START, (5.0, 0.0, 0.0), ()), "goal: expected a point inside"),
-        (((np.nan, 0, 0), GOAL, ()), "start: expected finite"),
-        ((START, (0.1, 0.2), ()), "goal: expected shape"),
-        ((START, GOAL, ["box"]), "obstacles: expected Box"),
-    ],
-)
-def test_wrong_queries_are_named(arguments, said, live):
-    with pytest.raises(InvalidInput, match=said):
-        live.route(*arguments)
-
-
-@pytest.mark.parametrize(
-    ("workspace", "options"),
-    [
-        (((0.2, 0.0, 0.0), (0.7, 0.5, 0.6)), {}),
-        (((0.7, 0.5, 0.6), (-0.1, -0.5, -0.1)), {}),
-        ((0.0, 1.0), {}),
-        (WORKSPACE, {"cells": 10}),
-    ],
-)
-def test_wrong_workspaces_are_refused(workspace, options, skill):
-    with pytest.raises(InvalidInput):
-        skill.live_map(workspace, **options)

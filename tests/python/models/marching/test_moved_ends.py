@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
+from models.marching.paths import apart, size_of
 from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.models.marching import mean_path
-from leadthrough.preprocess import frechet_distance
-from leadthrough.preprocess.resample import by_arc_length
 
 OFFSETS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)  # of the demonstrations' size
 DIRECTIONS = np.deg2rad([20.0, 140.0, 260.0])
@@ -31,25 +30,20 @@ def family(seed, count, *, closed=False, slower=1.0):
     return made
 
 
-def size_of(skill):
-    return float(np.linalg.norm(np.ptp(np.concatenate(skill.experience), axis=0)))
-
-
 @pytest.mark.parametrize("closed", [False, True])
 @pytest.mark.parametrize("count", [2, 5, 40])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_moved_ends_move_the_motion_in_proportion(seed, count, closed):
     skill = lt.FastMarching().fit(family(seed, count, closed=closed))
     usual, query, size = skill.plan(), skill.query(), size_of(skill)
-    wanted = by_arc_length(usual.path, 200)
     for index, offset in enumerate(OFFSETS):
         angle = DIRECTIONS[index % 3]
         move = offset * size * np.array([np.cos(angle), np.sin(angle)])
         for start, goal in ((move, 0.0), (0.0, move), (move, move)):
             found = skill.plan(start=query.start + start, goal=query.goal + goal)
             if found.method == usual.method:
-                off = frechet_distance(wanted, by_arc_length(found.path, 200))
-                assert off <= 1.5 * offset * size + skill.area_of_influence
+                bound = 1.5 * offset * size + skill.area_of_influence
+                assert apart(usual.path, found.path) <= bound
                 continue
             region = np.concatenate([*skill.experience, found.path[[0, -1]]])
             beyond = np.maximum(region.min(axis=0) - found.path, found.path - region.max(axis=0))
@@ -64,8 +58,8 @@ def test_ends_moved_past_each_other_do_not_turn_the_motion_around():
         move = 0.3 * size * np.array([np.cos(angle), np.sin(angle)])
         found = skill.plan(start=query.start + move, goal=query.goal - move)
         if found.method == usual.method:
-            paths = [by_arc_length(route.path, 200) for route in (usual, found)]
-            assert frechet_distance(*paths) <= 1.5 * 0.3 * size + skill.area_of_influence
+            bound = 1.5 * 0.3 * size + skill.area_of_influence
+            assert apart(usual.path, found.path) <= bound
 
 
 def test_moved_poses_turn_no_farther_than_their_ends():
@@ -99,8 +93,7 @@ def test_one_sample_off_by_a_millimetre_changes_the_path_by_little_more(sample):
         skills = [lt.FastMarching().fit(motions) for motions in (shown, changed)]
         ways = [_way(skill) for skill in skills]
         assert np.linalg.norm(ways[0] - ways[1], axis=1).max() < 0.001
-        paths = [by_arc_length(skill.plan().path, 200) for skill in skills]
-        assert frechet_distance(*paths) < 0.0015
+        assert apart(*(skill.plan().path for skill in skills)) < 0.0015
 
 
 def _way(skill):

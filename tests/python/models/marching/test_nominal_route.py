@@ -2,18 +2,13 @@
 
 import numpy as np
 import pytest
+from models.marching.paths import apart, arcs, size_of
 
 import leadthrough as lt
-from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 
 OFFSETS = (0.01, 0.03, 0.1, 0.3)  # of the demonstrations' size
 DIRECTIONS = np.deg2rad([20.0, 140.0, 260.0])
-SHARE = np.linspace(0.0, 1.0, 150)
-
-
-def size_of(skill):
-    return float(np.linalg.norm(np.ptp(np.concatenate(skill.experience), axis=0)))
 
 
 def moves(size, angles=DIRECTIONS):
@@ -22,23 +17,6 @@ def moves(size, angles=DIRECTIONS):
             move = offset * size * np.array([np.cos(angle), np.sin(angle)])
             for start, goal in ((move, 0.0 * move), (0.0 * move, move), (move, move)):
                 yield offset * size, start, goal
-
-
-def apart(one, other):
-    return frechet_distance(*(by_arc_length(route.path, 200) for route in (one, other)))
-
-
-def arcs(heights, *, spread=0.005, gap=0.0, count=3):
-    """Ways of 0.5 m over a hill and through a valley, whose starts are a gap apart."""
-    rng = np.random.default_rng(1)
-    made = []
-    for height in heights:
-        for _ in range(count):
-            path = np.column_stack([0.5 * SHARE, height * np.sin(np.pi * SHARE)])
-            path[:, 1] += (1.0 - SHARE) * np.sign(height) * 0.5 * gap
-            path += rng.normal(0.0, spread, 2) * np.array([0.2, 1.0])
-            made.append(lt.Trajectory(2.0 * SHARE, path))
-    return made
 
 
 @pytest.mark.parametrize("method", ["auto", "map", "start", "mean_path"])
@@ -51,7 +29,7 @@ def test_of_several_ways_a_moved_query_keeps_the_usual_one(name, method):
         found = skill.plan(start=query.start + start, goal=query.goal + goal)
         assert not found.leaves_nominal_route
         if found.method == usual.method:
-            assert apart(usual, found) <= 1.5 * offset + skill.area_of_influence
+            assert apart(usual.path, found.path) <= 1.5 * offset + skill.area_of_influence
 
 
 @pytest.mark.parametrize("name", ["Line", "BendedLine", "Leaf_1"])
@@ -63,7 +41,7 @@ def test_in_the_papers_map_a_moved_query_keeps_to_the_nominal_route(name):
     for offset, start, goal in moves(size_of(skill)):
         found = skill.plan(start=query.start + start, goal=query.goal + goal)
         if not found.leaves_nominal_route:
-            assert apart(usual, found) <= 1.5 * offset + skill.area_of_influence
+            assert apart(usual.path, found.path) <= 1.5 * offset + skill.area_of_influence
 
 
 def test_ways_from_one_start_are_not_changed_by_a_small_move():
@@ -73,7 +51,7 @@ def test_ways_from_one_start_are_not_changed_by_a_small_move():
         start = query.start + 0.012 * np.array([np.cos(angle), np.sin(angle)])
         found = skill.plan(start=start)
         assert found.method == usual.method == "mean_path"
-        assert apart(usual, found) <= 1.5 * 0.012 + skill.area_of_influence
+        assert apart(usual.path, found.path) <= 1.5 * 0.012 + skill.area_of_influence
 
 
 @pytest.mark.parametrize("method", ["auto", "map"])
@@ -88,7 +66,7 @@ def test_the_way_of_a_demonstration_is_taken_from_its_own_ends_and_the_route_say
         assert np.sign(by_arc_length(found.path, 200)[100, 1]) == middle
         changed.append(found.leaves_nominal_route)
         bound = 1.5 * np.linalg.norm(found.path[0] - usual.path[0]) + skill.area_of_influence
-        assert found.leaves_nominal_route or apart(usual, found) <= bound
+        assert found.leaves_nominal_route or apart(usual.path, found.path) <= bound
     assert sum(changed) == 3
 
 

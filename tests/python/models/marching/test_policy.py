@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from models.marching.paths import gaps_to
 from motions import minimum_jerk
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput, NoPath
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def test_policy_follows_the_demonstration_to_its_goal(skill):
     points = walk(skill.policy, (0.0, 0.0))
     np.testing.assert_allclose(points[-1], (0.4, 0.0), atol=1e-4)
     shown = skill.experience[0]
-    gaps = np.linalg.norm(points[:, None] - shown[None], axis=2).min(axis=1)
+    gaps = gaps_to(shown, points)
     assert gaps.max() < skill.area_of_influence
 
 
@@ -85,18 +85,6 @@ def test_policy_to_another_goal_goes_around_obstacles(skill):
     assert box.distance(np.column_stack([points, np.zeros(len(points))])).min() > 0.0
 
 
-def test_nowhere_to_go_is_said(skill):
-    with pytest.raises(NoPath):
-        skill.policy((5.0, 5.0))
-    with pytest.raises(NoPath) as error:
-        skill.policy_to(obstacles=[lt.Box((0.1, 0.1, 0.1), (0.4, 0.0, 0.0))])
-    assert error.value.reason == "goal_in_wall"
-    with pytest.raises(InvalidInput, match="position: expected finite"):
-        skill.policy((np.nan, 0.0))
-    with pytest.raises(InvalidInput, match="no demonstration"):
-        lt.FastMarching().fit([]).policy((0.0, 0.0))
-
-
 def ring(seed, *, dimensions=2, scatter=0.003):
     """A motion of 2 s once round, that ends where it began, but for some scatter."""
     t = np.linspace(0.0, 1.0, 300)
@@ -119,7 +107,7 @@ def test_motion_that_returns_goes_round_and_does_not_stand_still_at_its_start(di
         points = walk(skill.policy, shown[0] + off, steps=1200)
         length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
         assert length > 0.93 * np.linalg.norm(np.diff(shown, axis=0), axis=1).sum()
-        gaps = np.linalg.norm(points[:, None] - shown[None], axis=2).min(axis=1)
+        gaps = gaps_to(shown, points)
         assert gaps.max() < skill.area_of_influence
         rest = np.linalg.norm(points[-200:] - points[-1], axis=1).max()
         assert rest < 1e-3
@@ -159,18 +147,6 @@ def test_policy_marched_to_the_tool_is_the_one_of_the_whole_map_there(skill):
         # The interpolation there lacks the cells that the wave has not reached yet.
         assert np.linalg.norm(part(place) - whole(place)) < 0.01 * np.linalg.norm(whole(place))
         assert np.isinf(part.arrival).sum() > np.isinf(whole.arrival).sum()
-
-
-def test_position_that_cannot_be_led_is_said(skill):
-    policy = skill.policy_to()
-    with pytest.raises(NoPath):
-        policy.around([lt.Sphere(0.05, (0.1, 0.1, 0.0))], position=(0.1, 0.1))
-    with pytest.raises(NoPath):
-        policy.around([lt.Sphere(0.05, (0.4, 0.0, 0.0))])
-    with pytest.raises(InvalidInput, match="position: expected a point inside"):
-        policy.around([], position=(9.0, 9.0))
-    with pytest.raises(InvalidInput, match="obstacles"):
-        policy.around([1])
 
 
 def test_taught_speed_holds_beside_an_obstacle(skill):

@@ -1,0 +1,37 @@
+"""Demonstrations and measures that the tests of Fast Marching Learning share."""
+
+import numpy as np
+
+import leadthrough as lt
+from leadthrough.preprocess import frechet_distance
+from leadthrough.preprocess.resample import by_arc_length
+
+SHARE = np.linspace(0.0, 1.0, 150)
+
+
+def arcs(heights, *, spread=0.005, gap=0.0, count=3):
+    """Motions of 0.5 m over a hill and through a valley, whose starts are a gap apart."""
+    rng = np.random.default_rng(1)
+    made = []
+    for height in heights:
+        for _ in range(count):
+            path = np.column_stack([0.5 * SHARE, height * np.sin(np.pi * SHARE)])
+            path[:, 1] += (1.0 - SHARE) * np.sign(height) * 0.5 * gap
+            path += rng.normal(0.0, spread, 2) * np.array([0.2, 1.0])
+            made.append(lt.Trajectory(2.0 * SHARE, path))
+    return made
+
+
+def size_of(skill):
+    """The diagonal of the box around a skill's demonstrations."""
+    return float(np.linalg.norm(np.ptp(np.concatenate(skill.experience), axis=0)))
+
+
+def gaps_to(path, points):
+    """The distances of points (n, d) from the nearest point of a path."""
+    return np.linalg.norm(points[:, None] - path[None], axis=2).min(axis=1)
+
+
+def apart(one, other, count=200):
+    """The Fréchet distance of two paths."""
+    return frechet_distance(by_arc_length(one, count), by_arc_length(other, count))
