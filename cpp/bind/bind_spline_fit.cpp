@@ -30,6 +30,12 @@ Rows cubic_through_(const Vector& parameters, const Table& q) {
   return cubic_through(parameters, q);
 }
 
+Rows spline_slopes_(const Vector& parameters, const Table& q, bool at_rest) {
+  require(parameters.size() == q.rows() && q.rows() > 1);
+  const py::gil_scoped_release release;
+  return spline_slopes(parameters, q, at_rest ? SplineEnds::kAtRest : SplineEnds::kSmooth);
+}
+
 Rows polynomial_values_(const Vector& knots, const Table& coefficients, const Vector& times,
                         int order) {
   require(knots.size() > 1 && coefficients.rows() > 0 && coefficients.cols() > 0 &&
@@ -61,6 +67,8 @@ void bind_spline_fit(py::module_& module) {
              py::arg("q").noconvert(), py::arg("tolerance"));
   module.def("cubic_through", &cubic_through_, py::arg("parameters").noconvert(),
              py::arg("q").noconvert());
+  module.def("spline_slopes", &spline_slopes_, py::arg("parameters").noconvert(),
+             py::arg("q").noconvert(), py::arg("at_rest"));
   module.def("polynomial_values", &polynomial_values_, py::arg("knots").noconvert(),
              py::arg("coefficients").noconvert(), py::arg("times").noconvert(), py::arg("order"));
   module.def("bezier_values", &bezier_values_, py::arg("points").noconvert(),

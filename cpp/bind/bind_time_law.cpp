@@ -1,9 +1,8 @@
 #include <pybind11/eigen.h>
 
 #include "bind/parts.hpp"
-#include "time/kept_limits.hpp"
 #include "time/line_law.hpp"
-#include "time/sampled.hpp"
+#include "time/quintic_step.hpp"
 #include "time/time_law.hpp"
 
 namespace py = pybind11;
@@ -31,10 +30,10 @@ class GriddedPath {
 
   py::tuple law(const Vector& velocity, const Vector& acceleration, const Vector& jerk,
                 const Vector& fastest, const Table& gain, const Table& bend, const Table& lower,
-                const Table& upper, double period, double start_speed, double end_speed,
-                double longest, double most_delay) const {
+                const Table& upper, double period, Eigen::Index parts, double start_speed,
+                double end_speed, double longest, double most_delay) const {
     require(velocity.size() == path_.joints() && acceleration.size() == path_.joints() &&
-            jerk.size() == path_.joints() && fastest.size() == grid_.points());
+            jerk.size() == path_.joints() && fastest.size() == grid_.points() && parts > 0);
     for (const Table* table : {&gain, &bend, &lower, &upper})
       require(table->rows() == grid_.points() && table->cols() == gain.cols());
     TimeLaw found;
@@ -43,15 +42,22 @@ class GriddedPath {
       const RateLimits limits{velocity, acceleration, jerk};
       const PathBounds bounds{fastest, gain, bend, lower, upper};
       found = make_time_law(path_, grid_, limits, bounds,
-                            {period, start_speed, end_speed, longest, most_delay});
+                            {period, parts, start_speed, end_speed, longest, most_delay});
     }
     return py::make_tuple(static_cast<int>(found.status), found.failed_at, std::move(found.length),
-                          found.duration, found.optimum, found.rounds, as_array(found.pinches));
+                          std::move(found.speed), std::move(found.push), found.duration,
+                          found.optimum, found.rounds, as_array(found.bottlenecks));
   }
 
-  Rows positions_at(const Vector& lengths) const {
-    const py::gil_scoped_release release;
-    return leadthrough::positions_at(path_, grid_, lengths);
+  py::tuple states_along(const Vector& length, const Vector& speed, const Vector& push) const {
+    require(speed.size() == length.size() && push.size() == length.size());
+    MotionStates states;
+    {
+      const py::gil_scoped_release release;
+      states = leadthrough::states_along(path_, grid_, length, speed, push);
+    }
+    return py::make_tuple(std::move(states.positions), std::move(states.velocities),
+                          std::move(states.accelerations));
   }
 
  private:
@@ -60,55 +66,37 @@ class GriddedPath {
 };
 
 py::tuple time_lines_(const Table& points, const Vector& velocity, const Vector& acceleration,
-                      const Vector& jerk, double period, Eigen::Index parts, double longest) {
+                      const Vector& jerk, double period, double longest) {
   const Eigen::Index joints = points.cols();
-  require(velocity.size() == joints && acceleration.size() == joints && jerk.size() == joints &&
-          parts > 0);
+  require(velocity.size() == joints && acceleration.size() == joints && jerk.size() == joints);
   LineMotions motions;
   {
     const py::gil_scoped_release release;
-    motions = time_lines(points, {velocity, acceleration, jerk}, period, parts, longest);
+    motions = time_lines(points, {velocity, acceleration, jerk}, period, longest);
   }
-  return py::make_tuple(motions.failed_at, as_array(motions.steps), as_array(motions.shares));
+  Rows3 shares(static_cast<Eigen::Index>(motions.shares.size()), 3);
+  for (Eigen::Index k = 0; k < shares.rows(); ++k) {
+    const JointState& share = motions.shares[static_cast<std::size_t>(k)];
+    shares.row(k) << share.position, share.velocity, share.acceleration;
+  }
+  return py::make_tuple(motions.failed_at, as_array(motions.steps), std::move(shares));
 }
 
-py::tuple largest_use_(const Vector& times, const Table& positions, const Table& velocities,
-                       const Table& accelerations, bool rests_at_start, bool rests_at_end,
-                       const Vector& velocity, const Vector& acceleration, const Vector& jerk) {
-  const Eigen::Index joints = positions.cols();
-  require(times.size() > 0 && velocity.size() == joints && acceleration.size() == joints &&
-          jerk.size() == joints);
+py::tuple motion_extremes_(const Vector& times, const Table& positions, const Table& velocities,
+                           const Table& accelerations) {
+  require(times.size() > 1);
   for (const Table* table : {&positions, &velocities, &accelerations})
-    require(table->rows() == times.size() && table->cols() == joints);
-  LimitUse use;
+    require(table->rows() == times.size() && table->cols() == positions.cols());
+  MotionExtremes found;
   {
     const py::gil_scoped_release release;
-    use = largest_use({times, positions, velocities, accelerations, rests_at_start, rests_at_end},
-                      {velocity, acceleration, jerk});
+    found = motion_extremes(times, positions, velocities, accelerations);
   }
-  return py::make_tuple(use.order, use.sample, use.joint, use.ratio);
-}
-
-py::tuple central_differences_(const Vector& times, const Table& positions, const Table& beyond) {
-  require(times.size() > 1 && positions.rows() == times.size() && beyond.rows() == 2 &&
-          beyond.cols() == positions.cols());
-  Derivatives found;
-  {
-    const py::gil_scoped_release release;
-    found = central_differences(times, positions, beyond);
-  }
-  return py::make_tuple(std::move(found.velocities), std::move(found.accelerations));
-}
-
-py::array_t<Eigen::Index> stops_(const Table& positions, const Table& velocities) {
-  require(positions.rows() == velocities.rows() && positions.cols() == velocities.cols());
-  return as_array(stops(positions, velocities));
-}
-
-py::tuple extent_(const Table& rows) {
-  require(rows.rows() > 0);
-  const Extent found = extent_of(rows);
-  return py::make_tuple(found.least, found.largest);
+  return py::make_tuple(
+      py::make_tuple(std::move(found.lowest), std::move(found.highest), std::move(found.speed),
+                     std::move(found.acceleration)),
+      py::make_tuple(std::move(found.time_of_lowest), std::move(found.time_of_highest),
+                     std::move(found.time_of_speed), std::move(found.time_of_acceleration)));
 }
 
 }  // namespace
@@ -129,20 +117,16 @@ void bind_time_law(py::module_& module) {
            py::arg("acceleration").noconvert(), py::arg("jerk").noconvert(),
            py::arg("fastest").noconvert(), py::arg("gain").noconvert(), py::arg("bend").noconvert(),
            py::arg("lower").noconvert(), py::arg("upper").noconvert(), py::arg("period"),
-           py::arg("start_speed"), py::arg("end_speed"), py::arg("longest"), py::arg("most_delay"))
-      .def("positions_at", &GriddedPath::positions_at, py::arg("lengths").noconvert());
+           py::arg("parts"), py::arg("start_speed"), py::arg("end_speed"), py::arg("longest"),
+           py::arg("most_delay"))
+      .def("states_along", &GriddedPath::states_along, py::arg("length").noconvert(),
+           py::arg("speed").noconvert(), py::arg("push").noconvert());
   module.def("time_lines", &time_lines_, py::arg("points").noconvert(),
              py::arg("velocity").noconvert(), py::arg("acceleration").noconvert(),
-             py::arg("jerk").noconvert(), py::arg("period"), py::arg("parts"), py::arg("longest"));
-  module.def("central_differences", &central_differences_, py::arg("times").noconvert(),
-             py::arg("positions").noconvert(), py::arg("beyond").noconvert());
-  module.def("stops", &stops_, py::arg("positions").noconvert(), py::arg("velocities").noconvert());
-  module.def("extent", &extent_, py::arg("rows").noconvert());
-  module.def("largest_use", &largest_use_, py::arg("times").noconvert(),
+             py::arg("jerk").noconvert(), py::arg("period"), py::arg("longest"));
+  module.def("motion_extremes", &motion_extremes_, py::arg("times").noconvert(),
              py::arg("positions").noconvert(), py::arg("velocities").noconvert(),
-             py::arg("accelerations").noconvert(), py::arg("rests_at_start"),
-             py::arg("rests_at_end"), py::arg("velocity").noconvert(),
-             py::arg("acceleration").noconvert(), py::arg("jerk").noconvert());
+             py::arg("accelerations").noconvert());
 }
 
 }  // namespace leadthrough

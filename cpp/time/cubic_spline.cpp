@@ -35,10 +35,10 @@ void solve_tridiagonal(VectorXd& below, VectorXd& diagonal, VectorXd& above, Row
   }
 }
 
-// Slopes at four samples or more, given the steps between them and the slopes of the chords.
-Rows slopes_of(const Eigen::Ref<const VectorXd>& parameters, const VectorXd& steps,
-               const Rows& chords) {
-  const Index n = parameters.size();
+// Slopes at four samples or more, or at two or more from rest to rest, given the steps between them
+// and the slopes of the chords.
+Rows slopes_of(const VectorXd& steps, const Rows& chords, SplineEnds ends) {
+  const Index n = steps.size() + 1;
   VectorXd below(n - 1), diagonal(n), above(n - 1);
   Rows slopes(n, chords.cols());
   for (Index i = 1; i + 1 < n; ++i) {
@@ -46,6 +46,15 @@ Rows slopes_of(const Eigen::Ref<const VectorXd>& parameters, const VectorXd& ste
     diagonal[i] = 2.0 * (steps[i - 1] + steps[i]);
     above[i] = steps[i - 1];
     slopes.row(i) = 3.0 * (steps[i] * chords.row(i - 1) + steps[i - 1] * chords.row(i));
+  }
+  if (ends == SplineEnds::kAtRest) {
+    for (const Index row : {Index{0}, n - 1}) {
+      slopes.row(row).setZero();
+      diagonal[row] = 1.0;
+    }
+    above[0] = below[n - 2] = 0.0;
+    solve_tridiagonal(below, diagonal, above, slopes);
+    return slopes;
   }
   // The first three and the last three samples lie on one cubic each.
   const auto end = [&](Index row, Index outer, Index inner, double both) {
@@ -55,8 +64,8 @@ Rows slopes_of(const Eigen::Ref<const VectorXd>& parameters, const VectorXd& ste
     diagonal[row] = near;
     return both;
   };
-  above[0] = end(0, 0, 1, parameters[2] - parameters[0]);
-  below[n - 2] = end(n - 1, n - 2, n - 3, parameters[n - 1] - parameters[n - 3]);
+  above[0] = end(0, 0, 1, steps[0] + steps[1]);
+  below[n - 2] = end(n - 1, n - 2, n - 3, steps[n - 2] + steps[n - 3]);
   solve_tridiagonal(below, diagonal, above, slopes);
   return slopes;
 }
@@ -71,15 +80,32 @@ Rows slopes_of_few(const VectorXd& steps, const Rows& chords) {
   return slopes;
 }
 
+VectorXd steps_of(const Eigen::Ref<const VectorXd>& parameters) {
+  const Index pieces = parameters.size() - 1;
+  return parameters.tail(pieces) - parameters.head(pieces);
+}
+
+Rows chords_of(const VectorXd& steps, const Eigen::Ref<const Rows>& q) {
+  Rows chords = q.bottomRows(steps.size()) - q.topRows(steps.size());
+  chords.array().colwise() /= steps.array();
+  return chords;
+}
+
 }  // namespace
 
+Rows spline_slopes(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
+                   SplineEnds ends) {
+  const VectorXd steps = steps_of(parameters);
+  const Rows chords = chords_of(steps, q);
+  return steps.size() > 2 || ends == SplineEnds::kAtRest ? slopes_of(steps, chords, ends)
+                                                         : slopes_of_few(steps, chords);
+}
+
 Rows cubic_through(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q) {
-  const Index pieces = parameters.size() - 1;
-  const VectorXd steps = parameters.tail(pieces) - parameters.head(pieces);
-  Rows chords = q.bottomRows(pieces) - q.topRows(pieces);
-  chords.array().colwise() /= steps.array();
-  const Rows slopes =
-      pieces > 2 ? slopes_of(parameters, steps, chords) : slopes_of_few(steps, chords);
+  const VectorXd steps = steps_of(parameters);
+  const Index pieces = steps.size();
+  const Rows chords = chords_of(steps, q);
+  const Rows slopes = spline_slopes(parameters, q, SplineEnds::kSmooth);
   Rows table(4 * pieces, q.cols());
   for (Index i = 0; i < pieces; ++i) {
     const Eigen::RowVectorXd bend =

@@ -24,7 +24,7 @@ namespace {
 
 // Places so near, relative to the numbers they are sums of, are one.
 constexpr double kSamePlace = 16.0 * std::numeric_limits<double>::epsilon();
-constexpr int kMostSteps = 200;
+constexpr int kMaxSteps = 200;
 
 AxisLimits mirrored(const AxisLimits& l) {
   return {-l.velocity_high,    -l.velocity_low, -l.acceleration_high,
@@ -121,7 +121,7 @@ double last_not_positive(const Function& f, double low, double high, double near
   const double aim = -0.5 * nearly;
   double below = f(low) - aim, above = f(high) - aim;
   int side = 0;
-  for (int i = 1; i <= kMostSteps; ++i) {
+  for (int i = 1; i <= kMaxSteps; ++i) {
     const double half = 0.5 * (low + high);
     double middle = low - below * (high - low) / (above - below);
     if (i % 3 == 0 || !(middle > low && middle < high)) middle = half;
@@ -213,7 +213,7 @@ class Approach {
     const double highest = limits_.velocity_high;
     if (stops() || time() >= wanted) return highest;
     double low = highest;
-    for (int i = 0; i < kMostSteps && time_with(low) < wanted; ++i) low *= 0.5;
+    for (int i = 0; i < kMaxSteps && time_with(low) < wanted; ++i) low *= 0.5;
     const auto early = [&](double speed) { return wanted - time_with(speed); };
     return last_not_positive(early, low, std::min(2.0 * low, highest), kSamePlace * wanted);
   }

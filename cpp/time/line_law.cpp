@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "time/limit_use.hpp"
 
 namespace leadthrough {
 
@@ -13,18 +14,12 @@ using Eigen::Index;
 
 // Rounding of a number of samples, of which the next whole one is taken.
 constexpr double kCountRounding = 1e-9;
-// Third differences of samples reach over so many periods, and see three quarters of a jump of the
-// acceleration, or twice that of one from full to full the other way.
-constexpr double kReach = 3.0;
+// Third differences reach over so many periods, and carry this much rounding.
+constexpr double kReach = 3.0, kDifferenceRounding = 1e-15;
 
 // Limits of the share of a line that is covered, by period; infinite where there is none.
 struct LineLimits {
   double speed, acceleration, jerk;
-
-  // Whether differences of these sizes, of orders 1 to 3, are allowed.
-  bool keep(double first, double second, double third) const {
-    return first <= speed && second <= acceleration && third <= jerk;
-  }
 };
 
 // Those of the joints, for a line from a point to the next.
@@ -45,89 +40,115 @@ LineLimits limits_along(const Eigen::Ref<const Rows>& points, Index line, const 
 // A jump from 0 to 1, averaged over three windows of time, in periods: the inverse of the first is
 // the speed, that of the product of two the acceleration, and that of all three the jerk. None is
 // shorter than the next, and the first is no shorter than the others together.
-class DoubleS {
- public:
-  explicit DoubleS(const LineLimits& limits) {
-    choose(limits);
-    steps_ = std::max(1.0, std::ceil(time() - kCountRounding));
-    // A jump in one step, or two, has differences that the windows do not tell.
-    if (steps_ > 1.0 && limits.keep(1.0, 1.0, 2.0)) steps_ = 1.0;
-    if (steps_ > 2.0 && limits.keep(0.5, 0.5, 0.5)) steps_ = 2.0;
-    const double slower = steps_ / time();  // to a whole number of periods
-    for (double* window : {&speed_, &acceleration_, &jerk_}) *window *= slower;
+struct DoubleS {
+  double speed, acceleration, jerk;
+
+  double time() const { return speed + acceleration + jerk; }
+
+  // Of the share that is covered.
+  JointState at(double time) const {
+    if (time <= 0.5 * this->time()) return rise(time);
+    const JointState back = rise(this->time() - time);
+    return {1.0 - back.position, back.velocity, -back.acceleration};
   }
 
-  double steps() const { return steps_; }
+  DoubleS slower(double factor) const {
+    return {factor * speed, factor * acceleration, factor * jerk};
+  }
 
-  double share(double time) const {
-    return time > 0.5 * steps_ ? 1.0 - rise(steps_ - time) : rise(time);
+  // Its jerk then changes at samples only, and the quintics between them are the motion itself.
+  DoubleS in_whole_periods() const {
+    const auto whole = [](double window) {
+      return std::max(1.0, std::ceil(window - kCountRounding));
+    };
+    DoubleS result{whole(speed), whole(acceleration), whole(jerk)};
+    result.speed = std::max(result.speed, result.acceleration + result.jerk);
+    return result;
   }
 
  private:
-  double time() const { return speed_ + acceleration_ + jerk_; }
-
-  void choose(const LineLimits& limits) {
-    const double ramp = std::isinf(limits.jerk) ? 0.0 : limits.acceleration / limits.jerk;
-    const double speed = 1.0 / limits.speed, climb = limits.speed / limits.acceleration;
-    const double peak = std::sqrt(1.0 / limits.acceleration);
-    // Samples do not see so short a ramp: third differences keep the limit without one.
-    const bool apart = climb >= kReach && speed >= climb + kReach;
-    if (ramp <= 0.5 || (ramp <= 1.0 && apart))
-      set(std::max(speed, peak), std::min(climb, peak), 0.0);
-    else if (climb >= ramp && speed >= climb + ramp)
-      set(speed, climb, ramp);
-    else
-      choose_curved(limits, ramp);
+  JointState rise(double time) const {
+    const double ramp = acceleration + jerk, left = ramp - time,
+                 push = 1.0 / (speed * acceleration);
+    if (left <= 0.0) return {(time - 0.5 * ramp) / speed, 1.0 / speed, 0.0};
+    const double change = jerk > 0.0 ? push / jerk : 0.0;
+    if (time < jerk)
+      return {change * time * time * time / 6.0, 0.5 * change * time * time, change * time};
+    if (left < jerk)
+      return {(time - 0.5 * ramp) / speed + change * left * left * left / 6.0,
+              1.0 / speed - 0.5 * change * left * left, change * left};
+    const double middle = time - 0.5 * jerk;
+    return {0.5 * push * (middle * middle + jerk * jerk / 12.0), push * middle, push};
   }
-
-  // The limit of speed, that of acceleration, or neither is reached.
-  void choose_curved(const LineLimits& limits, double ramp) {
-    const double speed = 1.0 / limits.speed, root = std::sqrt(limits.speed / limits.jerk);
-    if (root <= ramp && speed >= 2.0 * root) return set(speed, root, root);
-    const double half = 0.5 * ramp;
-    const double climb = std::sqrt(1.0 / limits.acceleration + half * half) - half;
-    if (climb >= ramp) return set(climb + ramp, climb, ramp);
-    const double cube = std::cbrt(0.5 / limits.jerk);
-    set(2.0 * cube, cube, cube);
-  }
-
-  void set(double speed, double acceleration, double jerk) {
-    speed_ = speed;
-    acceleration_ = acceleration;
-    jerk_ = jerk;
-  }
-
-  // The share that is covered on the way to full speed, and at it.
-  double rise(double time) const {
-    const double ramp = acceleration_ + jerk_, left = ramp - time;
-    const double cube = 6.0 * speed_ * acceleration_ * jerk_;
-    if (left <= 0.0) return (time - 0.5 * ramp) / speed_;
-    if (time < jerk_) return time * time * time / cube;
-    if (left < jerk_) return (time - 0.5 * ramp) / speed_ + left * left * left / cube;
-    const double middle = time - 0.5 * jerk_;
-    return (12.0 * middle * middle + jerk_ * jerk_) / (24.0 * speed_ * acceleration_);
-  }
-
-  double speed_ = 0.0, acceleration_ = 0.0, jerk_ = 0.0, steps_ = 0.0;
 };
+
+// The fastest one for any times, not only those of samples.
+DoubleS fastest(const LineLimits& limits) {
+  const double ramp = std::isinf(limits.jerk) ? 0.0 : limits.acceleration / limits.jerk;
+  const double speed = 1.0 / limits.speed, climb = limits.speed / limits.acceleration;
+  if (climb >= ramp && speed >= climb + ramp) return {speed, climb, ramp};
+  // The limit of speed, that of acceleration, or neither is reached.
+  const double root = std::sqrt(limits.speed / limits.jerk);
+  if (climb <= ramp && speed >= 2.0 * root) return {speed, root, root};
+  const double half = 0.5 * ramp;
+  const double most = std::sqrt(1.0 / limits.acceleration + half * half) - half;
+  if (most >= ramp) return {most + ramp, most, ramp};
+  const double cube = std::cbrt(0.5 / limits.jerk);
+  return {2.0 * cube, cube, cube};
+}
+
+// Whether the quintics between samples keep the limits, and differences of the acceleration over a
+// step and of the share over three.
+bool keeps(const DoubleS& law, double steps, const LineLimits& limits) {
+  const double allowed = 1.0 + kAllowedExcess;
+  JointState last{0.0, 0.0, 0.0};
+  double slope = 0.0, bend = 0.0;
+  for (double time = 1.0; time < steps + kReach; time += 1.0) {
+    const JointState now = time < steps ? law.at(time) : JointState{1.0, 0.0, 0.0};
+    const QuinticStep step(1.0, last, now);
+    const double next = now.position - last.position, turn = next - slope;
+    const double jerk = std::max(std::abs(now.acceleration - last.acceleration),
+                                 std::abs(turn - bend) - kDifferenceRounding);
+    if (step.speed().value > allowed * limits.speed ||
+        step.acceleration().value > allowed * limits.acceleration || jerk > allowed * limits.jerk)
+      return false;
+    last = now;
+    slope = next;
+    bend = turn;
+  }
+  return true;
+}
+
+// The fastest one whose samples keep the limits: over a whole number of periods, or in windows of
+// whole periods where the quintics would need more.
+DoubleS sampled(const LineLimits& limits) {
+  const DoubleS law = fastest(limits), whole = law.in_whole_periods();
+  for (double steps = std::max(1.0, std::ceil(law.time() - kCountRounding)); steps < whole.time();
+       steps += 1.0) {
+    const DoubleS slower = law.slower(steps / law.time());
+    if (keeps(slower, steps, limits)) return slower;
+  }
+  return whole;
+}
 
 }  // namespace
 
 LineMotions time_lines(const Eigen::Ref<const Rows>& points, const RateLimits& limits,
-                       double period, Index parts, double longest) {
+                       double period, double longest) {
   LineMotions motions;
   double samples = 0.0;
   for (Index i = 0; i + 1 < points.rows(); ++i) {
-    const DoubleS law(limits_along(points, i, limits, period));
-    samples += law.steps();
+    const LineLimits along = limits_along(points, i, limits, period);
+    samples += fastest(along).time();
     if (!(samples < longest)) {
       motions.failed_at = i;
       return motions;
     }
-    const auto steps = static_cast<Index>(std::ceil(law.steps() / static_cast<double>(parts)));
-    motions.steps.push_back(steps);
-    for (Index k = 1; k <= steps; ++k)
-      motions.shares.push_back(law.share(std::min(static_cast<double>(k * parts), law.steps())));
+    const DoubleS law = sampled(along);
+    const double steps = std::round(law.time());
+    motions.steps.push_back(static_cast<Index>(steps));
+    for (double time = 1.0; time < steps; time += 1.0) motions.shares.push_back(law.at(time));
+    motions.shares.push_back({1.0, 0.0, 0.0});
   }
   return motions;
 }

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "time/quintic_step.hpp"
 #include "time/rate_limits.hpp"
 
 namespace leadthrough {
@@ -14,12 +15,12 @@ namespace leadthrough {
 struct LineMotions {
   Eigen::Index failed_at = -1;      // line that would take the motion beyond the most samples
   std::vector<Eigen::Index> steps;  // of each line
-  std::vector<double> shares;       // of its line, after each step
+  std::vector<JointState> shares;   // of its line, after each step, with derivatives by periods
 };
 
-// Lines from each of the points to the next, none of which repeats the one before. A step is of
-// `parts` periods; samples a period apart keep the limits. Joints with limits of 0 do not count.
+// Lines from each of the points to the next, none of which repeats the one before. Samples a period
+// apart and the quintics between them keep the limits. Joints with limits of 0 do not count.
 LineMotions time_lines(const Eigen::Ref<const Rows>& points, const RateLimits& limits,
-                       double period, Eigen::Index parts, double longest);
+                       double period, double longest);
 
 }  // namespace leadthrough

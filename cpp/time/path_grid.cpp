@@ -15,13 +15,13 @@ using Eigen::VectorXd;
 // The parameter's own pace counts as much as the mean motion: small enough to close gaps, large
 // enough to keep the new parameter smooth where the motion stops and turns.
 constexpr double kOwnPace = 1.0;
-constexpr Index kLeastPointsAPiece = 4;
+constexpr Index kMinPointsAPiece = 4;
 // Share of the points that is spread over the turns.
 constexpr double kShareOfTurns = 1.0 / 3.0;
 
 // A cell is halved that is so many times wider than one beside it.
 constexpr double kWider = 4.0;
-constexpr int kMostHalvings = 64;
+constexpr int kMaxHalvings = 64;
 // Parameters nearer to each other than this share of the largest are the same.
 constexpr double kTwins = 1e-14;
 
@@ -85,7 +85,7 @@ struct Parts {
 };
 
 Parts parts(const PolynomialPath& path, Index points) {
-  const Index each = std::max(kLeastPointsAPiece, points / path.pieces());
+  const Index each = std::max(kMinPointsAPiece, points / path.pieces());
   Parts result{VectorXd(each * path.pieces()), VectorXd(each * path.pieces())};
   for (Index p = 0; p < path.pieces(); ++p) {
     const double width = (path.breaks[p + 1] - path.breaks[p]) / static_cast<double>(each);
@@ -141,10 +141,10 @@ std::vector<double> with_short_pieces(const PolynomialPath& path, const VectorXd
   for (Index p = 0, i = 0; p < path.pieces(); ++p) {
     const double first = path.breaks[p], width = path.breaks[p + 1] - first;
     while (i + 2 < s.size() && s[i + 1] <= first) ++i;
-    if (s[i + 1] - s[i] <= width / static_cast<double>(kLeastPointsAPiece)) continue;
-    for (Index k = 0; k <= kLeastPointsAPiece; ++k)
+    if (s[i + 1] - s[i] <= width / static_cast<double>(kMinPointsAPiece)) continue;
+    for (Index k = 0; k <= kMinPointsAPiece; ++k)
       result.push_back(first +
-                       width * static_cast<double>(k) / static_cast<double>(kLeastPointsAPiece));
+                       width * static_cast<double>(k) / static_cast<double>(kMinPointsAPiece));
   }
   std::sort(result.begin(), result.end());
   const double least = kTwins * std::max(std::abs(result.front()), std::abs(result.back()));
@@ -160,7 +160,7 @@ std::vector<double> with_short_pieces(const PolynomialPath& path, const VectorXd
 // turn is held back on so many cells, however wide they are.
 VectorXd graded(std::vector<double> s) {
   bool again = true;
-  for (int pass = 0; again && pass < kMostHalvings; ++pass) {
+  for (int pass = 0; again && pass < kMaxHalvings; ++pass) {
     again = false;
     std::vector<double> finer{s.front()};
     for (std::size_t i = 0; i + 1 < s.size(); ++i) {
@@ -205,11 +205,14 @@ PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const Vecto
   return grid;
 }
 
-double parameter_at(const PathGrid& grid, double length, Index& cell) {
+Parameter parameter_at(const PathGrid& grid, double length, Index& cell) {
   const Index last = grid.points() - 1;
-  if (length <= 0.0) return grid.s[0] + length * grid.slope[0];
-  if (length >= grid.length[last])
-    return grid.s[last] + (length - grid.length[last]) * grid.slope[last];
+  for (const Index end : {Index{0}, last}) {
+    if (end == 0 ? length > 0.0 : length < grid.length[last]) continue;
+    const double beyond = length - grid.length[end];
+    return {grid.s[end] + beyond * grid.slope[end], grid.slope[end],
+            beyond == 0.0 ? grid.bend[end] : 0.0};
+  }
   while (cell > 0 && length < grid.length[cell]) --cell;
   while (cell + 1 < last && length >= grid.length[cell + 1]) ++cell;
   const double h = grid.length[cell + 1] - grid.length[cell], t = (length - grid.length[cell]) / h;
@@ -220,8 +223,25 @@ double parameter_at(const PathGrid& grid, double length, Index& cell) {
   const double c3 = 10.0 * rise - 4.0 * speed + half;
   const double c4 = -15.0 * rise + 7.0 * speed - 2.0 * half;
   const double c5 = 6.0 * rise - 3.0 * speed + half;
-  const double s = grid.s[cell] + t * (v0 + t * (a0 + t * (c3 + t * (c4 + t * c5))));
-  return std::clamp(s, grid.s[cell], grid.s[cell + 1]);
+  return {grid.s[cell] + t * (v0 + t * (a0 + t * (c3 + t * (c4 + t * c5)))),
+          (v0 + t * (2.0 * a0 + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))) / h,
+          (2.0 * a0 + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))) / (h * h)};
+}
+
+PathStates::PathStates(const PolynomialPath& path, const PathGrid& grid)
+    : path_(path),
+      grid_(grid),
+      position_(path.joints()),
+      velocity_(path.joints()),
+      acceleration_(path.joints()) {}
+
+void PathStates::move_to(double length, double speed, double push) {
+  const Parameter at = parameter_at(grid_, length, cell_);
+  piece_ = path_.piece_of(at.s, piece_);
+  path_.position(at.s, piece_, position_.data(), velocity_.data(), acceleration_.data());
+  const double pace = at.slope * speed, change = at.bend * speed * speed + at.slope * push;
+  acceleration_ = acceleration_ * (pace * pace) + velocity_ * change;
+  velocity_ *= pace;
 }
 
 }  // namespace leadthrough

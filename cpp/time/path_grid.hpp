@@ -24,9 +24,33 @@ struct PathGrid {
 PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const Eigen::VectorXd>& scale,
                         Eigen::Index points);
 
+// s with two derivatives by the length.
+struct Parameter {
+  double s, slope, bend;
+};
+
 // s at a length: the quintic through s, slope and bend of the points on both sides, so that the
 // second derivative is continuous. Beyond the ends s continues in a straight line. `cell` is
 // where the search starts and what it found.
-double parameter_at(const PathGrid& grid, double length, Eigen::Index& cell);
+Parameter parameter_at(const PathGrid& grid, double length, Eigen::Index& cell);
+
+// Joint states along the path, for lengths that change little from one to the next.
+class PathStates {
+ public:
+  PathStates(const PolynomialPath& path, const PathGrid& grid);
+
+  // With the length's derivatives in time.
+  void move_to(double length, double speed, double push);
+
+  const Eigen::VectorXd& position() const { return position_; }
+  const Eigen::VectorXd& velocity() const { return velocity_; }
+  const Eigen::VectorXd& acceleration() const { return acceleration_; }
+
+ private:
+  const PolynomialPath& path_;
+  const PathGrid& grid_;
+  Eigen::Index cell_ = 0, piece_ = 0;
+  Eigen::VectorXd position_, velocity_, acceleration_;
+};
 
 }  // namespace leadthrough

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "time/limit_use.hpp"
 #include "time/path_grid.hpp"
 #include "time/reachability.hpp"
 
@@ -19,7 +20,18 @@ class ProfileClock {
   // `cell` is where the search starts, no later than the time, and what it found.
   double length_at(double time, Eigen::Index& cell) const;
 
+  // Weighted means over one period on both sides of the times first * period, (first + 1) * period
+  // and so on, with weights that fall to 0 like a hat, and their two derivatives in time.
+  LawSamples smoothed(double period, Eigen::Index first, Eigen::Index count) const;
+
  private:
+  // Integrals over a period of the length beyond its start, of its derivative, and of it times the
+  // time.
+  struct Step {
+    double rise = 0.0, area = 0.0, moment = 0.0;
+  };
+  Step step(double begin, double period, Eigen::Index& cell) const;
+
   const PathGrid* grid_ = nullptr;
   Eigen::VectorXd speeds_;
   std::vector<double> times_{0.0};

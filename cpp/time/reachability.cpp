@@ -24,7 +24,7 @@ constexpr double kNegligibleGain = 1e-9;
 // What rounding leaves of a length that is zero, relative to the terms that it is the sum of.
 constexpr double kRounding = 1e-12;
 constexpr double kSameSpeed = 1e-9;
-constexpr int kMostNewtonSteps = 100;
+constexpr int kMaxNewtonSteps = 100;
 
 // A bound on u that is linear in x: u <= or >= offset + slope * x.
 struct Line {
@@ -130,7 +130,7 @@ class Cell {
   // From x towards `other`, the first x that leaves an acceleration; beyond `other` if none does.
   double outermost(double x, double other) const {
     const double direction = other < x ? -1.0 : 1.0;
-    for (int step = 0; step < kMostNewtonSteps; ++step) {
+    for (int step = 0; step < kMaxNewtonSteps; ++step) {
       const Line low = floor(x), high = ceiling(x);
       const double length = high.at(x) - low.at(x);
       if (length >= -kRounding * (low.size(x) + high.size(x))) return x;

@@ -2,7 +2,8 @@
 // it covers by time is averaged over two windows, which bounds the jerk: an acceleration that
 // jumps by c becomes a ramp of slope c / width. Averaging moves the motion by a little against its
 // path, so that a limit may be exceeded here and there; the profile is then held back, there and
-// nowhere else, and computed again.
+// nowhere else, and computed again. The average is that of the whole profile, not of its samples:
+// it has three continuous derivatives, and its own velocities and accelerations are returned.
 
 #include "time/time_law.hpp"
 
@@ -12,7 +13,7 @@
 #include <vector>
 
 #include "base/constants.hpp"
-#include "time/differences.hpp"
+#include "time/limit_use.hpp"
 #include "time/profile_clock.hpp"
 
 namespace leadthrough {
@@ -31,24 +32,24 @@ constexpr int kSamplesAWindow = 6;
 constexpr double kAmply = 1.0005;
 // Points of the grid over which a hold fades out.
 constexpr Index kFade = 8;
-constexpr int kMostCoarseRounds = 8, kRoundsOfPush = 4, kMostLocalRounds = 16, kMostSlowRounds = 40,
-              kMostRounds = 60;
+constexpr int kMaxCoarseRounds = 8, kRoundsOfPush = 4, kMaxLocalRounds = 16, kMaxSlowRounds = 40,
+              kMaxRounds = 60;
 // Windows that are too short for any profile grow by this part of them, at least by a sample.
 constexpr Index kWidening = 4;
 // Excess of a limit that long strides leave to all samples.
 constexpr double kCoarseExcess = 1e-3;
-// Differences at 1 kHz carry rounding of 1e-9 of usual limits.
-constexpr double kAllowedExcess = 5e-7;
-// A place is a pinch where the motion is so many times slower than on average over the windows.
-constexpr double kPinch = 3.0;
-// The pinches are told of a motion that is longer than its profile by so many times its windows.
-constexpr double kLongDelay = 1.0;
+// A place is a bottleneck where the motion is so many times slower than on average over the
+// windows.
+constexpr double kBottleneck = 3.0;
+// The bottlenecks are told of a motion that is longer than its profile by so many times its
+// windows.
+constexpr double kMinDelay = 1.0;
 // What does not settle is slowed down by this, and by twice as much in every further round.
 constexpr double kFirstSlack = 1e-4;
 
 struct Windows {
   Index first, second;  // samples; their sum is even
-  Index reach() const { return (first + second) / 2 - 1; }
+  Index reach() const { return (first + second) / 2; }
 };
 
 class TimeLawSearch {
@@ -69,13 +70,17 @@ class TimeLawSearch {
   TimeLaw run() {
     TimeLaw law;
     if (search(law)) {
-      if (clock_.total() - profile_time_ > kLongDelay * window_time()) law.pinches = pinches_;
-      if (!rests_at_end()) smooth_.push_back(grid_.end());
-      law.length = Eigen::Map<const VectorXd>(smooth_.data(), static_cast<Index>(smooth_.size()));
+      if (clock_.total() - profile_time_ > kMinDelay * window_time())
+        law.bottlenecks = bottlenecks_;
+      meet_ends();
+      for (const auto& [samples, values] :
+           {std::pair(&smooth_.length, &law.length), std::pair(&smooth_.speed, &law.speed),
+            std::pair(&smooth_.push, &law.push)})
+        *values = Eigen::Map<const VectorXd>(samples->data(), static_cast<Index>(samples->size()));
       law.duration = duration_;
     }
-    if (law.status == TimeLawStatus::kNotSettled || law.status == TimeLawStatus::kCreeps)
-      law.pinches = pinches_;
+    if (law.status == TimeLawStatus::kNotSettled || law.status == TimeLawStatus::kSlowProfile)
+      law.bottlenecks = bottlenecks_;
     law.rounds = rounds_;
     return law;
   }
@@ -83,6 +88,18 @@ class TimeLawSearch {
  private:
   bool rests_at_start() const { return options_.start_speed == 0.0; }
   bool rests_at_end() const { return options_.end_speed == 0.0; }
+
+  // Rest is rest, without rounding; a motion that passes its end has a last sample there.
+  void meet_ends() {
+    if (rests_at_start()) smooth_.speed.front() = smooth_.push.front() = 0.0;
+    if (rests_at_end()) {
+      smooth_.speed.back() = smooth_.push.back() = 0.0;
+      return;
+    }
+    smooth_.length.push_back(grid_.end());
+    smooth_.speed.push_back(options_.end_speed);
+    smooth_.push.push_back(0.0);
+  }
 
   // As long as the joints need from rest to full acceleration, or to full speed if that is less.
   void choose_windows() {
@@ -138,7 +155,7 @@ class TimeLawSearch {
   // Averaging keeps a motion of constant speed: with a speed given, an end is passed at it for as
   // long as the windows reach.
   void hold_ends() {
-    const double time = options_.period * static_cast<double>(stride_ * (windows_.reach() + 1));
+    const double time = options_.period * static_cast<double>(stride_ * windows_.reach());
     const Index row = bounds_.gain.cols() - 1;
     for (Index i = 0; i < grid_.points(); ++i) {
       const bool start = grid_.length[i] < options_.start_speed * time;
@@ -157,15 +174,16 @@ class TimeLawSearch {
     const double period = options_.period * static_cast<double>(stride);
     clock_ = ProfileClock(grid_, profile_);
     if (rounds_ == 1) law.optimum = clock_.total();
-    if (rounds_ == 1 || capped_) find_pinches();
+    if (rounds_ == 1 || capped_) find_bottlenecks();
     capped_ = false;
-    if (!pinches_.empty() && delay() > options_.most_delay)
-      return fail(law, TimeLawStatus::kCreeps, -1);
-    if (!(clock_.total() < options_.longest * options_.period))
+    if (!bottlenecks_.empty() && delay() > options_.most_delay)
+      return fail(law, TimeLawStatus::kSlowProfile, -1);
+    if (!(clock_.total() + window_time() < options_.longest * options_.period))
       return fail(law, TimeLawStatus::kTooLong, grid_.points() - 1);
     sample(period, windows_.first * (stride_ / stride), windows_.second * (stride_ / stride));
-    measure_differences(path_, grid_, limits_, smooth_, period, {rests_at_start(), rests_at_end()},
-                        ratios_);
+    const bool all = stride == 1;
+    measure_use(path_, grid_, limits_, smooth_,
+                {period, all ? options_.parts : 1, all, rests_at_start(), rests_at_end()}, ratios_);
     return true;
   }
 
@@ -206,20 +224,20 @@ class TimeLawSearch {
   // left, then all of them until none does.
   bool search(TimeLaw& law) {
     Index stride = stride_;
-    for (int k = 0; k < kMostRounds; ++k) {
+    for (int k = 0; k < kMaxRounds; ++k) {
       if (!round(stride, law)) return false;
       if (stride == 1 && largest_ratio() <= 1.0 + kAllowedExcess) return true;
       if (k == 0 && cap_by_jerk()) {
         capped_ = true;
         continue;
       }
-      const bool near = excess() <= 1.0 + kCoarseExcess || k + 1 >= kMostCoarseRounds;
+      const bool near = excess() <= 1.0 + kCoarseExcess || k + 1 >= kMaxCoarseRounds;
       if (stride > 1 && near) {
         stride = 1;
-      } else if (k < kMostLocalRounds) {
-        hold_back((stride_ / stride) * windows_.reach() + 1, k >= kRoundsOfPush);
+      } else if (k < kMaxLocalRounds) {
+        hold_back((stride_ / stride) * windows_.reach() + options_.parts, k >= kRoundsOfPush);
       } else {
-        slow_down(k - kMostSlowRounds);
+        slow_down(k - kMaxSlowRounds);
       }
     }
     return fail(law, TimeLawStatus::kNotSettled, -1);
@@ -280,7 +298,7 @@ class TimeLawSearch {
   void raise(VectorXd& share, double ratio, Index sample, Index reach) const {
     const Index last = static_cast<Index>(smooth_.size()) - 1;
     const auto at = [&](Index k) {
-      return smooth_[static_cast<std::size_t>(std::clamp<Index>(k, 0, last))];
+      return smooth_.length[static_cast<std::size_t>(std::clamp<Index>(k, 0, last))];
     };
     const double* begin = grid_.length.data();
     const double* end = begin + grid_.points();
@@ -307,9 +325,9 @@ class TimeLawSearch {
 
   // Averaging cannot slow a motion down for less time than its windows: around a place that has to
   // be passed slowly all is slowed down.
-  void find_pinches() {
+  void find_bottlenecks() {
     profile_time_ = clock_.total();
-    pinches_.clear();
+    bottlenecks_.clear();
     const VectorXd& x = profile_.squared;
     const double half = 0.5 * window_time();
     Index before = 0, after = 0;
@@ -319,31 +337,25 @@ class TimeLawSearch {
       const double from = std::max(time - half, 0.0), to = std::min(time + half, clock_.total());
       const double mean =
           (clock_.length_at(to, after) - clock_.length_at(from, before)) / (to - from);
-      if (mean > kPinch * std::sqrt(x[i])) pinches_.push_back(i);
+      if (mean > kBottleneck * std::sqrt(x[i])) bottlenecks_.push_back(i);
     }
   }
 
-  // The profile's length by time, averaged.
+  // The profile's length by time, averaged. A motion that rests at an end begins before it, or ends
+  // after it, by as much as the windows reach; one that moves there goes on beyond it.
   void sample(double period, Index first, Index second) {
     const double total = clock_.total(), steps = total / period;
-    // Raw sample k is of the time (k - reach) * period where the motion moves at its start, and
-    // twice as much earlier where it rests: there it begins before, to be at rest.
-    const Index reach = (first + second) / 2 - 1;
-    const Index before = rests_at_start() ? 2 * reach : reach;
-    const Index inner = rests_at_end() ? static_cast<Index>(std::ceil(steps - 1e-9))
-                                       : static_cast<Index>(std::floor(steps - 0.5));
-    const Index after = rests_at_end() ? 2 * reach : reach;
-    raw_.resize(static_cast<std::size_t>(before + inner + after + 1));
-    Index cell = 0;
-    for (Index k = 0; k <= before + inner + after; ++k)
-      raw_[static_cast<std::size_t>(k)] =
-          clock_.length_at(static_cast<double>(k - before) * period, cell);
-    average(raw_, first);
-    average(raw_, second);
-    smooth_.swap(raw_);
-    duration_ = static_cast<double>(smooth_.size() - 1) * period;
-    if (!rests_at_end())
-      duration_ = total + (rests_at_start() ? static_cast<double>(reach) * period : 0.0);
+    const Index reach = (first + second) / 2;
+    const Index begin = rests_at_start() ? -reach : 0;
+    const Index end = rests_at_end() ? static_cast<Index>(std::ceil(steps - 1e-9)) + reach
+                                     : static_cast<Index>(std::floor(steps - 0.5));
+    smooth_ = clock_.smoothed(period, begin - (reach - 1), end - begin + 2 * reach - 1);
+    for (std::vector<double>* values : {&smooth_.length, &smooth_.speed, &smooth_.push}) {
+      average(*values, first);
+      average(*values, second);
+    }
+    duration_ = rests_at_end() ? static_cast<double>(end - begin) * period
+                               : total - static_cast<double>(begin) * period;
   }
 
   const PolynomialPath& path_;
@@ -359,11 +371,11 @@ class TimeLawSearch {
   double slowness_ = 1.0, duration_ = 0.0, profile_time_ = 0.0;
   bool capped_ = false;  // whether the next profile is the first below the caps of jerk
   int rounds_ = 0;
-  std::vector<Index> pinches_;
+  std::vector<Index> bottlenecks_;
   SpeedProfile profile_;
-  DifferenceRatios ratios_;
+  LimitRatios ratios_;
   ProfileClock clock_;
-  std::vector<double> raw_, smooth_;
+  LawSamples smooth_;
 };
 
 }  // namespace
@@ -373,16 +385,20 @@ TimeLaw make_time_law(const PolynomialPath& path, const PathGrid& grid, const Ra
   return TimeLawSearch(path, grid, limits, bounds, options).run();
 }
 
-Rows positions_at(const PolynomialPath& path, const PathGrid& grid,
-                  const Eigen::Ref<const Eigen::VectorXd>& lengths) {
-  Rows q(lengths.size(), path.joints());
-  Index cell = 0, piece = 0;
-  for (Index k = 0; k < lengths.size(); ++k) {
-    const double s = parameter_at(grid, lengths[k], cell);
-    piece = path.piece_of(s, piece);
-    path.position(s, piece, q.data() + k * path.joints());
+MotionStates states_along(const PolynomialPath& path, const PathGrid& grid,
+                          const Eigen::Ref<const VectorXd>& length,
+                          const Eigen::Ref<const VectorXd>& speed,
+                          const Eigen::Ref<const VectorXd>& push) {
+  const Index samples = length.size(), joints = path.joints();
+  MotionStates result{Rows(samples, joints), Rows(samples, joints), Rows(samples, joints)};
+  PathStates states(path, grid);
+  for (Index k = 0; k < samples; ++k) {
+    states.move_to(length[k], speed[k], push[k]);
+    result.positions.row(k) = states.position();
+    result.velocities.row(k) = states.velocity();
+    result.accelerations.row(k) = states.acceleration();
   }
-  return q;
+  return result;
 }
 
 }  // namespace leadthrough

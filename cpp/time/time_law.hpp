@@ -17,11 +17,12 @@ struct PathBounds {
 };
 
 struct TimeLawOptions {
-  double period = 1e-3;  // s, of the samples
+  double period = 1e-3;    // s, of the samples
+  Eigen::Index parts = 1;  // samples for each one that the motion is given by
   // Speeds of the length at the ends; with 0 the motion starts and ends at rest.
   double start_speed = 0.0, end_speed = 0.0;
   double longest = 1e7;  // samples
-  // A motion with pinches is given up that is longer than its profile by so many times that and
+  // A motion with bottlenecks is given up that is longer than its profile by so many times that and
   // its windows.
   double most_delay = 20.0;
 };
@@ -33,28 +34,34 @@ enum class TimeLawStatus {
   kEndTooFast,
   kTooLong,
   kNotSettled,
-  kCreeps  // far longer than its pinches are worth: rest at them
+  kSlowProfile  // far longer than its bottlenecks are worth: rest at them
 };
 
 struct TimeLaw {
   TimeLawStatus status = TimeLawStatus::kOk;
   Eigen::Index failed_at = -1;  // point of the grid
-  Eigen::VectorXd length;       // at the times k * period, the last one at `duration`
-  double duration = 0.0;        // a multiple of the period where the motion ends at rest
-  double optimum = 0.0;         // what it would be without jerk limits
-  int rounds = 0;               // reachability passes
+  // Along the path at the times k * period, the last one at `duration`, with two derivatives.
+  Eigen::VectorXd length, speed, push;
+  double duration = 0.0;  // a multiple of the period where the motion ends at rest
+  double optimum = 0.0;   // what it would be without jerk limits
+  int rounds = 0;         // reachability passes
   // Points of the grid at which the motion has to be so much slower than beside them that it may
   // be faster to rest there. None where it is not much longer than its profile.
-  std::vector<Eigen::Index> pinches;
+  std::vector<Eigen::Index> bottlenecks;
 };
 
-// Differences of the samples' positions keep the limits, those over the ends included where the
-// motion rests there.
+// The quintics through every one of `parts` samples keep the limits, see LimitRatios.
 TimeLaw make_time_law(const PolynomialPath& path, const PathGrid& grid, const RateLimits& limits,
                       const PathBounds& bounds, const TimeLawOptions& options = {});
 
-// Positions at lengths.
-Rows positions_at(const PolynomialPath& path, const PathGrid& grid,
-                  const Eigen::Ref<const Eigen::VectorXd>& lengths);
+struct MotionStates {
+  Rows positions, velocities, accelerations;
+};
+
+// The joints along the path at lengths with two derivatives in time, all (n).
+MotionStates states_along(const PolynomialPath& path, const PathGrid& grid,
+                          const Eigen::Ref<const Eigen::VectorXd>& length,
+                          const Eigen::Ref<const Eigen::VectorXd>& speed,
+                          const Eigen::Ref<const Eigen::VectorXd>& push);
 
 }  // namespace leadthrough

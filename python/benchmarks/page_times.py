@@ -50,9 +50,7 @@ def of_a_scene(loads: int, frames: int) -> tuple[list[float], list[float]]:
 
 def _write(page: Path) -> None:
     arm, shown = lt.Arm.load("panda"), demonstrations()
-    joints = lt.scale_to_limits(
-        lt.differentiate(arm.follow(lt.DMP().fit(shown).generate())), arm.limits
-    )
+    joints = lt.retime(arm.follow(lt.DMP().fit(shown).generate()), arm.limits, rate=100.0)
     view(arm, joints, scene=[BOX], demonstrations=shown, html=page)
 
 

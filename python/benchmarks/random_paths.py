@@ -4,7 +4,8 @@
 
 Way-points that nearly coincide, tiny motions, joints that move alone, narrow turns, motions to and
 fro on a line, noisy and pausing recordings, limits over decades. All of them can be done: a refusal
-is a fault, and so is a limit exceeded by more than 1e-6 of itself, by NumPy's differences.
+is a fault, and so is a limit exceeded by more than 1e-6 of itself: by differences of the positions,
+by the densely sampled quintics between samples, and by differences of accelerations.
 """
 
 from __future__ import annotations
@@ -59,13 +60,31 @@ def excess(motion: lt.JointTrajectory, limits: JointLimits) -> float:
     step = motion.times[1] - motion.times[0]
     standing = np.vstack([q[[0] * 3], q, q[[-1] * 3]])
     ulps = np.finfo(np.float64).eps * np.abs(q).max(axis=0)
-    own = {1: motion.velocities, 2: motion.accelerations}
+    between = _between(motion, step)
     for order, limit in enumerate((limits.velocity, limits.acceleration, limits.jerk), 1):
-        values = np.diff(standing, order, axis=0) / step**order
-        values = np.vstack([values, own[order]]) if order in own else values
-        used = np.abs(values).max(axis=0) - ulps * (2.0 / step) ** order
-        ratio = max(ratio, float((used / limit).max()))
+        differences = np.abs(np.diff(standing, order, axis=0)).max(axis=0) / step**order
+        differences -= ulps * (2.0 / step) ** order
+        curve = np.abs(between[order]).max(axis=(0, 1)) - 10.0 * ulps * (2.0 / step) ** order
+        ratio = max(ratio, float((np.maximum(differences, curve) / limit).max()))
     return ratio - 1.0
+
+
+def _between(motion: lt.JointTrajectory, step: float) -> dict[int, Any]:
+    """Velocities and accelerations (samples a step, steps, joints) of the quintics, and jerks."""
+    states = [motion.positions, motion.velocities, motion.accelerations]
+    q, v, a = (np.stack([rows[:-1], rows[1:]]) * step**k for k, rows in enumerate(states))
+    c0, c1, c2 = q[0], v[0], 0.5 * a[0]
+    rise, gain, push = q[1] - c0 - c1 - c2, v[1] - c1 - 2.0 * c2, a[1] - 2.0 * c2
+    c3, c4, c5 = (
+        10.0 * rise - 4.0 * gain + 0.5 * push,
+        -15.0 * rise + 7.0 * gain - push,
+        6.0 * rise - 3.0 * gain + 0.5 * push,
+    )
+    u = np.linspace(0.0, 1.0, 9)[:, None, None]
+    velocity = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))
+    acceleration = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))
+    jerk = np.diff(a, axis=0) / step**3
+    return {1: velocity / step, 2: acceleration / step**2, 3: jerk}
 
 
 def _limits(rng: Rng, joints: int) -> JointLimits:
@@ -88,7 +107,7 @@ def _corners(rng: Rng, way: Any, size: float) -> tuple[Any, dict[str, Any]]:
 def _stops(rng: Rng, way: Any, _size: float) -> tuple[Any, dict[str, Any]]:
     if rng.random() < 0.5:
         return way, {}
-    return way, {"holds": {int(rng.integers(len(way))): float(rng.uniform(0, 0.3))}}
+    return way, {"dwell_times": {int(rng.integers(len(way))): float(rng.uniform(0, 0.3))}}
 
 
 def _coinciding(rng: Rng, way: Any, size: float) -> tuple[Any, dict[str, Any]]:

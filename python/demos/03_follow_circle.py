@@ -28,9 +28,9 @@ circle = np.column_stack([np.full(801, 0.45), 0.15 * np.cos(angle), 0.45 + 0.15 
 downwards = np.tile([0.0, 1.0, 0.0, 0.0], (801, 1))
 asked = lt.PoseTrajectory(times, circle, downwards)
 followed = arm.follow(asked, on_rate_limit="exceed_limits")  # slowed down in the next line
-joints = lt.scale_to_limits(lt.differentiate(followed), arm.limits)
+joints = lt.keep_timing(followed, arm.limits, rate=400.0)
 
-reached, _ = arm.forward_kinematics(joints.positions)
+reached, _ = arm.forward_kinematics(followed.positions)
 print(f"tool error at most {np.abs(reached - circle).max():.1e} m")
 print(f"slowed from {asked.duration:.2f} s to {joints.duration:.2f} s")
 plot.joint_figure(joints, arm.limits).savefig(folder / "circle.png", dpi=110)

@@ -25,9 +25,9 @@ np.savetxt(recording, np.column_stack([1.2 * phase, q]), delimiter=",", header=h
 
 recorded = lt.read_motion(recording)
 gripped = lt.Event(0.6, "gripper closed")  # half way; keeps its place when the arm slows down
-asked = lt.differentiate(replace(recorded, events=[gripped]))
+asked = replace(recorded, events=[gripped])
 before = lt.check_limits(asked, arm.limits)
-joints = lt.scale_to_limits(asked, arm.limits)
+joints = lt.keep_timing(asked, arm.limits, rate=100.0)
 after = lt.check_limits(joints, arm.limits)
 for name in ("velocity", "acceleration", "jerk"):
     peaks = [getattr(report, name) for report in (before, after)]

@@ -28,7 +28,8 @@ near, far = (
     np.array([0.0, 1.2, 0.0, -0.2, 0, 1.5, 0.8]),
 )
 positions = near + np.outer(swing, far - near)
-motion = lt.differentiate(lt.JointTrajectory(2.5 * phase, positions, joint_names=arm.joint_names))
+moved = lt.JointTrajectory(2.5 * phase, positions, joint_names=arm.joint_names)
+motion = lt.keep_timing(moved, arm.limits, rate=80.0)
 moves = (motion.positions, motion.velocities, motion.accelerations)
 
 figure = plt.figure(figsize=(10, 6), layout="constrained")

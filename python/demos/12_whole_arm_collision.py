@@ -22,7 +22,7 @@ line = np.column_stack([np.full(301, 0.45), side, np.full(301, 0.35)])
 asked = lt.PoseTrajectory(times, line, np.tile([0.0, 1.0, 0.0, 0.0], (301, 1)))
 q0 = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
 followed = arm.follow(asked, q0=q0, on_rate_limit="exceed_limits")  # slowed down in the next line
-joints = lt.scale_to_limits(lt.differentiate(followed), arm.limits)
+joints = lt.keep_timing(followed, arm.limits, rate=400.0)
 
 shelf = lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65))  # behind the elbow
 tool, _ = arm.forward_kinematics(joints.positions)

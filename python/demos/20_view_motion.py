@@ -37,7 +37,7 @@ if "--live" in sys.argv:
 
 planned = skill.generate(obstacles=[with_room])
 followed = arm.follow(planned, on_rate_limit="exceed_limits")  # slowed down in the next line
-joints = lt.scale_to_limits(lt.differentiate(followed), arm.limits)
+joints = lt.keep_timing(followed, arm.limits, rate=100.0)
 print(f"{joints.duration:.2f} s; {arm.check(joints, [box])}")
 view(
     arm,

@@ -29,8 +29,8 @@ robot = connect(kind, host, arm, np.array(home) - 0.1, [table])
 guard = lt.Guard(arm, [table], rate=robot.rate)
 whole = lt.connect(robot.q, motion, lt.Arm.load(arm.robot.name, limits=limits), [table])
 play = lt.guard.Playback(whole, arm.limits, rate=robot.rate)
-sent, stopped = [robot.q], False
 answer = guard.admit(robot.q[None], state=robot.q)
+sent, stopped = [guard.state], False
 asked = {0.2: play.pause, 0.8: play.resume, 1.6: guard.stop}  # what a person does
 try:
     for tick in range(int(2.0 * robot.rate)):
@@ -40,7 +40,7 @@ try:
         stopped = stopped or answer.verdict == "braking"  # asked for, or the guard has refused
         if not stopped and not play.done:
             answer = guard.admit(play.next()[None])
-        sent.append(guard.next().q)
+        sent.append(guard.next())
         robot.send(guard.state)
         if tick % int(0.25 * robot.rate) == 0:
             print(f"{time:.2f} s: speed {play.speed_now:.2f} at {play.time:.2f} s, {answer}")
@@ -48,7 +48,8 @@ finally:
     robot.close()
 print(f"at rest: {not guard.state.qd.any()}; certified: {guard.safe}; {robot.report}")
 times = np.arange(len(sent)) / robot.rate
-done = lt.differentiate(lt.JointTrajectory(times, sent, joint_names=arm.joint_names))
+states = [[getattr(state, part) for state in sent] for part in ("q", "qd", "qdd")]
+done = lt.JointTrajectory(times, *states, joint_names=arm.joint_names)
 lt.write_motion(done, folder / "sent.json")
 figure = done.plot()
 for time, act in {**asked, 1.2: "half speed"}.items():

@@ -43,7 +43,7 @@ from .motion_planning import PlannedMotion, Query, plan_motion
 from .planning import Grid, arrival_times
 from .shapes import Box, Capsule, Cylinder, Mesh, PointCloud, Scene, Sphere
 from .simulation import SimulationReport, simulate
-from .timing import check_limits, differentiate, retime, scale_to_limits
+from .timing import check_limits, keep_timing, retime
 from .validation import validate
 
 __version__: str
@@ -80,11 +80,11 @@ __all__ = [
     "check_limits",
     "connect",
     "demonstration_quality",
-    "differentiate",
     "errors",
     "guard",
     "io",
     "judge_demonstrations",
+    "keep_timing",
     "load_skill",
     "models",
     "motion_planning",
@@ -98,7 +98,6 @@ __all__ = [
     "read_point_cloud",
     "retime",
     "rotations",
-    "scale_to_limits",
     "shapes",
     "show",
     "simulate",

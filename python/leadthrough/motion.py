@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, rotations
+from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import of_joints, of_points, of_poses
@@ -467,3 +467,33 @@ def computed_joints(
         array.setflags(write=False)
     vars(motion).update(arrays, joint_names=joint_names, events=events)
     return motion
+
+
+def with_derivatives(motion: JointTrajectory) -> JointTrajectory:
+    """The motion with its velocities and accelerations; those that are missing are filled by rule.
+
+    Velocities are the slopes of the cubic spline through the positions that starts and ends at
+    rest, accelerations the slopes of the cubic spline through the velocities ("not a knot").
+    """
+    velocities, accelerations = motion.velocities, motion.accelerations
+    if velocities is not None and accelerations is not None:
+        return motion
+    if velocities is None:
+        velocities = _slopes(motion.times, motion.positions, at_rest=True)
+    if accelerations is None:
+        accelerations = _slopes(motion.times, velocities, at_rest=False)
+    return computed_joints(
+        motion.times,
+        motion.positions,
+        velocities,
+        accelerations,
+        joint_names=motion.joint_names,
+        events=motion.events,
+    )
+
+
+def _slopes(times: Float64Array, values: Float64Array, *, at_rest: bool) -> Float64Array:
+    """Slopes (n, joints) of the cubic spline through values (n, joints)."""
+    if len(times) == 1:
+        return np.zeros_like(values)
+    return _core.spline_slopes(times - times[0], np.ascontiguousarray(values), at_rest)

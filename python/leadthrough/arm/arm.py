@@ -259,7 +259,7 @@ class Arm(ArmModel):
                 are kept.
                 "raise": raise IkFailure with the status "too_fast".
                 "exceed_limits": keep path and times and exceed the limits, for a time law such as
-                `retime` or `scale_to_limits` to slow the motion down.
+                `retime` to slow the motion down.
                 Except with "exceed_limits" the arm starts and ends at rest, and acceleration
                 limits that are not known don't count. Between samples the joints move straight.
             deviation: the most that the tip may be away from a sample, (m, rad); required with

@@ -34,7 +34,7 @@ from leadthrough.check import Float64Array
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Panel, over
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, with_derivatives
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def follow_path(
     joints = JointTrajectory(
         path.times, q, joint_names=tuple(chain.joint_names), events=motion.events
     )
-    return DampedPath(joints, *columns)
+    return DampedPath(with_derivatives(joints), *columns)
 
 
 def _steps(times: Float64Array) -> Float64Array:

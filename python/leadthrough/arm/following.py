@@ -34,7 +34,14 @@ from leadthrough.arm.tracking import (
 )
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times
+from leadthrough.motion import (
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    Trajectory,
+    normalised_times,
+    with_derivatives,
+)
 from leadthrough.repr import ShortRepr
 
 OnRateLimit = Literal["slow", "deviate", "raise", "exceed_limits"]
@@ -200,7 +207,8 @@ def _timed(
     if on_rate_limit != "exceed_limits":
         velocities[[0, -1]] = 0.0
     moved = events.moved(motion.events, motion.times, times)
-    return JointTrajectory(times, q, velocities, joint_names=arm.joint_names, events=moved)
+    joints = JointTrajectory(times, q, velocities, joint_names=arm.joint_names, events=moved)
+    return with_derivatives(joints)
 
 
 def _checked(options: FollowOptions | None) -> FollowOptions:

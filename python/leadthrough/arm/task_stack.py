@@ -33,7 +33,7 @@ from leadthrough.check import Float64Array
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Panel, over
 from leadthrough.errors import InvalidInput, InvalidRobot
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, with_derivatives
 from leadthrough.repr import ShortRepr
 
 Scheme = Literal["siciliano-slotine", "reverse"]
@@ -248,7 +248,9 @@ def _run(
     trajectory = JointTrajectory(
         dt * np.arange(len(q), dtype=np.float64), q, qd, joint_names=arm.joint_names
     )
-    return StackRun(trajectory, *(np.array(part) for part in zip(*reports, strict=True)))
+    return StackRun(
+        with_derivatives(trajectory), *(np.array(part) for part in zip(*reports, strict=True))
+    )
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -20,6 +20,13 @@ def check(
     details: options.ArmDetails,
     obstacle: options.Obstacles = None,
     margin: options.Margin = 0.005,
+    rate: Annotated[
+        float | None,
+        typer.Option(
+            help="Rate in Hz at which a file without velocities and accelerations is run, straight "
+            "from position to position; by default the file's own."
+        ),
+    ] = None,
     physics: Annotated[
         bool,
         typer.Option(
@@ -34,13 +41,14 @@ def check(
 
     leadthrough check timed.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2
     """
-    from leadthrough.cli import parse
+    from leadthrough.cli import errors, parse
     from leadthrough.cli import robot as robots
 
     arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
     scene = lt.Scene(parse.obstacles(obstacle), margin)
-    kept = lt.check_limits(joints, arm.limits)
+    with errors.naming(linear_rate="--rate"):
+        verdict = lt.check_limits(joints, arm.limits, linear_rate=_linear_rate(joints, rate))
     with output.busy("checking"):
         clearance = arm.check(joints, scene)
     simulated = None
@@ -49,9 +57,9 @@ def check(
             simulated = lt.simulate(arm, joints, scene)
     quantities = ("position", "velocity", "acceleration", "jerk")
     found = {
-        "ok": kept.ok and clearance.ok and (simulated is None or simulated.ok),
-        "limits_kept": kept.ok,
-        **{f"{name}_used": _peak(getattr(kept, name), as_json) for name in quantities},
+        "ok": verdict.ok and clearance.ok and (simulated is None or simulated.ok),
+        "limits_kept": verdict.ok,
+        **{f"{name}_used": _peak(getattr(verdict, name), as_json) for name in quantities},
         "clear": clearance.ok,
         "nearest_obstacle": _approach(clearance.obstacles, as_json),
         "nearest_itself": _approach(clearance.itself, as_json),
@@ -62,9 +70,17 @@ def check(
     output.facts(found, as_json=as_json, units={"duration": "s"})
     if not as_json:
         fails = simulated is not None and not simulated.ok
-        _hint_after_check(ctx, motion, limits_kept=kept.ok, clear=clearance.ok, fails=fails)
+        _hint_after_check(ctx, motion, limits_kept=verdict.ok, clear=clearance.ok, fails=fails)
     if not found["ok"]:
         raise typer.Exit(1)
+
+
+def _linear_rate(joints: lt.JointTrajectory, rate: float | None) -> float | None:
+    """The rate of a receiver of positions; None where the file has all that a controller reads."""
+    if joints.velocities is not None and joints.accelerations is not None:
+        return None
+    steps = len(joints.times) - 1
+    return rate if rate is not None or not steps else steps / joints.duration
 
 
 def _hint_after_check(

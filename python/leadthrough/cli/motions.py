@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Annotated
 
 import typer
@@ -64,21 +65,20 @@ def retime(
     around = parse.obstacles(obstacle)
     arm = robots.load(robot, details)
     path = robots.joints_in(arm, motion)
+    law = partial(
+        lt.keep_timing if keep_timing else lt.retime,
+        limits=arm.limits,
+        rate=rate,
+        path_tolerance=path_tolerance,
+        tip_speed=None if tip_speed is None else lt.timing.TipSpeed(tip_speed, arm.jacobian),
+        inverse_dynamics=arm.inverse_dynamics if torques else None,
+    )
     with output.busy("timing"):
-        timed = lt.timing.retime(
-            path,
-            arm.limits,
-            rate=rate,
-            path_tolerance=path_tolerance,
-            not_before=path.times if keep_timing else None,
-            tip_speed=tip_speed,
-            jacobian=None if tip_speed is None else arm.jacobian,
-            inverse_dynamics=arm.inverse_dynamics if torques else None,
-        )
-    limited = _limited_by(lt.timing.binding_limits(timed, arm.limits))
+        timed = law(path)
     if start is not None:
         with errors.naming(state="--start"):
-            timed = lt.connect(parse.numbers(start, "--start"), timed, arm, around)
+            timed = law(lt.connect(parse.numbers(start, "--start"), timed, arm, around))
+    limited = _limited_by(lt.timing.binding_limits(timed, arm.limits))
     reading.write_motion(timed, out, format)
     found = {
         "motion": str(out),

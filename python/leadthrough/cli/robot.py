@@ -16,7 +16,7 @@ from leadthrough.arm.inverse_kinematics import AXES
 from leadthrough.arm.robot_files import find_robot
 from leadthrough.cli import errors, parse, reading
 from leadthrough.cli.options import ArmDetails
-from leadthrough.motion import Motion, joints_with
+from leadthrough.motion import Motion, joints_with, with_derivatives
 
 # m or rad; the tip is this near to a path that is followed without tolerances.
 _AS_PLANNED = 2e-5
@@ -113,9 +113,11 @@ class Followed:
 
 
 def generated(skill: lt.models.Skill[Motion], query: dict[str, Any]) -> Motion:
-    """The skill's motion; of joints with their velocities and accelerations."""
+    """The skill's motion; of joints with the velocities and accelerations from rest to rest."""
     motion = skill.generate(**query)
-    return lt.differentiate(motion) if isinstance(motion, lt.JointTrajectory) else motion
+    if not isinstance(motion, lt.JointTrajectory):
+        return motion
+    return with_derivatives(replace(motion, velocities=None, accelerations=None))
 
 
 def followed(arm: lt.Arm, motion: Motion, how: dict[str, Any]) -> Followed:

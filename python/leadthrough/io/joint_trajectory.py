@@ -224,14 +224,14 @@ def resting_at_both_ends(velocities: Float64Array | None) -> Float64Array:
     if velocities is None:
         raise InvalidInput(
             "trajectory: expected velocities, got none; `leadthrough retime` adds them, "
-            "in Python timing.differentiate"
+            "in Python timing.retime"
         )
     for i, which in ((0, "first"), (-1, "last")):
         fastest = float(np.abs(velocities[i]).max())
         if fastest > REST_VELOCITY:
             raise InvalidInput(
                 f"trajectory: expected rest at the {which} sample, got {fastest:.6g} rad/s; "
-                "`leadthrough retime` brings the ends to rest, in Python timing.differentiate"
+                "`leadthrough retime` brings the ends to rest, in Python timing.retime"
             )
     result = velocities.copy()
     result[[0, -1]] = 0.0

@@ -29,6 +29,7 @@ from leadthrough.motion import (
     MotionT_co,
     PoseTrajectory,
     Trajectory,
+    with_derivatives,
 )
 from leadthrough.repr import ShortRepr
 
@@ -102,7 +103,9 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
             made = Trajectory(times, columns, happening, joints)
         elif self.kind == "joints":
             names = self.joint_names
-            made = JointTrajectory(times, columns, velocities, accelerations, names, happening)
+            made = with_derivatives(
+                JointTrajectory(times, columns, velocities, accelerations, names, happening)
+            )
         else:
             given = self.orientations(columns[:, 3:], phases)
             made = PoseTrajectory(times, columns[:, :3], given, happening, joints)

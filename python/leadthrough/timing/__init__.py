@@ -1,17 +1,22 @@
-"""The time law: limits checked, kept by slowing down, and used as far as they allow."""
+"""The time law: the fastest one inside joint limits, the given one, and the verdict on limits."""
 
-from leadthrough.timing.binding import Binding, binding_limits
-from leadthrough.timing.limits_report import LimitsReport, Peak, check_limits
-from leadthrough.timing.retiming import retime
-from leadthrough.timing.scaling import differentiate, scale_to_limits
+from leadthrough.timing.limits_report import (
+    Binding,
+    LimitsReport,
+    Peak,
+    binding_limits,
+    check_limits,
+)
+from leadthrough.timing.request import TipSpeed
+from leadthrough.timing.retiming import keep_timing, retime
 
 __all__ = [
     "Binding",
     "LimitsReport",
     "Peak",
+    "TipSpeed",
     "binding_limits",
     "check_limits",
-    "differentiate",
+    "keep_timing",
     "retime",
-    "scale_to_limits",
 ]

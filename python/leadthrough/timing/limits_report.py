@@ -1,31 +1,42 @@
-"""Joint limits along a trajectory, judged.
+"""Joint limits along a motion: one verdict, and the limit that binds when.
 
-Derivatives of order k are k! times the divided differences of the samples' positions. By the mean
-value theorem they are values that the true derivative takes, so samples of a smooth motion inside
-its limits are never judged to be outside them. The arm is taken to stand still before the first
-sample and after the last, as a controller will have it: a motion that starts or ends at full speed
-shows the acceleration and jerk that this takes.
+A controller such as ROS 2's joint trajectory controller runs the quintic Hermite curve through the
+positions, velocities and accelerations of the samples. That curve is judged: its positions,
+velocities and accelerations everywhere, by the extremes of its polynomials, and its jerk as the
+difference of the acceleration over one sample. Arrays that are missing are filled as
+`with_derivatives` states. The arm is taken to stand still before the first sample and after the
+last: a motion that starts or ends at speed shows the acceleration and jerk that this takes.
+
+A receiver of positions alone interpolates linearly at its own rate: that is judged by the
+differences of the positions at that rate.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
+from leadthrough import _core, check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Panel, bars
-from leadthrough.errors import InvalidInput
-from leadthrough.motion import JointTrajectory
+from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.motion import JointTrajectory, computed_joints, with_derivatives
 from leadthrough.repr import ShortRepr
+from leadthrough.timing.request import POSITION_ROUNDING
 
-# A ratio above 1 by less is rounding: third differences of positions sampled at 1 kHz carry 1e-6
+Kind = Literal["velocity", "acceleration", "jerk"]
+KINDS: tuple[Kind, ...] = ("velocity", "acceleration", "jerk")
+# A ratio above 1 by less is rounding: differences of accelerations sampled at 1 kHz carry 1e-9
 # rad/s^3 of it, and a position given with seven digits 1e-7 rad.
 ROUNDING = 1e-6
-_QUANTITIES = ("position", "velocity", "acceleration", "jerk")
-_LONGEST_BAR = 3.0  # of a drawing, in multiples of the limit
+# A limit binds from this fraction of it on: the rest is the time law's own margin.
+_BINDS = 0.95
+_MAX_BAR = 3.0  # of a drawing, in multiples of the limit
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,75 +86,163 @@ class LimitsReport(Drawn):
 
     @property
     def ok(self) -> bool:
-        """Whether every quantity that has limits keeps them."""
+        """Whether every quantity that has limits satisfies them."""
         return all(peak is None or peak.ok for peak in self._peaks().values())
 
     @property
     def unchecked(self) -> tuple[str, ...]:
         """The quantities without limits."""
-        return tuple(name for name in ("acceleration", "jerk") if getattr(self, name) is None)
+        return tuple(name for name, peak in self._peaks().items() if peak is None)
 
     def _peaks(self) -> dict[str, Peak | None]:
-        return {name: getattr(self, name) for name in _QUANTITIES}
+        return {name: getattr(self, name) for name in ("position", *KINDS)}
 
     def _repr_parts(self) -> list[str]:
-        told = [f"{name} {peak or 'not checked'}" for name, peak in self._peaks().items()]
-        return [f"ok={self.ok}", *told]
+        used = [f"{name} {peak or 'not checked'}" for name, peak in self._peaks().items()]
+        return [f"ok={self.ok}", *used]
 
     def _panels(self) -> list[Panel]:
         rows = [
-            (name, 0.0, min(peak.ratio, _LONGEST_BAR))
+            (name, 0.0, min(peak.ratio, _MAX_BAR))
             for name, peak in self._peaks().items()
             if peak is not None
         ]
         return [bars(rows, title="limits used", x_label="fraction of the limit", limit=1.0)]
 
 
-def check_limits(trajectory: JointTrajectory, limits: JointLimits) -> LimitsReport:
+@dataclass(frozen=True)
+class Binding:
+    """A stretch of time in which one limit is the nearest, and binds throughout or nowhere.
+
+    Attributes:
+        start: first time, s.
+        end: last time, s.
+        joint: name of the joint.
+        kind: which of its limits.
+        ratio: largest fraction of the limit that is used.
+    """
+
+    start: float
+    end: float
+    joint: str
+    kind: Kind
+    ratio: float
+
+    @property
+    def binds(self) -> bool:
+        """Whether the motion could not be faster there: at least 95 % of the limit is used."""
+        return self.ratio >= _BINDS
+
+
+def check_limits(
+    trajectory: JointTrajectory, limits: JointLimits, *, linear_rate: float | None = None
+) -> LimitsReport:
     """How much of the arm's limits a trajectory uses; exceeding them does not raise.
 
     Args:
-        trajectory: the motion; velocities and accelerations that it carries are judged as well.
+        trajectory: the motion. Missing velocities are the slopes of the cubic spline through the
+            positions that starts and ends at rest, missing accelerations those of the cubic spline
+            through the velocities.
+        limits: limits of the same joints.
+        linear_rate: rate in Hz of a receiver that runs the positions alone, straight from one to
+            the next, such as a script of servoj commands. By default the quintics are judged that
+            a controller runs which reads velocities and accelerations too.
+
+    Raises:
+        InvalidInput: if the trajectory and the limits are not of the same joints, or the rate is
+            not positive.
+    """
+    _joint_names(trajectory, limits)
+    if linear_rate is None:
+        return judged(with_derivatives(trajectory), limits)
+    rate = check.number(linear_rate, "linear_rate", above=0.0)
+    return _report(_played_straight(trajectory, rate), limits, trajectory.times)
+
+
+def judged(
+    motion: JointTrajectory, limits: JointLimits, *, rests: tuple[bool, bool] = (True, True)
+) -> LimitsReport:
+    """The verdict on a motion with all arrays, which stands still before and after it, or not."""
+    return _report(_extremes(_standing(motion, rests)), limits, motion.times)
+
+
+def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Binding]:
+    """The limit that is nearest in each stretch of a trajectory, in the order of time.
+
+    A stretch in which the nearest limit binds is separate from one in which it does not.
+
+    Args:
+        trajectory: the motion, judged as by `check_limits`.
         limits: limits of the same joints.
 
     Raises:
         InvalidInput: if the trajectory and the limits are not of the same joints.
     """
-    names = _joint_names(trajectory, limits)
-    acceleration, jerk = limits.acceleration, limits.jerk
-    return LimitsReport(
-        position=_position_peak(trajectory, limits, names),
-        velocity=_peak(trajectory, 1, limits.velocity, names, own=trajectory.velocities),
-        acceleration=None
-        if acceleration is None
-        else _peak(trajectory, 2, acceleration, names, own=trajectory.accelerations),
-        jerk=None if jerk is None else _peak(trajectory, 3, jerk, names),
-    )
-
-
-def limit_ratios(
-    trajectory: JointTrajectory, limits: JointLimits
-) -> tuple[tuple[str, ...], Float64Array]:
-    """Fractions of each limit that each joint uses between samples."""
-    names = _joint_names(trajectory, limits)
-    steps = len(trajectory.times) - 1
-    ratios = np.zeros((steps, 3, len(names)))
-    for order, limit in enumerate((limits.velocity, limits.acceleration, limits.jerk), 1):
-        if limit is None or steps == 0:
-            continue
-        _, values = _differences(trajectory.times, trajectory.positions, order)
-        used = _ratios(values, limit)
-        for reach in range(order):  # differences of a higher order span several steps
-            ratios[:, order - 1] = np.maximum(ratios[:, order - 1], used[reach : reach + steps])
-    return names, ratios
+    joints = _joint_names(trajectory, limits)
+    if len(trajectory.times) == 1:
+        return []
+    used = _extremes(with_derivatives(trajectory))
+    ratios = [
+        np.zeros_like(used.jerk.values) if limit is None else _ratios(values.values, limit)
+        for values, limit in (
+            (used.velocity, limits.velocity),
+            (used.acceleration, limits.acceleration),
+            (used.jerk, limits.jerk),
+        )
+    ]
+    flat = np.hstack(ratios)
+    nearest, binds = flat.argmax(axis=1), flat.max(axis=1) >= _BINDS
+    changes = np.flatnonzero(np.diff(nearest) | np.diff(binds)) + 1
+    return [
+        Binding(
+            start=float(trajectory.times[first]),
+            end=float(trajectory.times[last]),
+            joint=joints[int(nearest[first]) % len(joints)],
+            kind=KINDS[int(nearest[first]) // len(joints)],
+            ratio=float(flat[first:last].max()),
+        )
+        for first, last in pairwise([0, *changes, len(nearest)])
+    ]
 
 
 def check_type(trajectory: JointTrajectory) -> None:
-    """Refuses what is no joint trajectory."""
+    """Raises InvalidInput unless `trajectory` is a JointTrajectory."""
     if not isinstance(trajectory, JointTrajectory):
         raise InvalidInput(
             f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
         )
+
+
+def check_positions(positions: Float64Array, limits: JointLimits) -> None:
+    """Raises LimitsInfeasible if a configuration (n, joints) lies outside the position limits."""
+    outside = np.maximum(limits.lower - positions, positions - limits.upper).max(axis=0)
+    if outside.max() > POSITION_ROUNDING:
+        i = int(np.argmax(outside))
+        name = limits.joint_names[i]
+        raise LimitsInfeasible(
+            f"{name} leaves its position limits along the path, by {outside[i]:.3g}; a smooth path "
+            "may do so between samples that satisfy them",
+            joint=name,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Values:
+    """The largest magnitudes of a quantity in each step, (steps, joints), and when."""
+
+    values: Float64Array
+    times: Float64Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Extremes:
+    """What a motion reaches in each of its steps."""
+
+    lowest: _Values
+    highest: _Values
+    velocity: _Values
+    acceleration: _Values
+    jerk: _Values
 
 
 def _joint_names(trajectory: JointTrajectory, limits: JointLimits) -> tuple[str, ...]:
@@ -161,61 +260,107 @@ def _joint_names(trajectory: JointTrajectory, limits: JointLimits) -> tuple[str,
     return wanted
 
 
-def _differences(
-    times: Float64Array, positions: Float64Array, order: int
-) -> tuple[Float64Array, Float64Array]:
-    """Times (m,) and derivatives (m, joints) of a motion that starts and ends at rest."""
+def _extremes(motion: JointTrajectory) -> _Extremes:
+    """The extremes of the quintics between the samples of a motion with all arrays."""
+    assert motion.velocities is not None
+    assert motion.accelerations is not None
+    times, arrays = motion.times, (motion.positions, motion.velocities, motion.accelerations)
     if len(times) == 1:
-        return times, np.zeros_like(positions)
-    rest = order - 1  # samples of standing still, as far as a difference reaches beyond an end
-    t = times - times[0]
-    before = t[0] - (t[1] - t[0]) * np.arange(rest, 0, -1)
-    after = t[-1] + (t[-1] - t[-2]) * np.arange(1, rest + 1)
-    t = np.concatenate([before, t, after])
-    values = np.pad(positions, ((rest, rest), (0, 0)), mode="edge")
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        for k in range(1, order + 1):
-            values = k * np.diff(values, axis=0) / (t[k:] - t[:-k])[:, None]
-    middles = times[0] + 0.5 * (t[order:] + t[:-order])
-    return np.clip(middles, times[0], times[-1]), values
+        q, velocity, acceleration = arrays
+        rows = (q, q, np.abs(velocity), np.abs(acceleration), np.zeros_like(q))
+        return _Extremes(*(_Values(each, np.broadcast_to(times[0], q.shape)) for each in rows))
+    values, when = _core.motion_extremes(times, *arrays)
+    steps = np.diff(times)[:, None]
+    with np.errstate(over="ignore", invalid="ignore"):
+        jerks = np.abs(np.diff(motion.accelerations, axis=0)) / steps
+    middles = np.broadcast_to(times[:-1, None] + 0.5 * steps, jerks.shape)
+    lowest, highest, fastest, hardest = (_Values(*each) for each in zip(values, when, strict=True))
+    return _Extremes(lowest, highest, fastest, hardest, _Values(jerks, middles))
 
 
-def _peak(
-    trajectory: JointTrajectory,
-    order: int,
-    limit: Float64Array,
-    names: tuple[str, ...],
-    *,
-    own: Float64Array | None = None,
-) -> Peak:
-    """The peak of a derivative: measured and, where the trajectory carries it, as given."""
-    times, values = _differences(trajectory.times, trajectory.positions, order)
-    if own is not None:
-        times, values = np.append(times, trajectory.times), np.vstack([values, own])
-    return _worst(times, _ratios(values, limit), names)
+def _standing(motion: JointTrajectory, rests: tuple[bool, bool]) -> JointTrajectory:
+    """The motion with a step of standing still beyond each end that it passes but should not."""
+    assert motion.velocities is not None
+    assert motion.accelerations is not None
+    times, states = motion.times, (motion.positions, motion.velocities, motion.accelerations)
+    begins, ends = (
+        rest and bool(states[1][end].any() or states[2][end].any())
+        for rest, end in zip(rests, (0, -1), strict=True)
+    )
+    if len(times) == 1 or not (begins or ends):
+        return motion
+    pad = (int(begins), int(ends))
+    steps = np.diff(times)[[0, -1]]
+    beyond = np.concatenate(
+        [times[:1][: pad[0]] - steps[0], times, times[-1:][: pad[1]] + steps[1]]
+    )
+    positions = np.pad(motion.positions, (pad, (0, 0)), mode="edge")
+    velocities, accelerations = (np.pad(each, (pad, (0, 0))) for each in states[1:])
+    return computed_joints(
+        beyond, positions, velocities, accelerations, joint_names=motion.joint_names
+    )
+
+
+def _played_straight(trajectory: JointTrajectory, rate: float) -> _Extremes:
+    """Differences over one, two and three periods of a receiver that interpolates linearly."""
+    first, last = trajectory.times[[0, -1]]
+    periods = max(int(np.ceil((last - first) * rate - ROUNDING)), 1)
+    clock = first + np.arange(periods + 1) / rate
+    played = np.column_stack(
+        [np.interp(clock, trajectory.times, column) for column in trajectory.positions.T]
+    )
+    values, slopes = [], played
+    for order in range(1, len(KINDS) + 1):
+        standing = ((order > 1,) * 2, (0, 0))
+        slopes = np.diff(np.pad(slopes, standing), axis=0) * rate
+        middles = np.linspace(clock[0], clock[-1], len(slopes))
+        values.append(_Values(np.abs(slopes), np.broadcast_to(middles[:, None], slopes.shape)))
+    given = _Values(
+        trajectory.positions,
+        np.broadcast_to(trajectory.times[:, None], trajectory.positions.shape),
+    )
+    return _Extremes(given, given, *values)
+
+
+def _report(used: _Extremes, limits: JointLimits, times: Float64Array) -> LimitsReport:
+    def worst(when: Float64Array, ratios: Float64Array) -> Peak:
+        step, joint = np.unravel_index(int(ratios.argmax()), ratios.shape)
+        peaks = ratios.max(axis=0)
+        peaks.setflags(write=False)
+        time = float(np.clip(when[step, joint], times[0], times[-1]))
+        return Peak(peaks, limits.joint_names[joint], time)
+
+    def peak(kind: Kind) -> Peak | None:
+        limit = getattr(limits, kind)
+        if limit is None:
+            return None
+        values: _Values = getattr(used, kind)
+        return worst(values.times, _ratios(values.values, limit))
+
+    velocity = peak("velocity")
+    assert velocity is not None
+    return LimitsReport(
+        worst(*_position_ratios(used, limits)), velocity, peak("acceleration"), peak("jerk")
+    )
 
 
 def _ratios(values: Float64Array, limit: Float64Array) -> Float64Array:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # 0 / 0 is a joint at rest that must rest; anything else not a number overflowed.
-        ratios = np.where(values == 0.0, 0.0, np.abs(values) / limit)
+        ratios = np.where(values == 0.0, 0.0, values / limit)
     return np.where(np.isnan(ratios), np.inf, ratios)
 
 
-def _position_peak(
-    trajectory: JointTrajectory, limits: JointLimits, names: tuple[str, ...]
-) -> Peak:
-    q, lower, upper = trajectory.positions, limits.lower, limits.upper
-    inside = (lower <= q) & (q <= upper)
+def _position_ratios(used: _Extremes, limits: JointLimits) -> tuple[Float64Array, Float64Array]:
+    """When positions are extreme, and how far from the middle of their ranges."""
+    lower, upper = limits.lower, limits.upper
     bounded = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
     low, high = np.where(bounded, lower, -1.0), np.where(bounded, upper, 1.0)
-    ratios = np.abs(q - 0.5 * (low + high)) / (0.5 * (high - low))
-    unbounded = np.where(inside, 0.0, np.inf)
-    return _worst(trajectory.times, np.where(bounded, ratios, unbounded), names)
-
-
-def _worst(times: Float64Array, ratios: Float64Array, names: tuple[str, ...]) -> Peak:
-    sample, joint = np.unravel_index(int(ratios.argmax()), ratios.shape)
-    peaks = ratios.max(axis=0)
-    peaks.setflags(write=False)
-    return Peak(peaks, names[joint], float(times[sample]))
+    q = np.vstack([used.lowest.values, used.highest.values])
+    inside = (lower <= q) & (q <= upper)
+    ratios = np.where(
+        bounded,
+        np.abs(q - 0.5 * (low + high)) / (0.5 * (high - low)),
+        np.where(inside, 0.0, np.inf),
+    )
+    return np.vstack([used.lowest.times, used.highest.times]), ratios

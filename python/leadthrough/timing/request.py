@@ -1,8 +1,8 @@
-"""The options of `retime` besides the limits of rates, checked."""
+"""The options of `retime` and `keep_timing` besides the limits of rates, checked."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,10 +11,32 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.timing.bounds import InverseDynamics, Jacobian
+
+Jacobian = Callable[[Float64Array], Float64Array]
+InverseDynamics = Callable[[Float64Array, Float64Array, Float64Array], Float64Array]
 
 # Rounding may take positions beyond their limits by this, rad or m.
 POSITION_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class TipSpeed:
+    """The largest speed of an arm's tip.
+
+    Attributes:
+        limit: m/s, > 0.
+        jacobian: maps q to (3, joints) or, linear rows first, (6, joints), as `Arm.jacobian`.
+
+    Raises:
+        InvalidInput: if the limit is not positive or the Jacobian is no function.
+    """
+
+    limit: float
+    jacobian: Jacobian
+
+    def __post_init__(self) -> None:
+        check.number(self.limit, "tip_speed", above=0.0)
+        _check_function(self.jacobian, "jacobian")
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,22 +47,13 @@ class Request:
     lower: Float64Array  # position limits (joints,), rad or m
     upper: Float64Array  # the same from above
     path_tolerance: float
-    blend: float
-    holds: Mapping[int, float]
-    not_before: Float64Array | None
-    start_velocity: Float64Array | None
-    end_velocity: Float64Array | None
-    tip_speed: float | None
-    jacobian: Jacobian | None
+    dwell_times: Mapping[int, float]
+    tip_speed: TipSpeed | None
     inverse_dynamics: InverseDynamics | None
-
-    def __post_init__(self) -> None:
-        if self.tip_speed is not None and self.jacobian is None:
-            raise InvalidInput("jacobian: expected a function beside tip_speed, got None")
-        for name in ("jacobian", "inverse_dynamics"):
-            value = getattr(self, name)
-            if value is not None and not callable(value):
-                raise InvalidInput(f"{name}: expected a function, got {type(value).__name__}")
+    blend: float = 0.0
+    earliest_times: Float64Array | None = None  # s, for every row of the path
+    start_velocity: Float64Array | None = None
+    end_velocity: Float64Array | None = None
 
     def keeps_positions(self, q: Float64Array) -> bool:
         """Whether configurations (n, joints) lie inside the position limits, but for rounding."""
@@ -48,13 +61,16 @@ class Request:
         return bool(outside.max() <= POSITION_ROUNDING)
 
     @property
+    def rests_at_ends(self) -> tuple[bool, bool]:
+        """Whether the motion rests at its start, and at its end."""
+        start, end = self.start_velocity, self.end_velocity
+        return start is None or not start.any(), end is None or not end.any()
+
+    @property
     def along_lines(self) -> bool:
         """Whether straight lines between rests have a motion in closed form."""
-        bounds = (self.not_before, self.tip_speed, self.inverse_dynamics)
-        velocities = (self.start_velocity, self.end_velocity)
-        return all(bound is None for bound in bounds) and not any(
-            velocity is not None and velocity.any() for velocity in velocities
-        )
+        bounds = (self.earliest_times, self.tip_speed, self.inverse_dynamics)
+        return all(bound is None for bound in bounds) and all(self.rests_at_ends)
 
     def between_rests(self, *, first: bool, last: bool) -> Request:
         """The request for a part of the path."""
@@ -65,26 +81,19 @@ class Request:
         )
 
 
-def checked_holds(holds: Mapping[int, float] | None, rows: int) -> dict[int, float]:
-    """Seconds of rest by row; none where `holds` is None."""
-    if holds is None:
+def checked_dwell_times(dwell_times: Mapping[int, float] | None, rows: int) -> dict[int, float]:
+    """Seconds of rest by row; none where `dwell_times` is None."""
+    if dwell_times is None:
         return {}
-    if not isinstance(holds, Mapping):
-        what = type(holds).__name__
-        raise InvalidInput(f"holds: expected a mapping from rows to seconds, got {what}")
+    if not isinstance(dwell_times, Mapping):
+        what = type(dwell_times).__name__
+        raise InvalidInput(f"dwell_times: expected a mapping from rows to seconds, got {what}")
     return {
-        check.integer(row, "holds", at_least=0, at_most=rows - 1): check.number(
-            time, f"holds[{row}]", at_least=0.0
+        check.integer(row, "dwell_times", at_least=0, at_most=rows - 1): check.number(
+            time, f"dwell_times[{row}]", at_least=0.0
         )
-        for row, time in holds.items()
+        for row, time in dwell_times.items()
     }
-
-
-def checked_schedule(not_before: ArrayLike | None, rows: int) -> Float64Array | None:
-    """A time, s, for every row, or None."""
-    if not_before is None:
-        return None
-    return check.array(check.times(not_before, "not_before"), "not_before", shape=(rows,))
 
 
 def checked_velocity(velocity: ArrayLike | None, name: str, joints: int) -> Float64Array | None:
@@ -92,6 +101,21 @@ def checked_velocity(velocity: ArrayLike | None, name: str, joints: int) -> Floa
     return None if velocity is None else check.frozen(velocity, name, shape=(joints,))
 
 
-def checked_tip_speed(tip_speed: float | None) -> float | None:
-    """A speed > 0 in m/s, or None."""
-    return None if tip_speed is None else check.number(tip_speed, "tip_speed", above=0.0)
+def checked_tip_speed(tip_speed: TipSpeed | None) -> TipSpeed | None:
+    """The argument, if it is a TipSpeed or None."""
+    if tip_speed is not None and not isinstance(tip_speed, TipSpeed):
+        what = type(tip_speed).__name__
+        raise InvalidInput(f"tip_speed: expected a TipSpeed, got {what}")
+    return tip_speed
+
+
+def checked_dynamics(inverse_dynamics: InverseDynamics | None) -> InverseDynamics | None:
+    """The argument, if it is a function or None."""
+    if inverse_dynamics is not None:
+        _check_function(inverse_dynamics, "inverse_dynamics")
+    return inverse_dynamics
+
+
+def _check_function(value: object, name: str) -> None:
+    if not callable(value):
+        raise InvalidInput(f"{name}: expected a function, got {type(value).__name__}")

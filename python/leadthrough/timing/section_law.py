@@ -1,59 +1,86 @@
-"""The time law of one smooth section of a path."""
+"""The time law of one smooth section of a path.
+
+Along a path of length l, with x = (dl/dt)^2 and u = d2l/dt2, every row of a table of bounds says
+lower <= gain u + bend x <= upper; see Pham and Pham 2018, section III. An earlier timing bounds x
+as well: where the motion is on time, the given pace is the fastest allowed; where limits have made
+it late, the pace is free until the motion is on time again. That point is found by bisection, as
+the limits also bound how fast the pace changes.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from leadthrough import _core
+from leadthrough import _core, check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, LimitsInfeasible
-from leadthrough.timing import bounds, schedule
-from leadthrough.timing.course import Course, Creeping
-from leadthrough.timing.kept import check_positions
-from leadthrough.timing.rates import rates_within
-from leadthrough.timing.request import Request
-from leadthrough.timing.samples import Samples
+from leadthrough.timing.limits_report import check_positions
+from leadthrough.timing.request import InverseDynamics, Jacobian, Request
+from leadthrough.timing.samples import AT_REST, MAX_SAMPLES, Samples
 from leadthrough.timing.sections import Section
 from leadthrough.trajectories import Spline
 
-# Points of the grid over a path: the least, for each of its pieces, and the most.
-_POINTS, _POINTS_A_PIECE, _MOST_POINTS = 1000, 8, 50_000
+# Points of the grid over a path: the fewest, for each of its pieces, and the most.
+_MIN_POINTS, _POINTS_A_PIECE, _MAX_POINTS = 1000, 8, 50_000
 _POINTS_OF_SPREAD = 400
+# Where all joints move slightly, those moving by less than this fraction of the most are at rest.
+_FRACTION_AT_REST = 1e-3
 # A velocity may deviate from the path by this, relative to its size.
 _ALONG = 1e-3
-# Parts between pinches may have pinches again; those of parts of parts are passed.
-_MOST_CUTS = 4
+# Parts between bottlenecks may have bottlenecks again; those of parts of parts are passed.
+_MAX_CUTS = 4
 # A motion is given up that is so many times longer than one without limits of jerk: cut it.
-_MOST_DELAY = 20.0
+_MAX_DELAY = 20.0
 # Averaging exceeds the bounds of the tip and of efforts by a percent: they are tightened.
-_MOST_TIGHTENINGS, _TIGHTER = 10, 1.0 + 1e-4
+_MAX_TIGHTENINGS, _TIGHTER = 10, 1.0 + 1e-4
 _JUDGED_SAMPLES = 2000
+_COARSEST_PERIOD = 1e-3  # s; at lower rates several samples are computed for each one returned
+_SAME_PARAMETER = 1e-9  # relative to the section
+# A motion counts as late by this fraction of its given duration; less is not made up for.
+_LATE = 5e-3
+_MAX_HURRIES = 20
+# Points between two attempts, where the motion is late but any faster pace comes early at once.
+_HURRY_SPACING = 10
+_STATUSES = (
+    "ok",
+    "no_motion",
+    "start_too_fast",
+    "end_too_fast",
+    "too_long",
+    "not_settled",
+    "slow_profile",
+)
+
+Free = NDArray[np.bool_]
 
 
 def time_section(section: Section, limits: JointLimits, request: Request, begin: float) -> Samples:
     """The fastest motion along a section, and its rest at the end."""
     motion = _fastest(section, limits, request, begin, cuts=0)
-    return motion.held(section.hold, request.rate)
+    return motion.with_dwell_after(section.dwell_time, request.rate)
 
 
 def _fastest(
     section: Section, limits: JointLimits, request: Request, begin: float, *, cuts: int
 ) -> Samples:
     """The fastest motion along a section that was cut so many times already."""
-    last = cuts == _MOST_CUTS
+    last = cuts == _MAX_CUTS
     passing = None
     try:
-        passing, pinches = _passing(
-            section, limits, request, begin, most_delay=math.inf if last else _MOST_DELAY
+        passing, bottlenecks = _passing(
+            section, limits, request, begin, max_delay=math.inf if last else _MAX_DELAY
         )
-    except Creeping as creeping:
-        pinches = creeping.pinches
-    if passing is not None and (last or len(pinches) == 0):
+    except SlowProfile as slow:
+        bottlenecks = slow.bottlenecks
+    if passing is not None and (last or len(bottlenecks) == 0):
         return passing
-    resting = _resting(section.cut_at(pinches), limits, request, begin, cuts=cuts + 1)
+    resting = _resting(section.cut_at(bottlenecks), limits, request, begin, cuts=cuts + 1)
     if passing is not None and passing.times[-1] <= resting.times[-1]:
         return passing
     return resting
@@ -72,27 +99,26 @@ def _resting(
 
 
 def _passing(
-    section: Section, limits: JointLimits, request: Request, begin: float, *, most_delay: float
+    section: Section, limits: JointLimits, request: Request, begin: float, *, max_delay: float
 ) -> tuple[Samples, Float64Array]:
-    """The fastest motion along a section that rests nowhere inside, and its pinches."""
-    places = np.linspace(*section.spline.domain, _POINTS_OF_SPREAD)
-    least, largest = _core.extent(section.spline.evaluate(places))
-    rates = rates_within(limits, largest - least)
+    """The fastest motion along a section that rests nowhere inside, and its bottlenecks."""
+    q = section.spline.evaluate(np.linspace(*section.spline.domain, _POINTS_OF_SPREAD))
+    rates = _rates_within(limits, q.max(axis=0) - q.min(axis=0))
     path = _timed_path(section.spline, rates.scale)
     check_positions(path.positions, limits)
     speeds = (
         _end_speed(path, 0, request.start_velocity, "start_velocity"),
         _end_speed(path, -1, request.end_velocity, "end_velocity"),
     )
-    course = Course(path, section, rates, limits, speeds, request.rate, most_delay)
+    problem = TimingProblem(path, section, rates, limits, speeds, request.rate, max_delay)
     effort_fraction, tip_fraction = 1.0, 1.0
-    for _ in range(_MOST_TIGHTENINGS):
-        found = _bounds(path, limits, request, effort=effort_fraction, tip=tip_fraction)
-        law = course.law(_on_schedule(course, found, request, begin))
-        motion = course.motion(law)
+    for _ in range(_MAX_TIGHTENINGS):
+        bounds = _bounds(path, limits, request, effort=effort_fraction, tip=tip_fraction)
+        law = problem.law(_on_schedule(problem, bounds, request, begin))
+        motion = problem.motion(law)
         tip, effort = _tip_ratio(motion, request), _effort_ratio(motion, limits, request)
         if max(tip, effort) <= 1.0:
-            return motion, law.pinches
+            return motion, law.bottlenecks
         tip_fraction /= max(tip * _TIGHTER, 1.0)
         effort_fraction /= max(effort * _TIGHTER, 1.0)
     raise LimitsInfeasible(
@@ -103,7 +129,7 @@ def _passing(
 
 def _timed_path(spline: Spline, scale: Float64Array) -> _core.TimedPath:
     pieces, terms, joints = spline.coefficients.shape
-    points = min(max(_POINTS, _POINTS_A_PIECE * pieces), _MOST_POINTS)
+    points = min(max(_MIN_POINTS, _POINTS_A_PIECE * pieces), _MAX_POINTS)
     table = spline.coefficients.reshape(pieces * terms, joints)
     return _core.TimedPath(spline.knots, table, scale, points + 1)
 
@@ -119,6 +145,173 @@ def _end_speed(path: _core.TimedPath, end: int, velocity: Float64Array | None, n
     return speed
 
 
+@dataclass(frozen=True, eq=False)
+class _Rates:
+    """Limits (joints,) along a path, and the speeds that joints could come to; zero at rest."""
+
+    velocity: Float64Array  # rad/s (m/s)
+    acceleration: Float64Array  # rad/s^2 (m/s^2)
+    jerk: Float64Array  # rad/s^3 (m/s^3)
+    scale: Float64Array
+
+
+def _rates_within(limits: JointLimits, spread: Float64Array) -> _Rates:
+    """The rates along a path."""
+    velocity, acceleration, jerk = limits.velocity, limits.acceleration, limits.jerk
+    assert acceleration is not None
+    assert jerk is not None
+    # An infinite limit times no spread would be no number.
+    some = np.maximum(spread, np.finfo(np.float64).tiny)
+    # A joint that starts and stops within its spread comes to no higher speed than these.
+    scale = np.minimum(
+        np.minimum(velocity, np.sqrt(acceleration * some)), np.cbrt(jerk) * np.cbrt(some) ** 2
+    )
+    moves = spread > min(AT_REST, _FRACTION_AT_REST * spread.max())
+    for i in np.flatnonzero(moves & ~(scale > 0.0)):
+        name = limits.joint_names[i]
+        raise LimitsInfeasible(f"{name} moves along the path, but a limit of it is 0", joint=name)
+    if not np.isfinite(scale[moves]).any():
+        raise InvalidInput("limits: expected a finite limit of some joint that moves, got none")
+    bound = (scale > 0.0) & (spread > 0.0)
+    return _Rates(
+        velocity=np.where(bound, velocity, 0.0),
+        acceleration=np.where(bound, acceleration, 0.0),
+        jerk=np.where(bound, jerk, 0.0),
+        scale=np.where(moves & np.isfinite(scale), scale, 0.0),
+    )
+
+
+class SlowProfile(Exception):
+    """The motion takes far longer than its profile, for its bottlenecks."""
+
+    def __init__(self, bottlenecks: Float64Array) -> None:
+        super().__init__()
+        self.bottlenecks = bottlenecks
+
+
+@dataclass(frozen=True, eq=False)
+class _Law:
+    """A time law."""
+
+    times: Float64Array  # s, (n,)
+    length: Float64Array  # the path's length at them, (n,)
+    speed: Float64Array  # its derivative in time, (n,)
+    push: Float64Array  # its second derivative, (n,)
+    bottlenecks: Float64Array  # parameters at which a rest may be faster than passing
+
+
+@dataclass(frozen=True, eq=False)
+class TimingProblem:
+    """All that the time law of a section is computed from, apart from the bounds on it."""
+
+    path: _core.TimedPath  # the path and its grid
+    section: Section  # what it is the path of
+    rates: _Rates  # of the joints along it
+    limits: JointLimits  # of the joints
+    speeds: tuple[float, float]  # of the path's length, at its ends
+    rate: float  # samples per second
+    max_delay: float
+
+    @property
+    def parts(self) -> int:
+        """Samples computed for each one returned."""
+        return max(1, math.ceil(1.0 / (self.rate * _COARSEST_PERIOD) - 1e-9))
+
+    @property
+    def period(self) -> float:
+        """Time between computed samples, s."""
+        return 1.0 / (self.rate * self.parts)
+
+    def law(self, bounds: _PathBounds) -> _Law:
+        """The time law inside the bounds."""
+        status, point, length, speed, push, duration, _, _, points = self.path.law(
+            self.rates.velocity,
+            self.rates.acceleration,
+            self.rates.jerk,
+            bounds.fastest,
+            bounds.gain,
+            bounds.bend,
+            bounds.lower,
+            bounds.upper,
+            self.period,
+            self.parts,
+            *self.speeds,
+            MAX_SAMPLES,
+            self.max_delay,
+        )
+        bottlenecks = self.path.parameter[points]
+        if status and len(bottlenecks):
+            raise SlowProfile(bottlenecks)
+        if status:
+            raise _failure(_STATUSES[status], self.path.first[point], self.limits)
+        if self.speeds[1] == 0.0:
+            missing = np.zeros(-(len(length) - 1) % self.parts)
+            length = np.concatenate([length, missing + length[-1]])
+            speed, push = (np.concatenate([values, missing]) for values in (speed, push))
+            duration = self.period * (len(length) - 1)
+        times = np.arange(len(length), dtype=np.float64) * self.period
+        times[-1] = duration
+        return _Law(times, length, speed, push, bottlenecks)
+
+    def motion(self, law: _Law) -> Samples:
+        """The motion of a law, sampled at the rate asked for, with its own derivatives."""
+        rows = _thinned(len(law.times), self.parts)
+        length = law.length[rows]
+        states = self.path.states_along(length, law.speed[rows], law.push[rows])
+        return Samples(law.times[rows], _rows_at(length, self.path, self.section), *states)
+
+
+def _thinned(count: int, parts: int) -> NDArray[np.intp]:
+    """Every sample of `parts` and the last; one half a step or less before it is left out."""
+    last = count - 1
+    rows = np.arange(0, last, parts)
+    if len(rows) > 1 and last - rows[-1] < 0.5 * parts:
+        rows = rows[:-1]
+    return np.append(rows, last)
+
+
+def _rows_at(length: Float64Array, path: _core.TimedPath, section: Section) -> Float64Array:
+    """Progress (n,) of a motion, counted in way-points, samples or knots of the whole path."""
+    parameters = np.interp(length, path.length, path.parameter)
+    rows = np.interp(parameters, section.parameters, section.rows)
+    # Exact at the ends of the whole, where rounding would miss them.
+    near = _SAME_PARAMETER * float(section.parameters[-1] - section.parameters[0])
+    for end in (0, -1):
+        if abs(path.parameter[end] - section.parameters[end]) <= near:
+            rows[end] = section.rows[end]
+    return rows
+
+
+def _failure(status: str, direction: Float64Array, limits: JointLimits) -> Exception:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        need = np.nan_to_num(np.abs(direction) / limits.velocity)
+    name = limits.joint_names[int(need.argmax())]
+    if status == "too_long":
+        return InvalidInput(f"rate: expected at most {MAX_SAMPLES:.0e} samples; lower the rate")
+    reasons = {
+        "no_motion": "no motion along the path keeps the limits",
+        "start_too_fast": "start_velocity is faster than the limits allow",
+        "end_too_fast": "end_velocity is faster than the limits allow",
+        "not_settled": "no motion with these velocities at the ends keeps the limits",
+    }
+    return LimitsInfeasible(f"{reasons[status]}; the joint nearest its limit is {name}", joint=name)
+
+
+@dataclass(frozen=True, eq=False)
+class _PathBounds:
+    """Bounds at the n points of a path's grid."""
+
+    fastest: Float64Array  # the largest x, (n,)
+    gain: Float64Array  # factor of u in each row of the table, (n, rows)
+    bend: Float64Array  # factor of x, (n, rows)
+    lower: Float64Array  # lower bound of the row, (n, rows)
+    upper: Float64Array  # upper bound of the row, (n, rows)
+
+    def slower_than(self, squared: Float64Array) -> _PathBounds:
+        """The bounds, with x at most `squared` (n,)."""
+        return replace(self, fastest=np.minimum(self.fastest, squared))
+
+
 def _bounds(
     path: _core.TimedPath,
     limits: JointLimits,
@@ -126,38 +319,31 @@ def _bounds(
     *,
     effort: float,
     tip: float,
-) -> bounds.PathBounds:
+) -> _PathBounds:
     """The bounds of a request, with fractions of the effort limits and of the tip's speed."""
-    found = bounds.unbounded(path)
-    if request.tip_speed is not None and request.jacobian is not None:
-        speed = tip * request.tip_speed
-        found = bounds.slower_than(found, bounds.tip_within(path, request.jacobian, speed))
+    count = len(path.length)
+    empty = np.empty((count, 0))
+    bounds = _PathBounds(np.full(count, np.inf), empty, empty, empty, empty)
+    if request.tip_speed is not None:
+        speeds = _tip_speeds(request.tip_speed.jacobian, path.positions, path.first)
+        with np.errstate(divide="ignore"):
+            bounds = bounds.slower_than((tip * request.tip_speed.limit / speeds) ** 2)
     if request.inverse_dynamics is not None:
-        most = effort * _effort(limits)
-        found = bounds.with_efforts(found, path, request.inverse_dynamics, most)
-        _check_holding(found, limits)
-    return found
+        allowed = effort * _effort(limits)
+        bounds = _with_efforts(bounds, path, request.inverse_dynamics, allowed)
+        _check_holding(bounds, limits)
+    return bounds
 
 
-def _on_schedule(
-    course: Course, found: bounds.PathBounds, request: Request, begin: float
-) -> bounds.PathBounds:
-    """The bounds, with the pace of `not_before` where the motion is not late."""
-    if request.not_before is None:
-        return found
-    path, section = course.path, course.section
-    times = request.not_before[section.rows]
-    shown, pace = bounds.paced(path, section.parameters, times - request.not_before[0])
-    due = shown - max(begin, shown[0])
-
-    def bounded(free: schedule.Free) -> bounds.PathBounds:
-        return bounds.slower_than(found, np.where(free, np.inf, pace))
-
-    def arrival(free: schedule.Free) -> Float64Array:
-        law = course.law(bounded(free))
-        return np.interp(path.length, law.length, law.times)
-
-    return bounded(schedule.hurries(due, arrival, slack=0.5 * course.period))
+def _with_efforts(
+    bounds: _PathBounds, path: _core.TimedPath, dynamics: InverseDynamics, effort: Float64Array
+) -> _PathBounds:
+    """The bounds, with the joints' efforts kept inside their limits."""
+    still = np.zeros_like(path.positions)
+    rest = _efforts(dynamics, path.positions, still, still)
+    gain = _efforts(dynamics, path.positions, still, path.first) - rest
+    bend = _efforts(dynamics, path.positions, path.first, path.second) - rest
+    return _PathBounds(bounds.fastest, gain, bend, -effort - rest, effort - rest)
 
 
 def _effort(limits: JointLimits) -> Float64Array:
@@ -166,26 +352,110 @@ def _effort(limits: JointLimits) -> Float64Array:
     return limits.effort
 
 
-def _check_holding(found: bounds.PathBounds, limits: JointLimits) -> None:
-    sinks = (found.lower > 0.0) | (found.upper < 0.0)
+def _check_holding(bounds: _PathBounds, limits: JointLimits) -> None:
+    sinks = (bounds.lower > 0.0) | (bounds.upper < 0.0)
     if sinks.any():
         name = limits.joint_names[int(np.argmax(sinks.any(axis=0)))]
         raise LimitsInfeasible(f"{name} cannot hold the arm along the path", joint=name)
 
 
 def _tip_ratio(motion: Samples, request: Request) -> float:
-    if request.tip_speed is None or request.jacobian is None:
+    if request.tip_speed is None:
         return 0.0
     some = motion.some(_JUDGED_SAMPLES)
-    speeds = bounds.tip_speeds(request.jacobian, some.positions, some.velocities)
-    return float(speeds.max()) / request.tip_speed
+    speeds = _tip_speeds(request.tip_speed.jacobian, some.positions, some.velocities)
+    return float(speeds.max()) / request.tip_speed.limit
 
 
 def _effort_ratio(motion: Samples, limits: JointLimits, request: Request) -> float:
     if request.inverse_dynamics is None:
         return 0.0
     some = motion.some(_JUDGED_SAMPLES)
-    used = bounds.efforts(
-        request.inverse_dynamics, some.positions, some.velocities, some.accelerations
-    )
+    used = _efforts(request.inverse_dynamics, some.positions, some.velocities, some.accelerations)
     return float((np.abs(used) / _effort(limits)).max())
+
+
+def _tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) -> Float64Array:
+    """Speeds (n,) of the tip, m/s, at configurations and velocities (n, joints)."""
+    speeds = []
+    for row, velocity in zip(q, velocities, strict=True):
+        matrix = check.array(jacobian(row), "jacobian(q)", shape=("rows", len(row)))
+        speeds.append(np.linalg.norm(matrix[:3] @ velocity))
+    return np.array(speeds)
+
+
+def _efforts(
+    dynamics: InverseDynamics, q: Float64Array, qd: Float64Array, qdd: Float64Array
+) -> Float64Array:
+    """Efforts (n, joints) of states (n, joints), N m (N)."""
+    name = "inverse_dynamics(q, qd, qdd)"
+    rows = zip(q, qd, qdd, strict=True)
+    return np.array([check.array(dynamics(*row), name, shape=(q.shape[1],)) for row in rows])
+
+
+def _on_schedule(
+    problem: TimingProblem, bounds: _PathBounds, request: Request, begin: float
+) -> _PathBounds:
+    """The bounds, with the pace of the earliest times where the motion is not late."""
+    if request.earliest_times is None:
+        return bounds
+    path, section = problem.path, problem.section
+    times = request.earliest_times[section.rows]
+    given, pace = _paced(path, section.parameters, times - request.earliest_times[0])
+    due = given - max(begin, given[0])
+
+    def bounded(free: Free) -> _PathBounds:
+        return bounds.slower_than(np.where(free, np.inf, pace))
+
+    def arrival(free: Free) -> Float64Array:
+        law = problem.law(bounded(free))
+        return np.interp(path.length, law.length, law.times)
+
+    return bounded(hurries(due, arrival, slack=0.5 * problem.period))
+
+
+def _paced(
+    path: _core.TimedPath, parameters: Float64Array, times: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """Times (n,) at the grid's points, and x (n,) there, of a motion known at some parameters."""
+    from scipy.interpolate import PchipInterpolator
+
+    clock = PchipInterpolator(parameters, times)
+    with np.errstate(divide="ignore"):
+        return clock(path.parameter), np.asarray((1.0 / clock(path.parameter, 1) / path.slope) ** 2)
+
+
+def hurries(due: Float64Array, arrival: Callable[[Free], Float64Array], *, slack: float) -> Free:
+    """Where along a path the pace is free, so that the motion catches up, (n,)."""
+    free = np.zeros(len(due), dtype=np.bool_)
+    late = arrival(free) - due
+    allowed = min(float(late.min()), 0.0) - slack
+    too_late = max(_LATE * float(due[-1] - due[0]), 4.0 * slack)
+    begin = 0
+    for _ in range(_MAX_HURRIES):
+        points = np.flatnonzero(late[begin:] > too_late)
+        if not len(points):
+            break
+        first = begin + int(points[0])
+        end = _end(free, first, lambda some: arrival(some) - due, allowed)
+        free[first:end] = True
+        late = arrival(free) - due
+        begin = max(end, first + _HURRY_SPACING)
+    return free
+
+
+def _end(free: Free, first: int, lateness: Callable[[Free], Float64Array], allowed: float) -> int:
+    """The point up to which the pace may be free from the first one without coming early."""
+
+    def early(end: int) -> bool:
+        trial = free.copy()
+        trial[first:end] = True
+        return bool((lateness(trial)[first:] < allowed).any())
+
+    low, high = first, len(free)
+    if not early(high):
+        return high
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if early(middle) else (middle, high)
+    return low

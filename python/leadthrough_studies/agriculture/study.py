@@ -30,7 +30,7 @@ from leadthrough.errors import FitError, IkFailure, InvalidInput, LimitsInfeasib
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
 from leadthrough.shapes import Scene
 from leadthrough.shapes.scene import PLANNING_TOLERANCE
-from leadthrough.timing import check_limits, scale_to_limits
+from leadthrough.timing import check_limits, keep_timing
 from leadthrough_studies.agriculture import recordings
 from leadthrough_studies.agriculture.measures import at_phases, gaps, judged
 from leadthrough_studies.agriculture.planners import PLANNERS, planner_of
@@ -61,6 +61,8 @@ _PLANNED_STEP = 0.01  # s, step of the motions whose planning is timed: 1000 ste
 _CLEARANCE = 1e-3  # m, tolerance of the check between samples
 _DRAWN = "4-4"  # the subtask of the paper's figures 8 to 10
 _DRAWN_SAMPLES = 201
+_RATE = 100.0  # Hz, of the motions of the arm
+_PATH_TOLERANCE = 1e-3  # rad (m)
 
 
 @dataclass(frozen=True)
@@ -247,7 +249,8 @@ def on_the_arm(
         return row | {"arm_failure": f"{error.status} at sample {error.index}"}, None
     row = {"followed": 1}
     try:
-        joints = scale_to_limits(joints, arm.limits)  # `follow` does not consider jerk
+        # `follow` does not consider jerk.
+        joints = keep_timing(joints, arm.limits, rate=_RATE, path_tolerance=_PATH_TOLERANCE)
     except LimitsInfeasible as error:
         return row | {"arm_failure": str(error)}, joints
     row |= {

@@ -13,6 +13,8 @@ from leadthrough_studies.study import Row
 
 ARMS = ("panda", "ur3")
 _FOLLOWED = 200  # samples at which an arm follows
+_RATE = 100.0  # Hz, of the motion inside the limits
+_PATH_TOLERANCE = 1e-3  # rad (m)
 # By arm: m per mm of a drawing, the middle of the place where it moves, and the largest extent of a
 # motion there, m. Larger motions are scaled down to it.
 _PLACES = {"panda": (0.004, (0.5, 0.0, 0.3), 0.4), "ur3": (0.003, (-0.05, -0.3, 0.2), 0.22)}
@@ -61,7 +63,7 @@ def on_arm(arm: str, motion: PoseTrajectory) -> Row:
         joints = robot.follow(way, on_rate_limit="exceed_limits")
     except IkFailure as error:
         return {**row, "executed": 0, "reachable": 0, "refused": str(error)[:120]}
-    slow = lt.scale_to_limits(joints, robot.limits)
+    slow = lt.keep_timing(joints, robot.limits, rate=_RATE, path_tolerance=_PATH_TOLERANCE)
     leap = float(np.abs(np.diff(joints.positions, axis=0)).max())
     smooth, clear = leap < _LEAP, bool(robot.check(joints).ok)
     return {

@@ -20,7 +20,7 @@ from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.preprocess.resample import by_arc_length
 from leadthrough.shapes import Box, Cylinder, Scene
 from leadthrough.shapes.scene import PLANNING_TOLERANCE
-from leadthrough.timing import check_limits, retime
+from leadthrough.timing import check_limits, keep_timing
 from leadthrough.trajectories import minimum_jerk_time_scaling
 from leadthrough_studies.demo.performed import Performed
 from leadthrough_studies.demonstrator import Teaching, guide
@@ -65,7 +65,7 @@ def run(seed: int = 0) -> Performed:
     goal = end, usual.orientations[-1]
     planned = plan_motion(skill, arm, scene, Query(goal=goal))
     path = planned.joints
-    joints = retime(path, arm.limits, rate=_RATE, path_tolerance=1e-3, not_before=path.times)
+    joints = keep_timing(path, arm.limits, rate=_RATE, path_tolerance=1e-3)
     return Performed(
         name="Pouring",
         told="A Panda carries a jug to a glass and tips it, at the pace that was shown.",

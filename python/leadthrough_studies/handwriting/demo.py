@@ -21,7 +21,7 @@ from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory, T
 from leadthrough.preprocess.resample import by_arc_length
 from leadthrough.shapes import Box, Capsule, Scene
 from leadthrough.shapes.scene import PLANNING_TOLERANCE
-from leadthrough.timing import LimitsReport, check_limits, differentiate, scale_to_limits
+from leadthrough.timing import LimitsReport, check_limits, keep_timing
 from leadthrough_studies import metrics
 
 MOTIONS = (
@@ -61,6 +61,7 @@ class HandwritingConfig:
 
 # Fraction of the pen's height above the table that the whole arm keeps clear of everything.
 _OF_THE_LIFT = 0.5
+_RATE = 100.0  # Hz, of the motion inside the limits
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +122,7 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
         on_rate_limit="exceed_limits",
         scene=scene,
     )
-    asked = differentiate(followed)
-    joints = scale_to_limits(asked, arm.limits)
+    joints = keep_timing(followed, arm.limits, rate=_RATE)
     return Handwriting(
         name=name,
         shown=tuple(shown),
@@ -132,7 +132,7 @@ def run(name: str, arm: Arm, config: HandwritingConfig) -> Handwriting:
         box=box,
         detour=detour,
         joints=joints,
-        slowing=joints.duration / asked.duration,
+        slowing=joints.duration / followed.duration,
         limits=check_limits(joints, arm.limits),
         errors=metrics.reproduction_errors(drawings[-1], placement.on_paper(reproduction)),
         clearance=holding.check(joints, scene),

@@ -332,22 +332,19 @@ call(
     lower=none,
     upper=none,
     period=0.01,
+    parts=1,
     start_speed=0.0,
     end_speed=0.0,
     longest=1e5,
     most_delay=20.0,
 )
-call(timed.positions_at, [[0.0, 0.0]], lengths=np.zeros(1))
+still = {"length": np.zeros(1), "speed": np.zeros(1), "push": np.zeros(1)}
+call(timed.states_along, [[0.0, 0.0]], **still)
 LINE = np.array([[0.0, 0.0], [1.0, -1.0]])
 rates = {"velocity": SPEED, "acceleration": LOOSE, "jerk": np.full(2, 99.0)}
-call(core.time_lines, -1, points=LINE, period=0.01, parts=1, longest=1e5, **rates)
+call(core.time_lines, -1, points=LINE, period=0.01, longest=1e5, **rates)
 sampled = {"positions": LINE, "velocities": 0 * LINE, "accelerations": 0 * LINE}
-ends = {"rests_at_start": True, "rests_at_end": True}
-steady = {"times": np.array([0.0, 1.0]), "positions": LINE, "beyond": LINE}
-call(core.central_differences, [[0.5, -0.5]] * 2, **steady)
-call(core.stops, [], positions=LINE, velocities=0 * LINE)
-call(core.extent, [0.0, -1.0], rows=LINE)
-call(core.largest_use, 1, times=np.array([0.0, 1.0]), **sampled, **ends, **rates)
+call(core.motion_extremes, None, times=np.array([0.0, 1.0]), **sampled)
 ramp = np.linspace(0.0, 1.0, 20)
 call(core.fit_spline, [0, 4, 9, 14, 19], parameters=ramp, q=ramp[:, None], tolerance=1e-9)
 call(core.rows_apart, [0, 1], q=LINE, tolerance=1e-9)
@@ -428,6 +425,13 @@ call(
     [[0.0], [1.0], [0.0], [0.0]],
     parameters=np.array([0.0, 2.0]),
     q=np.array([[0.0], [2.0]]),
+)
+call(
+    core.spline_slopes,
+    [[0.0], [0.0]],
+    parameters=np.array([0.0, 2.0]),
+    q=np.array([[0.0], [2.0]]),
+    at_rest=True,
 )
 
 # Calls of the guard: limits per sample of 1, 0.1 and 0.01 rad, two joints.

@@ -33,7 +33,7 @@ WORDS = {
         ("accelerate: the rate is 3", "accelerate: the rate is 3"),
         ("--rate: needed", "--rate: needed"),
         (
-            "no velocities; `leadthrough retime` adds them, in Python differentiate",
+            "no velocities; `leadthrough retime` adds them, in Python retime",
             "no velocities; `leadthrough retime` adds them",
         ),
         ("limits: none; in Python, from a file:\n[joints]", "leadthrough.toml: limits: none"),

@@ -9,6 +9,7 @@ from kinds import kind
 from motions import arm, minimum_jerk, motion_of
 
 import leadthrough as lt
+from leadthrough.motion import with_derivatives
 from leadthrough.preprocess import align_by_arc_length, align_by_time_warping, segment
 
 CLOSED, OPENED = lt.Event(1.3, "closed"), lt.Event(2.0, "opened")
@@ -147,7 +148,7 @@ def test_followed_motions_keep_them(too_fast):
     np.testing.assert_allclose(reached, at(motion, 0.13), atol=1e-4)
 
 
-@pytest.mark.parametrize("timed", [lt.retime, lt.scale_to_limits])
+@pytest.mark.parametrize("timed", [lt.retime, lt.keep_timing])
 def test_a_new_time_law_leaves_them_on_the_path(timed):
     shown = replace(
         demonstrated("joints"), times=5.0 + 0.2 * TIMES, events=(lt.Event(5.26, "closed"),)
@@ -157,7 +158,7 @@ def test_a_new_time_law_leaves_them_on_the_path(timed):
 
 def test_they_come_when_a_hold_begins():
     shown = replace(demonstrated("joints"), events=(lt.Event(float(TIMES[100]), "closed"),))
-    made = lt.retime(shown, arm("ur3").limits, holds={100: 0.5})
+    made = lt.retime(shown, arm("ur3").limits, dwell_times={100: 0.5})
     (event,) = made.events
     resting = made.times[np.abs(made.velocities).max(axis=1) == 0.0]
     hold = resting[(resting > 0.0) & (resting < made.times[-1])]
@@ -165,9 +166,9 @@ def test_they_come_when_a_hold_begins():
     assert hold[-1] - hold[0] == pytest.approx(0.5, abs=2e-3)
 
 
-def test_differentiated_and_exported_trajectories_keep_them(tmp_path):
+def test_exported_trajectories_keep_them(tmp_path):
     happened = (lt.Event(8.3, "closed"),)
-    shown = lt.differentiate(replace(demonstrated("joints"), times=7.0 + TIMES, events=happened))
+    shown = with_derivatives(replace(demonstrated("joints"), times=7.0 + TIMES, events=happened))
     assert shown.events == happened
     lt.io.joint_trajectory.write_json(shown, tmp_path / "arm.json")
     (event,) = json.loads((tmp_path / "arm.json").read_text())["events"]

@@ -28,7 +28,7 @@ def test_a_motion_cut_out_of_another_begins_and_ends_at_rest(panda):
     whole = lt.connect(Q - 0.1, motion_of(MOVING), panda)
     assert np.array_equal(whole.positions[0], Q - 0.1)
     assert worst_use(whole.positions, panda.limits, RATE) <= 1.0 + EXCESS
-    assert lt.check_limits(whole, panda.limits).ok
+    assert lt.check_limits(whole, panda.limits, linear_rate=RATE).ok
     begin = int(np.abs(whole.positions - MOVING[0]).max(axis=1).argmin())
     assert np.array_equal(whole.positions[begin : begin + 100], MOVING)
     assert not np.diff(whole.positions[-2:], axis=0).round(12).any()

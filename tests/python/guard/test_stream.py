@@ -37,9 +37,7 @@ def good_chunks_unchanged(arm, rng, q):
     motion = lt.retime(
         lt.JointTrajectory([0.0, 1.0], [q, goal], joint_names=joints), arm.limits, rate=RATE
     )
-    slow = lt.scale_to_limits(
-        lt.JointTrajectory(motion.times * 3.0, motion.positions, joint_names=joints), arm.limits
-    )
+    slow = lt.JointTrajectory(motion.times * 3.0, motion.positions, joint_names=joints)
     times = np.arange(0.0, slow.times[-1], 1.0 / RATE)
     rows = slow.at(times)
     rows = np.concatenate([rows, np.repeat(rows[-1:], 200 - len(rows) % 100, axis=0)])

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
-from leadthrough import timing
 from leadthrough.errors import InvalidInput
 from leadthrough.io import csv, joint_trajectory
+from leadthrough.motion import with_derivatives
 
 NAMES = ("shoulder_pan_joint", "wrist_1_joint")
 TIMES = 7.0 + np.linspace(0.0, 2.0, 41) ** 1.5
 PLAIN = lt.JointTrajectory(
     TIMES, np.column_stack([np.sin(TIMES), TIMES**2 / 30]), joint_names=NAMES
 )
-FULL = timing.differentiate(PLAIN)
+FULL = with_derivatives(PLAIN)
 
 
 def seconds(stamp):

@@ -11,10 +11,11 @@ from leadthrough import cli
 from leadthrough.errors import InvalidInput
 from leadthrough.io import rosbag
 from leadthrough.io.table import Request
+from leadthrough.motion import with_derivatives
 from leadthrough.show.info import describe
 
 TIMES = np.arange(51) / 50.0
-JOINTS = lt.differentiate(
+JOINTS = with_derivatives(
     lt.JointTrajectory(
         TIMES,
         np.outer(minimum_jerk(TIMES), [1.0, -0.5]),

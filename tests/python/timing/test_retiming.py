@@ -1,6 +1,5 @@
 """The fastest motion along a path: limits kept, nearly the optimum, the path where it was."""
 
-import time
 from dataclasses import replace
 from itertools import pairwise
 
@@ -14,8 +13,7 @@ from scipy.spatial import cKDTree
 import leadthrough as lt
 from leadthrough.arm.limits import JointLimits
 from leadthrough.errors import InvalidInput, LimitsInfeasible
-from leadthrough.timing import binding_limits, check_limits
-from leadthrough.timing.sections import Section
+from leadthrough.timing import TipSpeed, binding_limits, check_limits
 from leadthrough.trajectories import Spline
 
 PANDA = lt.Arm.load("panda").limits
@@ -115,6 +113,14 @@ def test_the_same_path_gives_the_same_bits():
     assert (one.positions == two.positions).all()
 
 
+@pytest.mark.parametrize("jacobian", [None, 3.0])
+def test_a_tip_speed_is_positive_and_has_a_jacobian(jacobian):
+    with pytest.raises(InvalidInput, match="jacobian"):
+        TipSpeed(0.1, jacobian)
+    with pytest.raises(InvalidInput, match="tip_speed"):
+        TipSpeed(0.0, lambda q: q)
+
+
 @pytest.mark.parametrize("rate", [20.0, 100.0, 250.0, 999.0, 4000.0])
 def test_any_rate_keeps_the_limits(rate):
     motion = lt.retime(random_spline(2), PANDA, rate=rate)
@@ -187,7 +193,7 @@ def test_holds_rest_at_their_way_points():
     way = np.array([[0.0, 0.0], [1.0, 0.2], [1.0, 1.0]])
     limits = limits_of(2)
     plain = lt.retime(way, limits)
-    held = lt.retime(way, limits, holds={0: 0.1, 1: 0.5, 2: 0.2})
+    held = lt.retime(way, limits, dwell_times={0: 0.1, 1: 0.5, 2: 0.2})
     assert held.duration == pytest.approx(plain.duration + 0.8, abs=1e-9)
     at_corner = np.abs(held.positions - way[1]).max(axis=1) < 1e-9
     assert at_corner.sum() >= 500
@@ -200,8 +206,8 @@ def test_holds_of_a_motion_that_rests_already_are_rests_there():
     corners = np.array([[0.0, 0.0], [1.0, 0.2], [1.0, 1.0], [0.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
     way = np.concatenate([one + np.outer(ease, two - one) for one, two in pairwise(corners)])
     moving = lt.JointTrajectory(np.arange(205) / 40.0, way)
-    plain = lt.retime(moving, limits_of(2), holds={40: 0.0, 81: 0.0, 123: 0.0, 160: 0.0})
-    held = lt.retime(moving, limits_of(2), holds={40: 0.1, 81: 0.3, 123: 0.2, 160: 0.6})
+    plain = lt.retime(moving, limits_of(2), dwell_times={40: 0.0, 81: 0.0, 123: 0.0, 160: 0.0})
+    held = lt.retime(moving, limits_of(2), dwell_times={40: 0.1, 81: 0.3, 123: 0.2, 160: 0.6})
     assert held.duration == pytest.approx(plain.duration + 1.2, abs=1e-9)
     for point, rest in ((corners[1], 0.1), (corners[2], 0.3), (corners[3], 0.8)):
         still = np.abs(held.positions - point).max(axis=1) < 1e-9
@@ -218,15 +224,6 @@ def test_the_path_stays_within_the_tolerance_of_the_samples():
     np.testing.assert_allclose(motion.positions[[0, -1]], q[[0, -1]], rtol=0.0, atol=1e-8)
 
 
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_a_section_is_cut_where_it_moves_whichever_way(side):
-    spline = Spline([0.0, 1.0, 2.0], side * np.array([[[0.0], [1.0]], [[1.0], [1.0]]]))
-    parts = Section(spline, np.arange(3), spline.knots).cut_at(np.array([0.5, 1.5]))
-    assert [part.spline.domain for part in parts] == [(0.0, 0.5), (0.0, 1.0), (0.0, 0.5)]
-    ends = [part.spline.evaluate(part.spline.domain[1])[0] for part in parts]
-    np.testing.assert_allclose(ends, side * np.array([0.5, 1.5, 2.0]), atol=1e-15)
-
-
 def test_standing_still_takes_no_time():
     times = np.linspace(0.0, 6.0, 301)
     go = np.clip(times, 0.0, 1.0) + np.clip(times - 5.0, 0.0, 1.0)
@@ -241,7 +238,7 @@ def test_standing_still_takes_no_time():
 def test_the_tip_keeps_its_speed_limit():
     arm = lt.Arm.load("panda")
     path = random_spline(6, spread=0.3)
-    motion = lt.retime(path, arm.limits, tip_speed=0.25, jacobian=arm.jacobian, rate=200.0)
+    motion = lt.retime(path, arm.limits, tip_speed=TipSpeed(0.25, arm.jacobian), rate=200.0)
     rows = zip(motion.positions, motion.velocities, strict=True)
     speeds = [np.linalg.norm(arm.jacobian(q)[:3] @ v) for q, v in rows]
     assert 0.24 < max(speeds) <= 0.25 * (1.0 + 1e-3)
@@ -285,7 +282,9 @@ def test_the_panda_s_torques_keep_their_limits():
 def test_nothing_to_move_gives_one_sample_and_holds_are_kept():
     motion = lt.retime(np.zeros((3, 2)), limits_of(2))
     assert motion.positions.tolist() == [[0.0, 0.0]]
-    assert lt.retime(np.zeros((3, 2)), limits_of(2), holds={1: 0.5}).duration == pytest.approx(0.5)
+    assert lt.retime(
+        np.zeros((3, 2)), limits_of(2), dwell_times={1: 0.5}
+    ).duration == pytest.approx(0.5)
     still = lt.JointTrajectory([0.0, 1.0], np.ones((2, 2)))
     assert lt.retime(still, limits_of(2)).duration == 0.0
 
@@ -345,15 +344,13 @@ def test_any_polyline_keeps_its_limits(seed, joints, points, scale, jerk):
         ({"rate": np.inf}, "rate"),
         ({"path_tolerance": -1.0}, "path_tolerance"),
         ({"blend": np.nan}, "blend"),
-        ({"holds": {5: 1.0}}, "holds"),
-        ({"holds": {1: -1.0}}, "holds"),
-        ({"holds": [1.0]}, "holds"),
-        ({"not_before": [0.0, 2.0, 1.0]}, "not_before"),
-        ({"not_before": [0.0, 1.0]}, "not_before"),
+        ({"dwell_times": {5: 1.0}}, "dwell_times"),
+        ({"dwell_times": {1: -1.0}}, "dwell_times"),
+        ({"dwell_times": [1.0]}, "dwell_times"),
         ({"start_velocity": [1.0]}, "start_velocity"),
-        ({"tip_speed": 0.1}, "jacobian"),
-        ({"tip_speed": 0.1, "jacobian": lambda q: np.full((3, len(q)), np.nan)}, "jacobian"),
-        ({"tip_speed": 0.1, "jacobian": lambda q: q}, "jacobian"),
+        ({"tip_speed": 0.1}, "tip_speed"),
+        ({"tip_speed": TipSpeed(0.1, lambda q: np.full((3, len(q)), np.nan))}, "jacobian"),
+        ({"tip_speed": TipSpeed(0.1, lambda q: q)}, "jacobian"),
         ({"inverse_dynamics": 3}, "inverse_dynamics"),
         ({"inverse_dynamics": lambda *state: state[2]}, "effort"),
     ],
@@ -389,9 +386,7 @@ def test_infinite_limits_do_not_bind():
         lt.retime([[0.0], [2.0]], free)
 
 
-def test_a_motion_of_countless_samples_is_refused_at_once():
+def test_a_motion_of_countless_samples_is_refused():
     slow = limits_of(1, velocity=1e-9)
-    begin = time.process_time()
     with pytest.raises(InvalidInput, match="samples"):
         lt.retime([[0.0], [2.0]], slow)
-    assert time.process_time() - begin < 1.0

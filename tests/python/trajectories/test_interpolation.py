@@ -7,7 +7,7 @@ from scipy.interpolate import BPoly, CubicSpline
 
 from leadthrough import trajectories as tr
 from leadthrough.errors import InvalidInput
-from leadthrough.timing.fitting import through
+from leadthrough.timing.sections import through
 
 RNG = np.random.default_rng(3)
 TIMES = np.array([-1.0, -0.3, 0.1, 0.4, 1.0, 1.3])

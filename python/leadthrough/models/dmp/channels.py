@@ -29,7 +29,7 @@ from leadthrough.models.dmp.progress import (
 from leadthrough.models.dmp.query import Query, check_channels, course_through
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
 from leadthrough.models.targets import Target
-from leadthrough.motion import JointTrajectory, Motion, Trajectory, computed
+from leadthrough.motion import JointTrajectory, Motion, Trajectory, computed, with_derivatives
 
 # A goal nearer than this fraction of the motion's size to the one before is the same.
 _SAME_GOAL = 1e-13
@@ -232,4 +232,6 @@ class PointChannels(Channels[_core.PointState]):
                 Trajectory, times=times, positions=positions, events=events, joints=joints
             )
         velocities = slopes / state.duration
-        return JointTrajectory(times, positions, velocities, None, self.joint_names, events)
+        return with_derivatives(
+            JointTrajectory(times, positions, velocities, None, self.joint_names, events)
+        )

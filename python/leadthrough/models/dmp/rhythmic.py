@@ -41,6 +41,7 @@ from leadthrough.motion import (
     MotionT_co,
     PoseTrajectory,
     Trajectory,
+    with_derivatives,
 )
 from leadthrough.shapes import Shape, check_shapes
 
@@ -232,7 +233,9 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
         if self.joint_names is None:
             return Trajectory(times, values, happening, joints)
         velocities = slopes / state.duration
-        return JointTrajectory(times, values, velocities, None, self.joint_names, happening)
+        return with_derivatives(
+            JointTrajectory(times, values, velocities, None, self.joint_names, happening)
+        )
 
     def _redirected(self, state: Any, goal: ArrayLike) -> Any:
         """The state on its way to another centre."""

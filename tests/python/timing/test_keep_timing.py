@@ -1,4 +1,4 @@
-"""Retiming with times that must not be run ahead of: kept, and caught up with after delays."""
+"""A motion's own timing, kept where the limits allow, and caught up with after delays."""
 
 from dataclasses import replace
 
@@ -7,6 +7,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough import trajectories as tr
+from leadthrough.errors import InvalidInput
 from leadthrough.timing import check_limits
 
 PANDA = lt.Arm.load("panda").limits
@@ -17,7 +18,7 @@ def test_a_trajectory_keeps_its_timing_wherever_the_limits_allow():
     times = np.linspace(2.0, 8.0, 121)
     swing = tr.minimum_jerk_time_scaling((times - 2.0) / 6.0)
     shown = lt.JointTrajectory(times, MIDDLE + np.outer(swing, np.linspace(-0.5, 0.5, 7)))
-    kept = lt.retime(shown, PANDA, not_before=shown.times)
+    kept = lt.keep_timing(shown, PANDA)
     fastest = lt.retime(shown, PANDA)
     assert fastest.duration < 0.3 * shown.duration
     assert kept.times[0] == 2.0
@@ -28,10 +29,10 @@ def test_a_trajectory_keeps_its_timing_wherever_the_limits_allow():
 
 def test_a_curve_reaches_no_knot_before_its_time():
     points = MIDDLE + np.random.default_rng(8).uniform(-0.2, 0.2, (6, 7))
-    curve = tr.BSpline(points, [0, 0, 0, 0, 0.4, 0.7, 1, 1, 1, 1], 3)
-    kept = lt.retime(curve, PANDA, not_before=[0.0, 3.0, 4.0, 8.0])
+    curve = tr.BSpline(points, [0, 0, 0, 0, 3, 4, 8, 8, 8, 8], 3)
+    kept = lt.keep_timing(curve, PANDA)
     assert kept.duration == pytest.approx(8.0, rel=0.01)
-    knot = curve.evaluate(0.4)
+    knot = curve.evaluate(3.0)
     reached = kept.times[np.abs(kept.positions - knot).max(axis=1).argmin()]
     assert reached == pytest.approx(3.0, abs=0.1)
 
@@ -61,7 +62,7 @@ def lateness(shown, motion, rows=slice(20, -20)):
 @pytest.mark.parametrize("share", [1.0, 0.05])
 def test_after_a_stretch_that_was_too_fast_the_motion_catches_up_and_comes_never_early(share):
     shown, limits = hasty(), replace(PANDA, jerk=share * PANDA.jerk)
-    motion = lt.retime(shown, limits, not_before=shown.times)
+    motion = lt.keep_timing(shown, limits)
     assert check_limits(motion, limits).ok
     late = lateness(shown, motion)
     assert late.min() > -1e-3
@@ -73,9 +74,34 @@ def test_after_a_stretch_that_was_too_fast_the_motion_catches_up_and_comes_never
 
 def test_a_stop_that_was_not_shown_is_made_up_for():
     shown, limits = hasty(), PANDA
-    motion = lt.retime(shown, limits, not_before=shown.times, holds={250: 0.5})
+    motion = lt.keep_timing(shown, limits, dwell_times={250: 0.5})
     late = lateness(shown, motion)
     assert late[240:260].max() > 0.4
     assert late[470:].max() < 0.03
     assert late.min() > -1e-3
     assert check_limits(motion, limits).ok
+
+
+def test_a_motion_too_fast_everywhere_is_slowed_down_and_keeps_the_verdict():
+    shown = replace(hasty(), times=0.5 * hasty().times)
+    motion = lt.keep_timing(shown, PANDA, rate=250.0)
+    assert motion.duration > shown.duration
+    assert check_limits(motion, PANDA).ok
+
+
+@pytest.mark.parametrize(
+    ("change", "argument"),
+    [
+        ({"motion": [[0.0] * 7, [1.0] * 7]}, "motion"),
+        ({"limits": None}, "limits"),
+        ({"rate": 0.0}, "rate"),
+        ({"path_tolerance": -1.0}, "path_tolerance"),
+        ({"dwell_times": {900: 1.0}}, "dwell_times"),
+        ({"tip_speed": 0.1}, "tip_speed"),
+        ({"inverse_dynamics": 3}, "inverse_dynamics"),
+    ],
+)
+def test_wrong_arguments_are_named(change, argument):
+    arguments = {"motion": hasty(), "limits": PANDA, **change}
+    with pytest.raises(InvalidInput, match=f"^{argument}: expected"):
+        lt.keep_timing(arguments.pop("motion"), arguments.pop("limits"), **arguments)
