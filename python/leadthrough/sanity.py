@@ -46,48 +46,48 @@ def warn(message: str, category: type[UserWarning] = ImplausibleInputWarning) ->
     warnings.warn(message, category, stacklevel=level)
 
 
-def position(wanted: Float64Array, demonstrated: Float64Array, name: str) -> None:
+def position(given: Float64Array, demonstrated: Float64Array, name: str) -> None:
     """Refuses a position (d,) at a hundred times the extent of the demonstrated ones (n, d)."""
-    if _is_near(wanted.tolist(), demonstrated[0].tolist(), demonstrated[-1].tolist()):
+    if _is_near(given.tolist(), demonstrated[0].tolist(), demonstrated[-1].tolist()):
         return  # quick answer for most queries
     size = max(float(np.ptp(demonstrated, axis=0).max()), float(np.abs(demonstrated).max()))
-    away = float(np.abs(demonstrated - wanted).max(axis=1).min())
+    away = float(np.abs(demonstrated - given).max(axis=1).min())
     if size > 0.0 and away > _FAR * size:
         raise InvalidInput(
-            f"{name}: {numbers_text(wanted)} lies {away:.4g} from a motion that keeps within "
+            f"{name}: {numbers_text(given)} lies {away:.4g} from a motion that keeps within "
             f"{size:.3g} of the origin; give it in the unit of the demonstrations (m, not mm)"
         )
 
 
-def _is_near(wanted: list[float], first: list[float], last: list[float]) -> bool:
+def _is_near(given: list[float], first: list[float], last: list[float]) -> bool:
     """Whether a position is near the first one, by the size that the motion's ends imply."""
     size = max(*map(abs, first), *(abs(b - a) for a, b in zip(first, last, strict=True)))
-    return all(abs(b - a) <= _FAR * size for a, b in zip(first, wanted, strict=True))
+    return all(abs(b - a) <= _FAR * size for a, b in zip(first, given, strict=True))
 
 
-def joints(wanted: Float64Array, demonstrated: Float64Array, name: str) -> None:
+def joints(given: Float64Array, demonstrated: Float64Array, name: str) -> None:
     """Refuses joint positions (d,) that are turns away from all demonstrated ones (n, d), rad."""
-    away = np.abs(demonstrated - wanted).min(axis=0)
+    away = np.abs(demonstrated - given).min(axis=0)
     farthest = int(np.argmax(away))
     if away[farthest] > _TURNS:
         raise InvalidInput(
-            f"{name}: number {farthest + 1} is {wanted[farthest]:.4g} rad, more than two turns "
+            f"{name}: number {farthest + 1} is {given[farthest]:.4g} rad, more than two turns "
             "from the demonstrated ones; give joints in radians, not degrees"
         )
 
 
 def orientation(
-    wanted: Float64Array, demonstrated: Float64Array, end: Float64Array, name: str
+    given: Float64Array, demonstrated: Float64Array, end: Float64Array, name: str
 ) -> None:
     """Warns of an orientation that seems to be given as x, y, z, w."""
-    if abs(float(wanted @ end)) > _CLEARLY_NEAR:
+    if abs(float(given @ end)) > _CLEARLY_NEAR:
         return  # quick answer for most queries
-    away = _nearest(wanted, demonstrated)
-    x, y, z, w = wanted
+    away = _nearest(given, demonstrated)
+    x, y, z, w = given
     if away > _MAX_ROTATED and _nearest(np.array([w, x, y, z]), end[None]) < _SAME:
         warn(
-            f"{name}: the orientation {numbers_text(wanted)} is {away:.3g} rad from all that were "
-            "demonstrated, and as shown if it is x, y, z, w; give quaternions as w, x, y, z"
+            f"{name}: the orientation {numbers_text(given)} is {away:.3g} rad from all "
+            "demonstrated ones, but near them as x, y, z, w; give quaternions as w, x, y, z"
         )
 
 
@@ -127,7 +127,7 @@ def step(dt: float, duration: float) -> None:
         )
 
 
-def _nearest(wanted: Float64Array, demonstrated: Float64Array) -> float:
+def _nearest(given: Float64Array, demonstrated: Float64Array) -> float:
     """The least angle between an orientation (4,) and others (n, 4), rad."""
-    cosine = min(1.0, float(np.abs(demonstrated @ wanted).max()))
+    cosine = min(1.0, float(np.abs(demonstrated @ given).max()))
     return 2.0 * float(np.arccos(cosine))

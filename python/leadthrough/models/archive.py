@@ -193,6 +193,6 @@ def read_certified(
             f"path: expected a skill of format version {VERSION} or earlier, got {path} of version "
             f"{version}; update leadthrough"
         )
-    found = head.get(_CERTIFICATE)
-    certificate = None if found is None else Certificate.from_settings(found)
+    stored = head.get(_CERTIFICATE)
+    certificate = None if stored is None else Certificate.from_settings(stored)
     return kind, settings, arrays, certificate

@@ -61,9 +61,9 @@ def motions_of(
 def _motion(demonstration: object, index: int, kinds: tuple[type[Motion], ...]) -> object:
     motion = demonstration.motion if isinstance(demonstration, Demonstration) else demonstration
     if not isinstance(motion, kinds):
-        wanted = " or ".join(kind.__name__ for kind in kinds)
+        names = " or ".join(kind.__name__ for kind in kinds)
         raise InvalidInput(
-            f"demonstrations[{index}]: expected a Demonstration of a {wanted}, "
+            f"demonstrations[{index}]: expected a Demonstration of a {names}, "
             f"got {type(motion).__name__}{_poses_of(motion, kinds)}"
         )
     return motion
@@ -71,8 +71,8 @@ def _motion(demonstration: object, index: int, kinds: tuple[type[Motion], ...]) 
 
 def _poses_of(motion: object, kinds: tuple[type[Motion], ...]) -> str:
     """Remedy for joints given to a model of poses."""
-    wanted = isinstance(motion, JointTrajectory) and PoseTrajectory in kinds
-    return "; arm.poses(motion) makes poses of joints" if wanted else ""
+    convertible = isinstance(motion, JointTrajectory) and PoseTrajectory in kinds
+    return "; arm.poses(motion) makes poses of joints" if convertible else ""
 
 
 def _refuse_mixed(motions: Sequence[Motion]) -> None:

@@ -82,20 +82,22 @@ class Frame(ShortRepr):
         if not isinstance(motion, PoseTrajectory):
             return type(motion)(motion.times, positions)
         back = rotations.inverse(self.orientations(len(motion.times)))
-        turned = rotations.compose(back, motion.orientations)
-        return PoseTrajectory(motion.times, positions, rotations.align_signs(turned))
+        orientations = rotations.compose(back, motion.orientations)
+        return PoseTrajectory(motion.times, positions, rotations.align_signs(orientations))
 
     def base(self, motion: MotionT) -> MotionT:
         """A motion that is seen from this frame, in the base frame.
 
         Args:
-            motion: the motion in this frame; velocities of joints are turned with it.
+            motion: the motion in this frame; velocities of joints are rotated with it.
         """
         positions = motion.positions @ self.axes.T + self.origin
         if isinstance(motion, PoseTrajectory):
-            turned = rotations.compose(self.orientations(len(motion.times)), motion.orientations)
-            turned = rotations.align_signs(turned)
-            return replace(motion, positions=positions, orientations=turned)
+            orientations = rotations.compose(
+                self.orientations(len(motion.times)), motion.orientations
+            )
+            orientations = rotations.align_signs(orientations)
+            return replace(motion, positions=positions, orientations=orientations)
         if isinstance(motion, JointTrajectory):
             rates = [motion.velocities, motion.accelerations]
             velocities, accelerations = (None if r is None else r @ self.axes.T for r in rates)

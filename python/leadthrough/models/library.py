@@ -44,7 +44,7 @@ _HEAVY = 1e4
 
 
 class OutsideTargets(UserWarning):
-    """A skill was looked up outside of the targets that were shown; the message tells how far."""
+    """A skill was looked up outside of the demonstrated targets, by a stated distance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class Entry(ShortRepr):
 
     task: str  # name of the task
     subtask: str  # name of the part of the task
-    target: Float64Array  # (d,), where the subtask was shown to go
+    target: Float64Array  # (d,), demonstrated target of the subtask
     skill: Skill  # that does it
 
 
@@ -76,7 +76,7 @@ class SkillLibrary(ShortRepr):
             skill: a fitted skill.
             task: name of the task.
             subtask: name of the part of the task.
-            target: (d,), where the subtask was shown to go, with as many coordinates as the others
+            target: (d,), its demonstrated target, with as many coordinates as the others
                 of the subtask.
 
         Raises:
@@ -91,8 +91,8 @@ class SkillLibrary(ShortRepr):
                 f"target: expected shape {known[0].target.shape} as the others, got {point.shape}"
             )
         replaced = [each for each in known if np.array_equal(each.target, point)]
-        kept = tuple(each for each in self.entries if each not in replaced)
-        return replace(self, entries=(*kept, Entry(task, subtask, point, skill)))
+        others = tuple(each for each in self.entries if each not in replaced)
+        return replace(self, entries=(*others, Entry(task, subtask, point, skill)))
 
     def subtasks(self, task: str) -> tuple[str, ...]:
         """Subtasks of a task, in the order in which they were added.
@@ -122,7 +122,7 @@ class SkillLibrary(ShortRepr):
         return known[int(np.argmin(gaps))].skill
 
     def distance(self, task: str, subtask: str, target: ArrayLike) -> float:
-        """How far a target lies outside of those that were shown, in their unit.
+        """Distance of a target from the demonstrated ones, in their unit.
 
         Args:
             task: name of the task.
@@ -160,7 +160,7 @@ class SkillLibrary(ShortRepr):
         known, point = self._asked(task, subtask, target)
         outside = self.distance(task, subtask, target)
         if outside > 0.0:
-            warnings.warn(_told(subtask, point, outside), OutsideTargets, stacklevel=2)
+            warnings.warn(_outside_text(subtask, point, outside), OutsideTargets, stacklevel=2)
         weights = _barycentric(np.array([each.target for each in known]), point)
         used = [each.skill for each, own in zip(known, weights, strict=True) if own > 0.0]
         nearest = self.nearest(task, subtask, target)
@@ -242,11 +242,11 @@ def _check_names(task: Any, subtask: Any) -> None:
             raise InvalidInput(f"{name}: expected a name as text, got {value!r}")
 
 
-def _told(subtask: str, point: Float64Array, outside: float) -> str:
+def _outside_text(subtask: str, point: Float64Array, outside: float) -> str:
     return (
-        f"target: {np.round(point, 6).tolist()} lies {outside:.3g} outside of the targets shown "
-        f"for {subtask!r}, and the skill is that of the nearest place inside or of the nearest "
-        "target; demonstrate this target, or check the motion before it runs"
+        f"target: {np.round(point, 6).tolist()} lies {outside:.3g} outside of the demonstrated "
+        f"targets of {subtask!r}, and the skill is that of the nearest target inside or of the "
+        "nearest target; demonstrate this target, or check the motion before it runs"
     )
 
 
@@ -323,11 +323,11 @@ def _mean(motions: Sequence[Motion], weights: Float64Array) -> Motion:
         poses = [motion for motion in motions if isinstance(motion, PoseTrajectory)]
         layers = [motion.orientations for motion in poses]
         try:
-            turned = mean_orientations(layers, weights=weights)
+            orientations = mean_orientations(layers, weights=weights)
         except FitError:
             raise UnsupportedQuery(
                 "target: the orientations of the skills around it lie too far apart for a mean; "
                 "use nearest, or teach a target between them"
             ) from None
-        return PoseTrajectory(times, positions, turned, happening, joints)
+        return PoseTrajectory(times, positions, orientations, happening, joints)
     return Trajectory(times, positions, happening, joints)

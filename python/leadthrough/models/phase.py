@@ -83,5 +83,5 @@ def _progress(times: Float64Array, path: Float64Array) -> Float64Array:
 
 
 def _rising(clock: Float64Array, path: Float64Array) -> tuple[Float64Array, Float64Array]:
-    kept = np.concatenate([[True], np.diff(clock) > 0.0])
-    return clock[kept], path[kept]
+    rising = np.concatenate([[True], np.diff(clock) > 0.0])
+    return clock[rising], path[rising]

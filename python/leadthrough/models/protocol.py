@@ -213,7 +213,7 @@ class Stepped(Protocol):
 
 
 class Limited(Stepped, Protocol):
-    """A skill whose motions can be kept inside limits (lower (d,), upper (d,))."""
+    """A skill whose motions satisfy limits (lower (d,), upper (d,))."""
 
     def step(
         self,

@@ -149,8 +149,8 @@ def _entries() -> Iterator[ModelEntry]:
 def _others() -> dict[str, metadata.EntryPoint]:
     """Entry points of other packages; a name of our own is not replaced."""
     own = {each.name for each in MODELS}
-    found = metadata.entry_points(group=GROUP)
-    return {each.name: each for each in found if each.name not in own}
+    points = metadata.entry_points(group=GROUP)
+    return {each.name: each for each in points if each.name not in own}
 
 
 def _imported(path: str) -> Any:

@@ -1,4 +1,4 @@
-"""What every model promises of every type of motion. A new one joins with one line in `kinds`."""
+"""Promises of every model for every type of motion. A new one joins with one line in `kinds`."""
 
 from dataclasses import replace
 

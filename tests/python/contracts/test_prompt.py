@@ -1,4 +1,4 @@
-"""What every skill shows at the prompt and in a notebook."""
+"""Texts and drawings of every skill at the prompt and in a notebook."""
 
 from xml.etree import ElementTree
 

@@ -1,7 +1,7 @@
 """Small files that inflate far, nest deep or never end are refused before they take the machine."""
 
 import pytest
-from harm import bombs, measured
+from robustness import bombs, measured
 
 MAX_MEMORY = 1.5 * 2**30  # bytes
 MAX_SECONDS = 20.0  # of processor time, for all of a format

@@ -1,7 +1,7 @@
 """Files with flipped bytes, cut off or of another kind: a reader reads them or says what is wrong.
 
 The damage is drawn from fixed seeds; any other exception than a typed one is a bug. For each format
-`harm/damage.py` does it 2,000 times.
+`robustness/damage.py` does it 2,000 times.
 """
 
 import shutil
@@ -10,7 +10,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from harm import damage
+from robustness import damage
 
 from leadthrough.errors import InvalidInput, LeadthroughError
 from leadthrough.io import read_limits

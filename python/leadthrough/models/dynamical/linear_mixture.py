@@ -178,8 +178,8 @@ def stable_matrices(
     rows = _decreases(metric, k, d)
     bounds = np.tile(_triangle(-2.0 * decay * metric), k)
     cones = [clarabel.PSDTriangleConeT(d) for _ in range(k)]
-    found = solve_cone_programme(quadratic, linear, rows, bounds, cones)
-    return found.reshape(d, k, d).transpose(1, 0, 2)
+    solution = solve_cone_programme(quadratic, linear, rows, bounds, cones)
+    return solution.reshape(d, k, d).transpose(1, 0, 2)
 
 
 def solve_cone_programme(
@@ -207,10 +207,12 @@ def solve_cone_programme(
     settings.verbose = False
     settings.max_threads = 1
     solver = clarabel.DefaultSolver(quadratic, linear, rows, bounds, list(cones), settings)
-    found = solver.solve()
-    if str(found.status) not in ("Solved", "AlmostSolved"):
-        raise FitError(f"demonstrations: no stable system was found ({found.status})")
-    return np.array(found.x)
+    solution = solver.solve()
+    if str(solution.status) not in ("Solved", "AlmostSolved"):
+        raise FitError(
+            f"demonstrations: no stable system satisfies the constraints ({solution.status})"
+        )
+    return np.array(solution.x)
 
 
 def _triangle(matrix: Float64Array) -> Float64Array:

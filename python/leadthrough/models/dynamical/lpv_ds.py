@@ -82,12 +82,12 @@ class LPVDS(DynamicalModel):
         best: tuple[float, Blocks] | None = None
         worse = 0
         for count in range(1, min(_MAX_COMPONENTS, len(x)) + 1):
-            found, likelihood = self._fitted(x, directions, count)
+            blocks, likelihood = self._fitted(x, directions, count)
             free = count * (1 + 2 * d + d * (d + 1)) - 1
             # Neighbouring samples tell little that is new: ten count as one.
             criterion = free * np.log(len(x)) - 2.0 * 0.1 * len(x) * likelihood
             if best is None or criterion < best[0]:
-                best, worse = (float(criterion), found), 0
+                best, worse = (float(criterion), blocks), 0
             else:
                 worse += 1
                 if worse == _PATIENCE:

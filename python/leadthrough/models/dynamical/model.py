@@ -16,7 +16,7 @@ from leadthrough.models.dynamical.skill import DynamicalSkill
 from leadthrough.models.protocol import Unfitted
 from leadthrough.motion import MotionT
 
-# A system's speed is changed by no more than this: one that is so slow rests somewhere on the way.
+# Largest factor by which a system's speed is changed: a slower one rests somewhere.
 _MAX_PACE = 2.0
 
 

@@ -28,18 +28,18 @@ from leadthrough.models.gaussians.kmeans import clustered, seeds
 # The least variance of a component in any direction, of columns scaled to variance one: a
 # thousandth of the data's spread. Bounding a covariance from below by cutting off its eigenvalues
 # maximises the likelihood under that bound, so that EM still never loses any.
-LEAST_VARIANCE = 1e-6
+MIN_VARIANCE = 1e-6
 _TOLERANCE = 1e-6  # gain of the mean log-likelihood per point
 # To which the best end goes on: the likelihood may hardly grow for 400 iterations, and the motion
 # shall tell neither when they were ended nor how the units round.
 _LAST_TOLERANCE = 1e-13
-_MOST_ITERATIONS, _LAST_ITERATIONS = 500, 3000
+_MAX_ITERATIONS, _LAST_ITERATIONS = 500, 3000
 # Ends whose mean log-likelihoods differ by less are at one maximum, or as good: the first is taken,
 # not the one that rounding favours.
 _AS_LIKELY = 1e-4
 # Ways to begin that are tried for each start, and for how many iterations; the best go on.
 _TRIALS, _TRIAL_ITERATIONS = 4, 40
-_LONGEST_LEAP = 64.0  # steps; where sums lead further, they lead nowhere that rounding leaves
+_MAX_LEAP = 64.0  # steps; where sums lead further, they lead nowhere that rounding leaves
 
 
 # The weighted monomials (k, m) of a mixture's components, in each block.
@@ -62,7 +62,7 @@ def fit_blocks(
     *,
     seed: int,
     starts: int,
-    least: float = LEAST_VARIANCE,
+    least: float = MIN_VARIANCE,
 ) -> tuple[Blocks, list[float]]:
     """The most likely components of points given in blocks of columns, whatever their order."""
     rng = np.random.default_rng(seed)
@@ -81,7 +81,7 @@ def fit_blocks(
     promising = sorted(range(len(begun)), key=lambda i: -begun[i][1][-1])[:starts]
     ends = []
     for components, history in (begun[i] for i in sorted(promising)):
-        end, more = steps.run(components, _MOST_ITERATIONS)
+        end, more = steps.run(components, _MAX_ITERATIONS)
         ends.append((end, history + more[1:]))
     enough = max(history[-1] for _, history in ends) - _AS_LIKELY
     best, history = next(end for end in ends if end[1][-1] >= enough)
@@ -108,7 +108,7 @@ class Steps:
         blocks: Sequence[Float64Array],
         before: Sequence[Float64Array] | None = None,
         *,
-        least: float = LEAST_VARIANCE,
+        least: float = MIN_VARIANCE,
     ) -> None:
         self._sizes = [block.shape[1] for block in blocks]
         self._monomials = [_monomials(block) for block in blocks]
@@ -207,7 +207,7 @@ def _leap(trail: Sequence[Sums]) -> Sums | None:
     step, bend = (np.sqrt(sum(float((x**2).sum()) for x in each)) for each in (steps, bends))
     if not step > bend:
         return None
-    length = min(step / bend, _LONGEST_LEAP) if bend > 0.0 else _LONGEST_LEAP
+    length = min(step / bend, _MAX_LEAP) if bend > 0.0 else _MAX_LEAP
     parts = zip(first, steps, bends, strict=True)
     leap = [start + 2.0 * length * step + length**2 * bend for start, step, bend in parts]
     return leap if (leap[0][:, 0] > 0.0).all() else None

@@ -144,13 +144,13 @@ def trace_mixture(
     steps = Steps([scaled])
     if given is None:
         labels = clustered(scaled, seeds(scaled, count, np.random.default_rng(seed))).labels
-        found = [steps.maximise(np.eye(count)[labels])]
+        traced = [steps.maximise(np.eye(count)[labels])]
     else:
         check.array(data, "points", shape=("n", given.size))
-        found = [_scaled(given, units)]
+        traced = [_scaled(given, units)]
     for _ in range(rounds):
-        found.append(steps.maximise(steps.expect(found[-1])[0]))
-    return [_unscaled(each, units) for each in found]
+        traced.append(steps.maximise(steps.expect(traced[-1])[0]))
+    return [_unscaled(each, units) for each in traced]
 
 
 def bic(fit: FittedMixture, samples: int) -> float:

@@ -17,7 +17,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.repr import ShortRepr
 
-_MOST_STEPS = 300
+_MAX_STEPS = 300
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ def clustered(points: Float64Array, centres: Float64Array) -> Clusters:
     while True:
         steps.append(centres)
         nearer, squared = _nearest(points, centres)
-        if (nearer == labels).all() or len(steps) > _MOST_STEPS:
+        if (nearer == labels).all() or len(steps) > _MAX_STEPS:
             return Clusters(centres, labels, float(squared.sum()), tuple(steps))
         labels = _without_empty(nearer, squared, len(centres))
         counts = np.bincount(labels, minlength=len(centres))

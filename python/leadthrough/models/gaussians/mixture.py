@@ -108,19 +108,6 @@ class Mixture(ShortRepr):
         roots = np.linalg.cholesky(self.covariances)
         return np.asarray(self.means[which] + np.einsum("nij,nj->ni", roots[which], normal))
 
-    def marginal(self, columns: Sequence[int]) -> Mixture:
-        """The mixture of some columns.
-
-        Args:
-            columns: indices of different columns, in the order wanted.
-
-        Raises:
-            InvalidInput: if a column is out of range or given twice.
-        """
-        chosen = self._columns(columns, "columns")
-        covariances = self.covariances[:, chosen][:, :, chosen]
-        return Mixture(self.weights, self.means[:, chosen], covariances)
-
     def regress(
         self, values: ArrayLike, *, inputs: Sequence[int], outputs: Sequence[int] | None = None
     ) -> tuple[Float64Array, Float64Array]:
@@ -142,27 +129,27 @@ class Mixture(ShortRepr):
         """
         given = self._columns(inputs, "inputs")
         rest = [column for column in range(self.size) if column not in given]
-        wanted = rest if outputs is None else self._columns(outputs, "outputs")
-        if not wanted or set(wanted) & set(given):
+        chosen = rest if outputs is None else self._columns(outputs, "outputs")
+        if not chosen or set(chosen) & set(given):
             raise InvalidInput(
-                f"outputs: expected at least one column, none of them an input, got {wanted}"
+                f"outputs: expected at least one column, none of them an input, got {chosen}"
             )
         x = check.array(values, "values", shape=("n", len(given)))
-        return self._conditioned(x, given, wanted)
+        return self._conditioned(x, given, chosen)
 
     def _conditioned(
-        self, x: Float64Array, given: list[int], wanted: list[int]
+        self, x: Float64Array, given: list[int], chosen: list[int]
     ) -> tuple[Float64Array, Float64Array]:
-        """Mean and covariance of the columns `wanted` at values x (n, m) of the columns `given`."""
+        """Mean and covariance of the columns `chosen` at values x (n, m) of the columns `given`."""
         of_inputs = self.covariances[:, given][:, :, given]
         whitening = np.linalg.inv(np.linalg.cholesky(of_inputs))
         joint = _log_joint(self.weights, self.means[:, given], whitening, x)
         weights = np.exp(joint - _log_sum(joint)[:, None])  # of the components at each input
-        cross = self.covariances[:, wanted][:, :, given]
+        cross = self.covariances[:, chosen][:, :, given]
         gains = cross @ whitening.transpose(0, 2, 1) @ whitening
-        inner = self.covariances[:, wanted][:, :, wanted] - gains @ cross.transpose(0, 2, 1)
+        inner = self.covariances[:, chosen][:, :, chosen] - gains @ cross.transpose(0, 2, 1)
         offsets = x[None] - self.means[:, None, given]
-        means = self.means[:, None, wanted] + offsets @ gains.transpose(0, 2, 1)  # (k, n, p)
+        means = self.means[:, None, chosen] + offsets @ gains.transpose(0, 2, 1)  # (k, n, p)
         mean = np.einsum("nk,knp->np", weights, means)
         # The spread of the components' means about their mean, free of cancellation.
         apart = (means - mean).transpose(1, 2, 0)

@@ -19,7 +19,7 @@ from leadthrough.check import Float64Array
 from leadthrough.models.coordinates import Coordinates, coordinates_of
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.models.gaussians.em import (
-    LEAST_VARIANCE,
+    MIN_VARIANCE,
     Blocks,
     Steps,
     bounded,
@@ -55,7 +55,7 @@ def fit_phases(
 ) -> FittedMixture:
     """The mixture of times and columns whose components follow phases."""
     fitted, history = phase_blocks(
-        [points], components, poses=poses, seed=seed, starts=starts, least=LEAST_VARIANCE
+        [points], components, poses=poses, seed=seed, starts=starts, least=MIN_VARIANCE
     )
     return FittedMixture(in_order(fitted), tuple(history))
 
@@ -103,7 +103,7 @@ def adapted(mixture: Mixture, points: Float64Array, before: float, *, poses: boo
     steps = Steps(blocks, sums, least=WIDE)
     wide = replace(old, covariances=(bounded(covariances, WIDE),))
     converged, _ = steps.run(wide, _MAX_ITERATIONS)
-    new, _ = thinner(converged, steps, LEAST_VARIANCE)
+    new, _ = thinner(converged, steps, MIN_VARIANCE)
     return Mixture(new.weights, units.means(new.means[0]), units.covariances(new.covariances[0]))
 
 

@@ -8,6 +8,7 @@ import pytest
 from kinds import kind
 
 import leadthrough as lt
+from leadthrough.errors import InvalidInput, UnsupportedQuery
 
 # With the number of starts. Corrected systems and masses take smaller steps; the study of the
 # comparison has ten thousand starts for every motion and model.
@@ -86,3 +87,28 @@ def test_corrected_systems_follow_the_demonstrations_more_closely_than_quadratic
     near = farthest(kind("CLFDM"))
     assert near < 4.0  # mm, of a letter of 40 mm
     assert near < 0.7 * farthest(kind("SEDS", components=4))
+
+
+@pytest.mark.parametrize(
+    ("family", "setting", "value"),
+    [
+        ("SEDS", "components", -1),
+        ("SEDS", "objective", "likely"),
+        ("LPVDS", "components", -1),
+        ("CLFDM", "slowest", -1),
+        ("FSMDM", "units", -1),
+        ("UMIC", "kernels", -1),
+        ("ModifiedDS", "energy_units", 0),
+    ],
+)
+def test_settings_out_of_range_are_refused_by_name(family, setting, value):
+    with pytest.raises(InvalidInput, match=setting):
+        kind(family, **{setting: value}).build()
+
+
+def test_queries_that_no_system_answers_are_refused():
+    skill = fitted("LPV-DS")
+    with pytest.raises(UnsupportedQuery, match="obstacles"):
+        skill.generate(obstacles=[lt.Sphere(1.0, (0.0, 0.0, 0.0))])
+    with pytest.raises(InvalidInput, match="position"):
+        skill.policy((1.0, 2.0, 3.0))

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from leadthrough.errors import InvalidInput
 from leadthrough.models import kmeans
-from leadthrough.models.gaussians.kmeans import seeds
 
 
 def blobs(seed=0):
@@ -46,7 +45,7 @@ def test_inertia_never_grows_from_step_to_step():
 def test_seeds_are_drawn_by_their_squared_distance():
     points = np.array([[0.0], [1.0], [3.0]])
     rng = np.random.default_rng(0)
-    drawn = [tuple(seeds(points, 2, rng)[:, 0]) for _ in range(6000)]
+    drawn = [tuple(kmeans(points, 2, seed=rng).steps[0][:, 0]) for _ in range(6000)]
     from_zero = [second for first, second in drawn if first == 0.0]
     assert from_zero.count(3.0) / len(from_zero) == pytest.approx(0.9, abs=0.02)
 

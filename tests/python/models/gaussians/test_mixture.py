@@ -7,9 +7,7 @@ from scipy.stats import multivariate_normal
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
 from leadthrough.models import Mixture, choose_components, fit_mixture, trace_mixture
-from leadthrough.models.gaussians.em import LEAST_VARIANCE, Steps
 from leadthrough.models.gaussians.fitting import bic
-from leadthrough.models.gaussians.kmeans import clustered, seeds
 from leadthrough.models.mixtures.phases import sampled
 
 
@@ -79,37 +77,6 @@ def test_far_inputs_take_the_nearest_component_and_stay_finite():
     mean, covariance = mixture.regress([[1e4], [-1e4]], inputs=[0])
     assert np.isfinite(mean).all()
     assert np.isfinite(covariance).all()
-
-
-def climbed(steps, components, iterations):
-    """Components after iterations of EM, and the mean log-likelihood before each."""
-    history = []
-    for _ in range(iterations):
-        responsibilities, likelihood = steps.expect(components)
-        history.append(likelihood)
-        components = steps.maximise(responsibilities)
-    return components, history
-
-
-def test_likelihood_never_falls():
-    points = random_mixture(4, 3, seed=2).sample(600, seed=3)
-    for seed in range(5):
-        steps = Steps([points])
-        first = seeds(points, 6, np.random.default_rng(seed))
-        start = steps.maximise(np.eye(6)[clustered(points, first).labels])
-        _, history = climbed(steps, start, 60)
-        assert np.diff(history).min() > -1e-10
-
-
-def test_likelihood_never_falls_where_the_floor_holds_either():
-    t = np.repeat(np.linspace(0, 1, 100), 2)
-    points = np.column_stack([t, 2 * t, np.ones(200)])
-    points = points - points.mean(axis=0)
-    steps = Steps([points])
-    start = steps.maximise(np.eye(4)[np.arange(200) % 4])
-    components, history = climbed(steps, start, 100)
-    assert np.diff(history).min() > -1e-8
-    assert np.linalg.eigvalsh(components.covariances[0]).min() > 0.99 * LEAST_VARIANCE
 
 
 def test_fit_history_ends_at_the_mixtures_own_likelihood():

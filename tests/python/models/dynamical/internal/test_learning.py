@@ -1,12 +1,9 @@
-"""What the systems are learned by: gradients, bounds and convex programmes."""
+"""Learning of systems: gradients, bounds and convex programmes."""
 
 import numpy as np
 import pytest
 from scipy.optimize import approx_fprime
 
-import leadthrough as lt
-from leadthrough.errors import InvalidInput, UnsupportedQuery
-from leadthrough.models import CLFDM, LPVDS, SEDS
 from leadthrough.models.dynamical import lyapunov, modified_ds, seds
 from leadthrough.models.dynamical.linear_mixture import stable_matrices
 from leadthrough.models.dynamical.lyapunov import Descent
@@ -37,7 +34,7 @@ def test_far_steps_of_a_line_search_are_finite(objective, far):
 
 
 @pytest.mark.parametrize("energy", [lyapunov, modified_ds])
-def test_gradients_of_energies_and_of_what_is_learned(energy):
+def test_gradients_of_energies_and_of_their_learning(energy):
     count = 3
     size = {lyapunov: 9 + count * 21, modified_ds: count * 5}[energy]
     packed = RNG.normal(size=size)
@@ -86,17 +83,3 @@ def test_programme_finds_stable_matrices_again_and_makes_others_stable():
     found = stable_matrices(weights, X, -v, metric=metric, decay=0.1, ridge=1e-10)
     falling = metric @ found + found.transpose(0, 2, 1) @ metric + 0.2 * metric
     assert np.linalg.eigvalsh(falling).max() < 1e-7
-
-
-def test_settings_and_queries_are_refused_by_name():
-    for model, setting in ((SEDS, "components"), (CLFDM, "slowest"), (LPVDS, "components")):
-        with pytest.raises(InvalidInput, match=setting):
-            model(**{setting: -1})
-    with pytest.raises(InvalidInput, match="objective"):
-        SEDS(objective="likely")
-    shown = lt.io.lasa.load("Line")
-    skill = LPVDS(components=2).fit(shown)
-    with pytest.raises(UnsupportedQuery, match="obstacles"):
-        skill.generate(obstacles=[lt.Sphere(1.0, (0.0, 0.0, 0.0))])
-    with pytest.raises(InvalidInput, match="position"):
-        skill.policy((1.0, 2.0, 3.0))

@@ -1,7 +1,7 @@
 """Seeded damage to a good file of each format: it is read, or refused with a typed error.
 
-`python tests/python/harm/damage.py [ROUNDS] [FORMAT ...]` does it 2,000 times for each format, in a
-process whose crash is told; the tests do it a few dozen times.
+`python tests/python/robustness/damage.py [ROUNDS] [FORMAT ...]` does it 2,000 times for each
+format, in a process whose crash is reported; the tests do it a few dozen times.
 """
 
 import json

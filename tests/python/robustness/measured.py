@@ -35,9 +35,9 @@ print(json.dumps([told, seconds, sum(each.ru_maxrss for each in used) * 1024]))
 
 
 def read(*paths):
-    """What came of each file, the seconds for all, and the bytes of memory taken at most.
+    """Outcome of each file, the seconds for all, and the bytes of memory taken at most.
 
-    What comes is "read" or the message of a typed error; any other error raises here.
+    An outcome is "read" or the message of a typed error; any other error raises here.
     """
     # The peak of a process counts from that of the one it was started from, so that another one,
     # small as it is, stands between the tests' and the one that is measured.
