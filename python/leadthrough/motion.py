@@ -54,7 +54,7 @@ class Sampled(Drawn):
         if not isinstance(samples, slice):
             raise InvalidInput(
                 f"samples: expected a slice such as motion[10:20], got {samples!r}; `positions` "
-                "has single samples, and `at` tells where a motion is at a time"
+                "has single samples, and `at` gives the position at a time"
             )
         times = self.times[samples]
         if len(times) == 0:
@@ -83,9 +83,9 @@ class Sampled(Drawn):
     def _repr_parts(self) -> list[str]:
         span = f"{len(self.times)} samples over {self.duration:.4g} s"
         names = [event.name for event in self.events]
-        return [span, *self._way(), *([f"events {', '.join(names)}"] if names else [])]
+        return [span, *self._summary(), *([f"events {', '.join(names)}"] if names else [])]
 
-    def _way(self) -> list[str]:
+    def _summary(self) -> list[str]:
         """Summary of the columns."""
         first, last = (numbers_text(row) for row in self.positions[[0, -1]])
         return [f"{first} to {last}"]
@@ -213,19 +213,19 @@ class PoseTrajectory(Sampled):
         """
         several, at, points = self._places(time)
         if len(self.times) == 1:
-            turned = np.repeat(self.orientations, len(at), axis=0)
+            orientations = np.repeat(self.orientations, len(at), axis=0)
         else:
-            turned = rotations.interpolate(self.times, self.orientations, at)
-        return (points, turned) if several else (points[0], turned[0])
+            orientations = rotations.interpolate(self.times, self.orientations, at)
+        return (points, orientations) if several else (points[0], orientations[0])
 
     def _panels(self, deviations: Float64Array | None = None) -> list[Panel]:
         return of_poses(
             self.times, self.positions, self.orientations, self.events, deviations=deviations
         )
 
-    def _way(self) -> list[str]:
-        turned = float(rotations.distance(self.orientations[:1], self.orientations[-1:])[0])
-        return [f"{super()._way()[0]} m, turned by {turned:.3g} rad"]
+    def _summary(self) -> list[str]:
+        angle = float(rotations.distance(self.orientations[:1], self.orientations[-1:])[0])
+        return [f"{super()._summary()[0]} m, turned by {angle:.3g} rad"]
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -297,12 +297,12 @@ class JointTrajectory(Sampled):
             deviations=deviations,
         )  # fmt: skip
 
-    def _way(self) -> list[str]:
+    def _summary(self) -> list[str]:
         count = self.positions.shape[1]
-        told = f"{self.joint_names[0]} ... {self.joint_names[-1]}, " if self.joint_names else ""
+        names = f"{self.joint_names[0]} ... {self.joint_names[-1]}, " if self.joint_names else ""
         lacking = [name for name in ("velocities", "accelerations") if getattr(self, name) is None]
         without = [f"without {' and '.join(lacking)}"] if lacking else []
-        return [f"{told}{count} joints", *without]
+        return [f"{names}{count} joints", *without]
 
 
 Motion = Trajectory | PoseTrajectory | JointTrajectory
@@ -343,7 +343,7 @@ def checked_motion(value: MotionT, name: str) -> MotionT:
 
 @dataclass(frozen=True, eq=False, init=False)
 class Demonstration(Drawn, Generic[MotionT_co]):
-    """One motion that was shown to the robot, such as a `Demonstration[JointTrajectory]`.
+    """One motion demonstrated to the robot, such as a `Demonstration[JointTrajectory]`.
 
     Attributes:
         motion: the demonstrated motion; `joints` that are given become the motion's own.
@@ -359,10 +359,10 @@ class Demonstration(Drawn, Generic[MotionT_co]):
     def __init__(
         self, motion: MotionT_co, name: str = "", joints: JointTrajectory | None = None
     ) -> None:
-        shown = checked_motion(motion, "motion")
+        given = checked_motion(motion, "motion")
         if joints is not None:
-            shown = _with_joints(shown, joints)
-        vars(self).update(motion=shown, name=name)
+            given = _with_joints(given, joints)
+        vars(self).update(motion=given, name=name)
 
     @property
     def events(self) -> Events:
@@ -372,8 +372,8 @@ class Demonstration(Drawn, Generic[MotionT_co]):
     @property
     def joints(self) -> JointTrajectory | None:
         """The arm's joints while its tip moved so, or None; of joints, the motion itself."""
-        shown: Motion = self.motion
-        return shown if isinstance(shown, JointTrajectory) else shown.joints
+        motion: Motion = self.motion
+        return motion if isinstance(motion, JointTrajectory) else motion.joints
 
     def _repr_parts(self) -> list[str]:
         return [repr(self.name), one_line(self.motion)]

@@ -191,8 +191,8 @@ def trim(
     Raises:
         InvalidInput: if an argument is of the wrong type or out of its range.
     """
-    shown = as_demonstration(demonstration, "demonstration")
-    motion = shown.motion
+    demonstration = as_demonstration(demonstration, "demonstration")
+    motion = demonstration.motion
     spare = rest if rest == math.inf else check.number(rest, "rest", at_least=0.0)
     # Numbers of a damaged file, whose squares overflow, have no speed: the motion stays whole.
     with np.errstate(over="ignore", invalid="ignore"):
@@ -203,7 +203,7 @@ def trim(
         if (moving[first:after] >= 1.0).any()
     ]
     if not found:
-        return shown
+        return demonstration
     first, last = motion.times[found[0][0]] - spare, motion.times[found[-1][1] - 1] + spare
     samples = slice(
         int(np.searchsorted(motion.times, first)),
@@ -211,7 +211,7 @@ def trim(
     )
     piece = cast(MotionT, motion[samples])
     kept = replace(piece, events=events.clipped(motion.events, piece.times))
-    return replace(shown, motion=kept)
+    return replace(demonstration, motion=kept)
 
 
 def _moving(motion: Motion, speed: float | None, angular_speed: float | None) -> Float64Array:

@@ -30,7 +30,7 @@ def check(
     physics: Annotated[
         bool,
         typer.Option(
-            "--physics", help="Also simulate it under gravity; `leadthrough simulate` tells more."
+            "--physics", help="Also simulate it under gravity; `leadthrough simulate` reports more."
         ),
     ] = False,
     as_json: options.AsJson = False,

@@ -47,7 +47,7 @@ def words(ctx: Any) -> dict[str, str]:
 
 
 class Command(TyperCommand):
-    """A command that takes options from the profile and tells errors in the options' names."""
+    """A command that takes options from the profile and reports errors by the options' names."""
 
     def __init__(self, *args: Any, **settings: Any) -> None:
         super().__init__(*args, **settings)
@@ -132,8 +132,8 @@ def _name_values(parameters: list[Any]) -> None:
     """Lets --help say what a value is without Python's types, and nothing for a switch."""
     for parameter in parameters:
         if parameter.param_type_name == "option" and parameter.metavar is None:
-            shown = set(re.findall(r"\w+", parameter.display_type(None)))
-            kinds = [kind for name, kind in _KINDS.items() if name in shown]
+            types = set(re.findall(r"\w+", parameter.display_type(None)))
+            kinds = [kind for name, kind in _KINDS.items() if name in types]
             parameter.metavar = "" if parameter.is_flag else next(iter(kinds), None)
 
 

@@ -1,7 +1,7 @@
 """Errors on the command line: one line in the words of the command line, and an exit code.
 
 The library's errors name its arguments. A command's parameters have the same names, so that each
-error can be told in the options that were typed.
+error can be reported in the options that were typed.
 """
 
 from __future__ import annotations

@@ -58,7 +58,7 @@ def learn(
     details: options.ArmDetails,
     clean: Annotated[
         bool,
-        typer.Option("--clean", help="Remove faulty samples first; stderr tells which."),
+        typer.Option("--clean", help="Remove faulty samples first; stderr reports them."),
     ] = False,
     cut: Annotated[
         bool, typer.Option("--cut", help="Split recordings into motions at pauses.")
@@ -118,7 +118,9 @@ def learn(
         robots.refuse("--cut", pause=pause)
     demonstrations = reading.trimmed(_chosen(demonstrations, number), resting)
     if arm is not None:
-        demonstrations = [_of_the_arm(arm, shown, as_joints=as_joints) for shown in demonstrations]
+        demonstrations = [
+            _of_the_arm(arm, demonstration, as_joints=as_joints) for demonstration in demonstrations
+        ]
     kind = model or "dmp"
     chosen = model_of(kind, parse.parameters(parameter or []))
     _refuse_other_kinds(kind, demonstrations)
@@ -141,8 +143,8 @@ def _streamed(
 
     reading.check_table(table)
     return [
-        reading.thinned(shown, samples)
-        for _, shown, _ in reading.cleaned_episodes(
+        reading.thinned(demonstration, samples)
+        for _, demonstration, _ in reading.cleaned_episodes(
             lt.io.stream_recordings(recordings, **how), lt.preprocess.clean, table
         )
     ]
@@ -208,15 +210,17 @@ def _chosen(
     return [demonstrations[number - 1] for number in numbers or range(1, count + 1)]
 
 
-def _of_the_arm(arm: lt.Arm, shown: lt.Demonstration, *, as_joints: bool) -> lt.Demonstration:
+def _of_the_arm(
+    arm: lt.Arm, demonstration: lt.Demonstration, *, as_joints: bool
+) -> lt.Demonstration:
     """The demonstration with the arm's own joints, or the poses of its tip."""
     from leadthrough.cli import robot as robots
 
-    if not isinstance(shown.motion, lt.JointTrajectory):
+    if not isinstance(demonstration.motion, lt.JointTrajectory):
         if as_joints:
             raise lt.errors.InvalidInput(
-                f"--joints: expected recordings of joints, {shown.name} has none"
+                f"--joints: expected recordings of joints, {demonstration.name} has none"
             )
-        return shown
-    own = robots.own_joints(arm, shown.motion, shown.name)
-    return replace(shown, motion=own if as_joints else arm.poses(own))
+        return demonstration
+    own = robots.own_joints(arm, demonstration.motion, demonstration.name)
+    return replace(demonstration, motion=own if as_joints else arm.poses(own))

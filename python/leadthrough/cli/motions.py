@@ -161,8 +161,8 @@ def guard(
     arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
     scene = lt.Scene(parse.obstacles(obstacle), margin)
-    shown = 1.0 / float(np.diff(joints.times).min(initial=1.0))
-    per_second = shown if rate is None else rate
+    recorded = 1.0 / float(np.diff(joints.times).min(initial=1.0))
+    per_second = recorded if rate is None else rate
     admits = lt.Guard(arm, scene, rate=per_second)
     if start is not None:
         here, chunk = parse.numbers(start, "--start"), joints

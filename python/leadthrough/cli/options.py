@@ -120,14 +120,14 @@ Rate = Annotated[
 Angles = Annotated[
     AngleUnit | None,
     typer.Option(
-        help="Unit of joint angles if the file does not tell it: radians (the default), degrees, "
+        help="Unit of joint angles if the file does not state it: radians (the default), degrees, "
         "or percent of the joints' ranges, as LeRobot has them."
     ),
 ]
 Quaternions = Annotated[
     QuaternionOrder | None,
     typer.Option(
-        help="Order of quaternion components if the column names do not tell it: wxyz or xyzw."
+        help="Order of quaternion components if the column names do not state it: wxyz or xyzw."
     ),
 ]
 Topic = Annotated[

@@ -70,8 +70,8 @@ def _from_file(kind: str, text: str) -> Shape:
     parts = _FILE.fullmatch(text)
     assert parts is not None  # every text has this form
     file, number, where = parts.groups()
-    position, turned = _place(where, "place") if where else (np.zeros(3), None)
-    orientation = (1.0, 0.0, 0.0, 0.0) if turned is None else turned
+    position, rotation = _place(where, "place") if where else (np.zeros(3), None)
+    orientation = (1.0, 0.0, 0.0, 0.0) if rotation is None else rotation
     if kind == "mesh":
         scale = float(number or 1.0)
         return read_mesh(file, scale=scale, position=position, orientation=orientation)
@@ -84,36 +84,36 @@ def _from_file(kind: str, text: str) -> Shape:
 
 def place(text: str, name: str) -> Target:
     """A point or joint positions, X,Y,Z, or a pose, X,Y,Z/W,X,Y,Z."""
-    position, turned = _place(text, name)
-    return position if turned is None else (position, turned)
+    position, orientation = _place(text, name)
+    return position if orientation is None else (position, orientation)
 
 
-def end(text: str, shown: Motion, index: int, name: str) -> Target:
+def end(text: str, motion: Motion, index: int, name: str) -> Target:
     """A start or a goal, as by `place`."""
     asked = place(text, name)
-    if isinstance(asked, tuple) and not isinstance(shown, PoseTrajectory):
+    if isinstance(asked, tuple) and not isinstance(motion, PoseTrajectory):
         raise InvalidInput(
-            f"{name}: expected no orientation for a skill of {type(shown).__name__}, got {text!r}"
+            f"{name}: expected no orientation for a skill of {type(motion).__name__}, got {text!r}"
         )
-    if isinstance(asked, tuple) or not isinstance(shown, PoseTrajectory):
+    if isinstance(asked, tuple) or not isinstance(motion, PoseTrajectory):
         return asked
-    return asked, shown.orientations[index]
+    return asked, motion.orientations[index]
 
 
-def moved(text: str, shown: Motion, index: int, name: str) -> Target:
+def moved(text: str, motion: Motion, index: int, name: str) -> Target:
     """The first or last place of a motion, moved by an offset; arguments as for `end`."""
     offset = numbers(text, name)
-    position = shown.positions[index]
+    position = motion.positions[index]
     if len(offset) != len(position):
-        raise InvalidInput(f"{name}: expected {_coordinates(shown)}, got {text!r}")
+        raise InvalidInput(f"{name}: expected {_coordinates(motion)}, got {text!r}")
     there = position + offset
-    return (there, shown.orientations[index]) if isinstance(shown, PoseTrajectory) else there
+    return (there, motion.orientations[index]) if isinstance(motion, PoseTrajectory) else there
 
 
-def _coordinates(shown: Motion) -> str:
+def _coordinates(motion: Motion) -> str:
     """How many numbers a place of a motion has, and why where that may surprise."""
-    count = shown.positions.shape[1]
-    if not isinstance(shown, JointTrajectory):
+    count = motion.positions.shape[1]
+    if not isinstance(motion, JointTrajectory):
         return f"{count} numbers"
     return (
         f"{count} numbers, one for each joint, as the skill was learned of joints (with --robot, "
@@ -173,8 +173,8 @@ def parameters(given: Sequence[str]) -> dict[str, Any]:
 
 
 def _place(text: str, name: str) -> tuple[Float64Array, Float64Array | None]:
-    position, _, turned = text.partition("/")
-    return numbers(position, name), numbers(turned, name) if turned else None
+    position, _, orientation = text.partition("/")
+    return numbers(position, name), numbers(orientation, name) if orientation else None
 
 
 def _pairs(given: Sequence[str], name: str) -> list[tuple[str, str]]:

@@ -60,7 +60,7 @@ def plan(
         str | None,
         typer.Option(
             help="Joint positions (rad) that the arm should keep close to, or a recording of them. "
-            "By default those that the skill was shown with.",
+            "By default the demonstrated ones.",
             autocompletion=completion.recordings,
         ),
     ] = None,
@@ -123,7 +123,7 @@ def plan(
     at_learning = options.of_model(getattr(learned, "model", None))
     with output.busy("planning"), errors.naming(**at_learning):
         query = asked | {"dt": dt}
-        told: dict[str, Any] = {}
+        facts: dict[str, Any] = {}
         arm = None
         if robot is None:
             motion: Motion = robots.generated(learned, query)
@@ -135,11 +135,11 @@ def plan(
                 followed = robots.kept_clear(arm, learned, query, margin, how)
             else:
                 followed = robots.followed(arm, robots.generated(learned, query), how)
-            motion, told = followed.joints, followed.facts
+            motion, facts = followed.joints, followed.facts
     _write(motion, out, format, moves_arm=robot is not None)
     if joints_with(motion) is not None and lt.io.formats.to_write(out, format).name not in _KEEPING:
         output.note(
-            f"{out} does not keep the joints that the skill was shown with, so an arm that "
+            f"{out} does not keep the demonstrated joints, so an arm that "
             "follows it has a posture of its own; plan with --robot, or to .csv or .npz, to keep "
             "the demonstrated one"
         )
@@ -149,7 +149,7 @@ def plan(
         "duration": motion.duration,
         "start": motion.positions[0].tolist(),
         "goal": motion.positions[-1].tolist(),
-        **told,
+        **facts,
     }
     if learned.certificate is not None:
         found["certificate"] = _certified(learned, asked, arm)
@@ -159,11 +159,11 @@ def plan(
     units = {"duration": "s", "start": unit, "goal": unit, **robots.UNITS}
     output.facts(found, as_json=as_json, units=units)
     if not as_json:
-        told_limits = arm is None or arm.limits.acceleration is not None
-        output.hint(ctx, *_next(ctx, motion, told_limits=told_limits))
+        knows_limits = arm is None or arm.limits.acceleration is not None
+        output.hint(ctx, *_next(ctx, motion, knows_limits=knows_limits))
 
 
-def _next(ctx: typer.Context, motion: Motion, *, told_limits: bool) -> tuple[str | Path, ...]:
+def _next(ctx: typer.Context, motion: Motion, *, knows_limits: bool) -> tuple[str | Path, ...]:
     from leadthrough.cli import reading
 
     skill, out = ctx.params["skill"], ctx.params["out"]
@@ -175,7 +175,7 @@ def _next(ctx: typer.Context, motion: Motion, *, told_limits: bool) -> tuple[str
             again += arm
         return ("leadthrough", "plan", skill, *again, "-o", out.with_suffix(".json"))
     timed = out.with_stem(f"{out.stem}-timed")
-    if told_limits:
+    if knows_limits:
         return ("leadthrough", "retime", out, *arm, "-o", timed)
     return _limits_first(ctx, ("leadthrough", "retime", out), ("-o", timed))
 
@@ -222,7 +222,7 @@ def _end(
 
 
 def _warn_of_novelty(learned: lt.models.Skill, asked: dict[str, Any]) -> None:
-    """Says on stderr which end lies far from those that the skill was shown."""
+    """Warns on stderr of an end far from the demonstrated ones."""
     novelty = getattr(learned, "novelty", None)
     if novelty is None:
         return

@@ -100,9 +100,11 @@ def cut(
             recording, speed=resting.speed, angular_speed=resting.angular_speed, **shortest
         )
     ]
-    for number, shown in enumerate(motions, start=1):
-        first, last = shown.motion.times[[0, -1]]
-        print(f"motion {number}: {shown.name}, {first:.2f} to {last:.2f} s", file=sys.stderr)
+    for number, demonstration in enumerate(motions, start=1):
+        first, last = demonstration.motion.times[[0, -1]]
+        print(
+            f"motion {number}: {demonstration.name}, {first:.2f} to {last:.2f} s", file=sys.stderr
+        )
     if not motions:
         raise lt.errors.InvalidInput("--cut: found no motion in these recordings")
     return motions
@@ -118,9 +120,9 @@ def trimmed(recordings: Sequence[lt.Demonstration], resting: RestOptions) -> lis
 def _report_rests(recordings: Sequence[lt.Demonstration], kept: Sequence[lt.Demonstration]) -> None:
     """Prints on stderr how long each recording stood still; of many, only the longest."""
     rests = []
-    for whole, shown in zip(recordings, kept, strict=True):
-        before = shown.motion.times[0] - whole.motion.times[0]
-        after = whole.motion.times[-1] - shown.motion.times[-1]
+    for whole, demonstration in zip(recordings, kept, strict=True):
+        before = demonstration.motion.times[0] - whole.motion.times[0]
+        after = whole.motion.times[-1] - demonstration.motion.times[-1]
         if max(before, after) > _REPORTED:
             rests.append((whole.name, before, after))
     said = [
@@ -226,13 +228,13 @@ def _row(
 ) -> dict[str, object]:
     if found is None:
         return {"episode": name, "used": "no", "problem": problem}
-    shown, report = found
+    demonstration, report = found
     return {
         "episode": name,
         "used": "yes",
         "samples": report.read,
         "left": report.left,
-        "duration_s": round(shown.motion.duration, 6),
+        "duration_s": round(demonstration.motion.duration, 6),
         "faults": report.faults,
         "missing": len(report.invalid),
         "spikes": len(report.spikes),
@@ -244,11 +246,11 @@ def _row(
     }
 
 
-def thinned(shown: lt.Demonstration, samples: int) -> lt.Demonstration:
+def thinned(demonstration: lt.Demonstration, samples: int) -> lt.Demonstration:
     """The demonstration at no more than a number of evenly spaced times."""
-    motion = shown.motion
+    motion = demonstration.motion
     if len(motion) <= samples or motion.duration <= 0.0:
-        return shown
+        return demonstration
     # A little more than needed, as the last sample comes no later than the old one.
     rate = (samples - 1) / motion.duration * (1.0 - 1e-12)
-    return replace(shown, motion=preprocess.sample_evenly(shown, rate=rate).motion)
+    return replace(demonstration, motion=preprocess.sample_evenly(demonstration, rate=rate).motion)

@@ -64,17 +64,17 @@ def info(
         details = replace(details, limits=_write_limits(ctx, found, write_limits))
     asked = as_request(**layout.arguments())
     given = vars(details)
-    told = [
+    infos = [
         _in_words(ctx, describe(file, request=asked, **_arm(ctx, file, given))) for file in found
     ]
     if as_json:
-        print(json.dumps([each.as_dict() for each in told], allow_nan=False))
+        print(json.dumps([each.as_dict() for each in infos], allow_nan=False))
         return
-    print("\n\n".join(map(str, told)))
+    print("\n\n".join(map(str, infos)))
     if write_limits is not None:
         print(f"wrote {write_limits}: replace the assumed values with the maker's")
-    if len({each.kind for each in told}) == 1 and not any(each.problem for each in told):
-        output.hint(ctx, *_next(ctx, told, write_limits))
+    if len({each.kind for each in infos}) == 1 and not any(each.problem for each in infos):
+        output.hint(ctx, *_next(ctx, infos, write_limits))
 
 
 def _in_words(ctx: typer.Context, found: FileInfo) -> FileInfo:
@@ -131,13 +131,13 @@ def _write_limits(ctx: typer.Context, files: Sequence[Path], target: Path) -> Pa
 
 
 def _next(
-    ctx: typer.Context, told: Sequence[FileInfo], written: Path | None
+    ctx: typer.Context, infos: Sequence[FileInfo], written: Path | None
 ) -> tuple[str | Path, ...]:
     """The command for these files, which are of one kind."""
-    if told[0].kind == "skill":
-        return ("leadthrough", "plan", told[0].path, "-o", "motion.csv")
-    if told[0].kind == "recordings":
-        faulty = any(recording.has_faults for each in told for recording in each.recordings)
+    if infos[0].kind == "skill":
+        return ("leadthrough", "plan", infos[0].path, "-o", "motion.csv")
+    if infos[0].kind == "recordings":
+        faulty = any(recording.has_faults for each in infos for recording in each.recordings)
         asked = ctx.params["files"]
         return (
             "leadthrough",
@@ -148,7 +148,7 @@ def _next(
             "-o",
             "skill.npz",
         )
-    return _next_of_robot(ctx, told[0], written)
+    return _next_of_robot(ctx, infos[0], written)
 
 
 def _next_of_robot(
@@ -224,15 +224,15 @@ def clean(
     several = table is not None or len(done) > 1
     files_written = []
     found = []
-    for number, shown, report in results:
+    for number, demonstration, report in results:
         path = out.with_name(f"{out.stem}_{number}{out.suffix}") if several else out
-        lt.io.write_motion(shown.motion, path)
+        lt.io.write_motion(demonstration.motion, path)
         files_written.append(path)
         if as_json:
-            told = {"recording": shown.name, "file": str(path), "report": report.as_dict()}
-            found.append(told)
+            entry = {"recording": demonstration.name, "file": str(path), "report": report.as_dict()}
+            found.append(entry)
         elif table is None:
-            print(f"{shown.name}: {path}\n{report}")
+            print(f"{demonstration.name}: {path}\n{report}")
     if as_json:
         print(json.dumps(found, allow_nan=False))
     elif table is not None:
@@ -284,12 +284,12 @@ def judge(
 
     recordings = reading.listed(files)
     reading.refuse_skills(recordings)
-    shown = lt.read_demonstrations(recordings, **layout.arguments(), rest=math.inf)
-    shown = reading.trimmed(shown, resting)
-    middle = np.mean([each.motion.positions[-1] for each in shown], axis=0)
+    demonstrations = lt.read_demonstrations(recordings, **layout.arguments(), rest=math.inf)
+    demonstrations = reading.trimmed(demonstrations, resting)
+    middle = np.mean([each.motion.positions[-1] for each in demonstrations], axis=0)
     with output.busy("judging"), errors.naming(demonstrations="RECORDINGS"):
         found = lt.judge_demonstrations(
-            shown,
+            demonstrations,
             model=model_of(model or "promp", parse.parameters(parameter or [])),
             goals=None if goals is None else parse.places(goals, middle, "--goals"),
             seed=seed,
@@ -312,10 +312,10 @@ def _print(found: lt.demonstration_quality.Judgement, *, as_json: bool) -> None:
         }
         for each in found.verdicts
     ]
-    told: dict[str, object] = {"recordings": rows} if as_json else {}
-    told |= {"left_out_error": found.error, "without_those": found.error_without}
+    facts: dict[str, object] = {"recordings": rows} if as_json else {}
+    facts |= {"left_out_error": found.error, "without_those": found.error_without}
     if found.next is not None:
-        told |= {"show_next": found.next.goal.tolist(), "uncertainty": found.next.uncertainty}
+        facts |= {"show_next": found.next.goal.tolist(), "uncertainty": found.next.uncertainty}
     if not as_json:
         Console().print(output.table(rows))
-    output.facts(told, as_json=as_json)
+    output.facts(facts, as_json=as_json)

@@ -27,7 +27,7 @@ UNITS = {
     "clearance": "m",
     "tip_deviation": "m",
 }
-# A start this far from where the arm was shown, rad or m, is another posture to a person beside it.
+# A start this far from the demonstrated one, rad or m, is another posture to a person beside it.
 _ELSEWHERE = 0.3
 
 
@@ -106,7 +106,7 @@ def own_joints(arm: lt.Arm, motion: Motion, name: str) -> lt.JointTrajectory:
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A joint motion, and what there is to tell of it."""
+    """A joint motion, and facts to print of it."""
 
     joints: lt.JointTrajectory  # of the arm
     facts: dict[str, Any]  # to print, by name
@@ -189,8 +189,8 @@ def options_of(
 def _freed(report: lt.arm.PathReport, options: lt.arm.FollowOptions) -> dict[str, list[str]]:
     """The axes that the arm left free by itself, because it has fewer than six joints."""
     asked = max(options.orientation_tolerance, _AS_PLANNED)
-    turned = np.abs(report.turn).max(axis=0).tolist()
-    axes = [f"r{axis}" for axis, angle in zip("xyz", turned, strict=True) if angle > asked]
+    angles = np.abs(report.turn).max(axis=0).tolist()
+    axes = [f"r{axis}" for axis, angle in zip("xyz", angles, strict=True) if angle > asked]
     return {"free_axes": axes} if axes else {}
 
 
@@ -204,23 +204,24 @@ def _off_the_path(report: lt.arm.PathReport, *, always: object) -> dict[str, flo
 
 
 def _beside_shown(arm: lt.Arm, motion: Motion, joints: lt.JointTrajectory) -> dict[str, Any]:
-    """How far the arm starts from where it was shown, with a warning if that is far."""
-    shown = joints_with(motion)
-    if shown is None:
+    """Distance of the start from the demonstrated configuration, with a warning if it is large."""
+    demonstrated = joints_with(motion)
+    if demonstrated is None:
         return {}
-    if not set(arm.joint_names) <= set(shown.joint_names or arm.joint_names):
+    if not set(arm.joint_names) <= set(demonstrated.joint_names or arm.joint_names):
         print(
-            f"warning: the skill was shown with the joints {', '.join(shown.joint_names)}, which "
+            f"warning: the skill was demonstrated with the joints "
+            f"{', '.join(demonstrated.joint_names)}, which "
             "--robot does not have, so this arm's posture is its own; --posture sets another",
             file=sys.stderr,
         )
         return {}
-    away = np.abs(joints.positions[0] - arm.joints_of(shown).positions[0])
+    away = np.abs(joints.positions[0] - arm.joints_of(demonstrated).positions[0])
     farthest = int(np.argmax(away))
     if away[farthest] >= _ELSEWHERE:
         print(
             f"warning: start: {arm.joint_names[farthest]} is {away[farthest]:.3g} rad (m) from "
-            "where it was shown, so the arm starts in another posture; bring it there slowly, or "
+            "the demonstrated one, so the arm starts in another posture; bring it there slowly, or "
             "set --posture to a recording to start as it does",
             file=sys.stderr,
         )

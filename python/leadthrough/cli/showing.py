@@ -87,17 +87,19 @@ def view(
     asked = None if motion is None else reading.one_motion(motion, joints=robots.ranges(arm))
     if isinstance(asked, lt.JointTrajectory):
         asked = robots.own_joints(arm, asked, str(motion))
-    shown = []
+    recordings = []
     if not demonstrations:
         robots.refuse("--demonstrations", **vars(layout))
     else:
         files, known = reading.listed(demonstrations), robots.ranges(arm)
-        shown = lt.read_demonstrations(files, **layout.arguments(), joints=known, rest=math.inf)
+        recordings = lt.read_demonstrations(
+            files, **layout.arguments(), joints=known, rest=math.inf
+        )
     with errors.naming(path="--html"):
         viewing.view(
             arm,
             asked,
-            demonstrations=shown,
+            demonstrations=recordings,
             skill=None if skill is None else reading.saved_skill(skill),
             goal=None if goal is None else parse.place(goal, "--goal"),
             scene=parse.obstacles(obstacle),
@@ -133,28 +135,28 @@ def demo(
     left_out = "" if scene or motion else _missing()
     if left_out:
         del wanted["handwriting"]
-    shown: list[Performed] = []
+    performed: list[Performed] = []
     written: list[Handwriting] = []
     if "handwriting" in wanted:
         names = track(motion or scenes.MOTIONS, description="Writing")
         first, written = scenes.handwriting(names, out)
-        shown.append(first)
+        performed.append(first)
     others = [name for name in wanted if name != "handwriting"]
-    told = track(others, description=" and ".join(others).capitalize(), disable=not others)
-    shown += [scenes.other(name, out) for name in told]
-    report.write_page(shown, written, out)
-    simulated = report.write_simulation(shown[0], out)
+    tracked = track(others, description=" and ".join(others).capitalize(), disable=not others)
+    performed += [scenes.other(name, out) for name in tracked]
+    report.write_page(performed, written, out)
+    simulated = report.write_simulation(performed[0], out)
     console = Console()
-    console.print(_table(*report.glance(shown)))
+    console.print(_table(*report.glance(performed)))
     if written:
         console.print(_table(*report.errors(written)))
     # Plain: rich would take the extra's name in brackets for a style.
     print(f"Figures, tables and the joint trajectories: {out}/")
     print(f"Page to open in a browser: {out / 'report.html'}")
-    print(f"{shown[0].name} under gravity and a controller: {simulated}")
+    print(f"{performed[0].name} under gravity and a controller: {simulated}")
     if left_out:
         print(f"Without handwriting: {left_out}")
-    if not (all(each.ok for each in shown) and all(each.ok for each in written)):
+    if not (all(each.ok for each in performed) and all(each.ok for each in written)):
         raise typer.Exit(1)
 
 

@@ -110,7 +110,7 @@ def validate(
 def _facts(found: lt.validation.Validation, folder: Path) -> dict[str, object]:
     certificate = found.certificate
     causes = [f"{count} {cause}" for cause, count in certificate.causes.items()]
-    told: dict[str, object] = {
+    facts: dict[str, object] = {
         "queries": certificate.runs,
         "succeeded": certificate.successes,
         "success_rate": certificate.fraction,
@@ -120,9 +120,9 @@ def _facts(found: lt.validation.Validation, folder: Path) -> dict[str, object]:
         f"holds_{certificate.required:.0%}_in": str(certificate.holds or "no part of the goals"),
     }
     if found.nearest:
-        told["nearest_failure"] = f"goal {found.nearest.goal.round(4).tolist()}"
-        told["reasons"] = f"{found.nearest.cause}: {found.nearest.detail}"
-    return {**told, "report": str(folder / "report.html")}
+        facts["nearest_failure"] = f"goal {found.nearest.goal.round(4).tolist()}"
+        facts["reasons"] = f"{found.nearest.cause}: {found.nearest.detail}"
+    return {**facts, "report": str(folder / "report.html")}
 
 
 def _places(
@@ -212,7 +212,7 @@ def reach(
     found.save(out)
     picture = out.with_suffix(".png")
     lt.show.reach_figure(found).savefig(picture)
-    told = {
+    facts = {
         "map": str(out),
         "picture": str(picture),
         "places": found.fraction.size,
@@ -221,7 +221,7 @@ def reach(
         "volume": found.volume,
         "best_manipulability": float(found.manipulability.max()),
     }
-    output.facts(told, as_json=as_json, units={"volume": "m^3"})
+    output.facts(facts, as_json=as_json, units={"volume": "m^3"})
 
 
 def _place(  # an option each
@@ -259,7 +259,7 @@ def _place(  # an option each
         )
     picture = out.with_suffix(".png")
     lt.show.placement_figure(found).savefig(picture)
-    told: dict[str, object] = {
+    facts: dict[str, object] = {
         "map": str(out),
         "picture": str(picture),
         "places": len(found.bases),
@@ -268,7 +268,7 @@ def _place(  # an option each
         "yaw": None if found.best is None else float(found.best[3]),
         "least_manipulability": float(found.manipulability.max()),
     }
-    output.facts(told, as_json=as_json, units={"best_base": "m", "yaw": "rad"})
+    output.facts(facts, as_json=as_json, units={"best_base": "m", "yaw": "rad"})
     if found.best is None:
         raise typer.Exit(1)
 
@@ -319,7 +319,7 @@ def experiment(
     if simulated := outcome.report.summary.get("simulated"):
         print(f"Under gravity and a controller: {simulated}")
     for failure in outcome.failures:
-        told = f"failed: {failure['task']}: {failure['error']}: {failure['message']}"
-        console.print(told, style="red", markup=False)
+        failed = f"failed: {failure['task']}: {failure['error']}: {failure['message']}"
+        console.print(failed, style="red", markup=False)
     if outcome.failures:
         raise typer.Exit(1)

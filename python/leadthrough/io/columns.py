@@ -56,14 +56,14 @@ def recording(table: Table, request: Request, *, name: str = "") -> Recording:
             events=table.events,
             name=name,
         )
-    turned = data.get("orientations")
-    if turned is not None:
-        turned = _quaternions(table, chosen["orientations"], turned, request)
+    orientations = data.get("orientations")
+    if orientations is not None:
+        orientations = _quaternions(table, chosen["orientations"], orientations, request)
     return Recording(
         times,
         data["positions"],
-        turned,
-        joints=shown_joints(table, times),
+        orientations,
+        joints=demonstrated_joints(table, times),
         events=table.events,
         name=name,
     )
@@ -292,7 +292,7 @@ def _only_fitting(extents: Mapping[str, tuple[float, float]], request: Request) 
     )
 
 
-def shown_columns(motion: Motion) -> dict[str, Float64Array]:
+def demonstrated_columns(motion: Motion) -> dict[str, Float64Array]:
     """A column (n,) for each of the joints; none where there are none, or none with names."""
     joints = joints_with(motion)
     if joints is None or not joints.joint_names:
@@ -301,7 +301,7 @@ def shown_columns(motion: Motion) -> dict[str, Float64Array]:
     return {f"{name}{_SUFFIX}": joints.positions[:, i] for i, name in enumerate(names)}
 
 
-def shown_joints(table: Table, times: Float64Array) -> JointTrajectory | None:
+def demonstrated_joints(table: Table, times: Float64Array) -> JointTrajectory | None:
     """The joints in a table, None where there are none or not at every time."""
     names = [name for name in table.names if name.endswith(_SUFFIX) and name != _SUFFIX]
     if not names:

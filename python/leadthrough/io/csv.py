@@ -23,7 +23,7 @@ from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event, Events
 from leadthrough.io.atomic import StrPath, replacing
-from leadthrough.io.columns import shown_columns
+from leadthrough.io.columns import demonstrated_columns
 from leadthrough.io.joint_trajectory import checked_joint_names, joint_columns, quantities
 from leadthrough.io.read_limits import MAX_LINE, ReadLimits, not_text
 from leadthrough.io.table import Table
@@ -65,7 +65,7 @@ def _columns(motion: Motion) -> dict[str, Float64Array]:
     columns = dict(zip("xyz", motion.positions.T, strict=False))
     if isinstance(motion, PoseTrajectory):
         columns |= dict(zip(("qw", "qx", "qy", "qz"), motion.orientations.T, strict=True))
-    return columns | shown_columns(motion)
+    return columns | demonstrated_columns(motion)
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,7 +38,7 @@ class Format:
     suffixes: tuple[str, ...]  # of its files, with their dot, in lower case
     read: Read | None = None  # returns the tables in a file
     write: Write | None = None  # writes a motion to a file
-    marker: str | None = None  # file that tells a folder of this format
+    marker: str | None = None  # file that marks a folder of this format
     extra: str | None = None  # of leadthrough, which the format needs
 
     def tables(self, path: Path, request: Request) -> Sequence[Table]:

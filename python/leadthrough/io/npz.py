@@ -23,7 +23,7 @@ from leadthrough import check
 from leadthrough.errors import InvalidInput
 from leadthrough.events import Event, Events
 from leadthrough.io.atomic import StrPath, replacing
-from leadthrough.io.columns import shown_columns
+from leadthrough.io.columns import demonstrated_columns
 from leadthrough.io.headers import Columns
 from leadthrough.io.joint_trajectory import joint_columns, quantities
 from leadthrough.io.read_limits import ReadLimits, refusing_damage
@@ -91,7 +91,7 @@ def _content(motion: Motion) -> dict[str, Any]:
         content["positions"] = motion.positions
     if isinstance(motion, PoseTrajectory):
         content["orientations_wxyz"] = motion.orientations
-    content |= shown_columns(motion)
+    content |= demonstrated_columns(motion)
     if motion.events:
         content["event_times"] = np.array([event.time for event in motion.events])
         content["event_names"] = np.array([event.name for event in motion.events])

@@ -40,7 +40,7 @@ def read_demonstrations(
 ) -> list[Demonstration]:
     """The demonstrations in one or several files, in their order; files with faults are refused.
 
-    The standing still before and after what was shown is left out, as `preprocess.trim` does; times
+    Rest before and after the motion is left out, as `preprocess.trim` does; times
     are as in the file. For motions that an arm is to run, whole, there is `read_motion`.
 
     Formats are text tables (.csv, .tsv, .txt), .npz, .mat, ROS 2 JointTrajectory (.json, .yaml),
@@ -93,13 +93,7 @@ def read_motion(
 
     Args:
         path: a file or folder.
-        columns: columns, arrays or fields to read, by role.
-        rate: Hz, > 0, for files without time.
-        angles: unit of joints whose names don't state it.
-        quaternions: order of four numbers whose names don't state it.
-        topic: topic of a bag, where several have motions.
-        frames: frame and child frame of a transform in a bag.
-        joints: an arm's joints by name, with their lower and upper limits in rad (m).
+        columns, rate, angles, quaternions, topic, frames, joints: as of `read_demonstrations`.
 
     Raises:
         InvalidInput: if the file cannot be read, has faults, or has not exactly one motion.
@@ -134,14 +128,7 @@ def read_recordings(
 
     Args:
         paths: one file or folder, or several.
-        columns: columns, arrays or fields to read, by role.
-        rate: Hz, > 0, for files without time.
-        angles: unit of joints whose names don't state it.
-        quaternions: order of four numbers whose names don't state it.
-        topic: topic of a bag, where several have motions.
-        frames: frame and child frame of a transform in a bag.
-        joints: an arm's joints by name, with their lower and upper limits in rad (m). Columns of
-            these names are its joints, whatever else the file has; percent refer to the limits.
+        columns, rate, angles, quaternions, topic, frames, joints: as of `read_demonstrations`.
 
     Raises:
         InvalidInput: if a file cannot be read; the message says which and where.
@@ -249,13 +236,7 @@ def stream_recordings(
 
     Args:
         paths: one file or folder, or several.
-        columns: columns, arrays or fields to read, by role.
-        rate: Hz, > 0, for files without time.
-        angles: unit of joints whose names don't state it.
-        quaternions: order of four numbers whose names don't state it.
-        topic: topic of a bag, where several have motions.
-        frames: frame and child frame of a transform in a bag.
-        joints: an arm's joints by name, with their lower and upper limits in rad (m).
+        columns, rate, angles, quaternions, topic, frames, joints: as of `read_demonstrations`.
 
     Yields:
         An episode for each recording.

@@ -102,8 +102,8 @@ class Recording(ShortRepr):
                 self.events,
             )
         if self.orientations is not None:
-            shown = (self.orientations, self.events, self.joints)
-            return PoseTrajectory(self.times, self.positions, *shown)
+            rest = (self.orientations, self.events, self.joints)
+            return PoseTrajectory(self.times, self.positions, *rest)
         return Trajectory(self.times, self.positions, self.events, self.joints)
 
 
@@ -120,11 +120,11 @@ def recording_of(demonstration: Demonstration) -> Recording:
             events=motion.events,
             name=demonstration.name,
         )
-    turned = motion.orientations if isinstance(motion, PoseTrajectory) else None
+    orientations = motion.orientations if isinstance(motion, PoseTrajectory) else None
     return Recording(
         motion.times,
         motion.positions,
-        turned,
+        orientations,
         joints=motion.joints,
         events=motion.events,
         name=demonstration.name,

@@ -84,23 +84,23 @@ def align_by_time_warping(
     Raises:
         InvalidInput: if the demonstrations don't fit, or there is none of that index.
     """
-    shown = _comparable(demonstrations)
-    motions = [each.motion for each in shown]
+    demonstrations = _comparable(demonstrations)
+    motions = [each.motion for each in demonstrations]
     durations = [motion.duration for motion in motions]
     if reference is None:
         total, warps = float(np.mean(durations)), fractions_in_step(motions)
         if warps is None:
             if all(np.array_equal(each.times, motions[0].times) for each in motions):
-                return shown
-            warps = [np.linspace(0.0, 1.0, COMPARED)] * len(shown)
+                return demonstrations
+            warps = [np.linspace(0.0, 1.0, COMPARED)] * len(demonstrations)
     else:
-        chosen = check.integer(reference, "reference", at_least=0, at_most=len(shown) - 1)
+        chosen = check.integer(reference, "reference", at_least=0, at_most=len(demonstrations) - 1)
         total, curves = durations[chosen], features(motions)
         warps = [warp(curves[chosen], each, rigidity=FREE) for each in curves]
     times = np.linspace(0.0, total, COMPARED)
     return [
         Demonstration(_retimed(each.motion, fractions, times), each.name)
-        for each, fractions in zip(shown, warps, strict=True)
+        for each, fractions in zip(demonstrations, warps, strict=True)
     ]
 
 
@@ -119,11 +119,11 @@ def align_by_arc_length(
     Raises:
         InvalidInput: if the demonstrations don't fit, or one does not move.
     """
-    shown = _comparable(demonstrations)
-    total = float(np.median([each.motion.duration for each in shown]))
+    demonstrations = _comparable(demonstrations)
+    total = float(np.median([each.motion.duration for each in demonstrations]))
     times = np.linspace(0.0, total, COMPARED)
     result = []
-    for i, each in enumerate(shown):
+    for i, each in enumerate(demonstrations):
         at, covered = _distance(each.motion, f"demonstrations[{i}]")
         fractions = np.interp(np.linspace(0.0, covered[-1], COMPARED), covered, at)
         result.append(Demonstration(_retimed(each.motion, fractions, times), each.name))
@@ -141,17 +141,17 @@ def _comparable(
         )
     if not demonstrations:
         raise InvalidInput("demonstrations: expected at least one, got none")
-    shown = [
+    compared = [
         as_demonstration(each, f"demonstrations[{i}]") for i, each in enumerate(demonstrations)
     ]
-    for i, each in enumerate(shown):
+    for i, each in enumerate(compared):
         if len(each.motion.times) < 2:
             raise InvalidInput(f"demonstrations[{i}]: expected at least two samples, got one")
-    if len({(type(each.motion), each.motion.positions.shape[1]) for each in shown}) > 1:
+    if len({(type(each.motion), each.motion.positions.shape[1]) for each in compared}) > 1:
         raise InvalidInput(
             "demonstrations: expected one type of motion and the same number of columns in all"
         )
-    return shown
+    return compared
 
 
 def _retimed(motion: MotionT, fractions: Float64Array, times: Float64Array) -> MotionT:
@@ -200,20 +200,20 @@ def features(motions: Sequence[Motion], samples: int = COMPARED) -> list[Float64
     positions = [positions_at(each, even) for each in motions]
     extent = float(np.mean([np.linalg.norm(np.ptp(each, axis=0)) for each in positions])) or 1.0
     scaled = [each / extent for each in positions]
-    turned = [
+    orientations = [
         rotations.interpolate(normalised_times(each.times), each.orientations, even)
         for each in motions
         if isinstance(each, PoseTrajectory)
     ]
-    if not turned:
+    if not orientations:
         return scaled
     reach = np.mean(
-        [rotations.distance(each, each[:1].repeat(samples, 0)).max() for each in turned]
+        [rotations.distance(each, each[:1].repeat(samples, 0)).max() for each in orientations]
     )
     unit = _CHORD * max(float(reach), _MIN_TURN)
     return [
         np.hstack([own, rotations.to_matrix(each).reshape(-1, 9) / unit])
-        for own, each in zip(scaled, turned, strict=True)
+        for own, each in zip(scaled, orientations, strict=True)
     ]
 
 

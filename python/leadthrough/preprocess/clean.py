@@ -265,14 +265,14 @@ def _without_faults(recording: Recording, factor: float | None) -> tuple[Recordi
     kept = _chosen(kept, np.argsort(kept.times, kind="stable"))
     fresh = np.diff(kept.times, prepend=-np.inf) > 0.0
     kept = _chosen(kept, np.flatnonzero(fresh))
-    kept, turned = _with_rotations(kept)
+    kept, rotation_counts = _with_rotations(kept)
     leaps = _leaps(kept, factor)
     return _chosen(kept, np.flatnonzero(~leaps)), {
         "invalid": tuple(np.flatnonzero(~valid).tolist()),
         "unordered": unordered,
         "repeated": int(np.count_nonzero(~fresh)),
         "spikes": tuple(kept.times[leaps].tolist()),
-        **turned,
+        **rotation_counts,
     }
 
 

@@ -69,8 +69,8 @@ def sample_evenly(
     """
     from scipy.interpolate import PchipInterpolator
 
-    shown = several_samples(demonstration)
-    motion, hertz = shown.motion, check.number(rate, "rate", above=0.0)
+    demonstration = several_samples(demonstration)
+    motion, hertz = demonstration.motion, check.number(rate, "rate", above=0.0)
     if motion.duration * hertz > _MAX_SAMPLES:
         raise InvalidInput(
             f"rate: expected at most {_MAX_SAMPLES:,} samples in {motion.duration:.6g} s, "
@@ -86,12 +86,12 @@ def sample_evenly(
     if isinstance(motion, PoseTrajectory):
         parts["orientations"] = rotations.interpolate(motion.times, motion.orientations, times)
     parts["events"] = events.clipped(motion.events, times)
-    return replace(shown, motion=replace(motion, times=times, **fields_of(motion, parts)))
+    return replace(demonstration, motion=replace(motion, times=times, **fields_of(motion, parts)))
 
 
 def several_samples(demonstration: Demonstration[MotionT] | MotionT) -> Demonstration[MotionT]:
     """The demonstration, if it has at least two samples."""
-    shown = as_demonstration(demonstration, "demonstration")
-    if len(shown.motion.times) < 2:
+    demonstration = as_demonstration(demonstration, "demonstration")
+    if len(demonstration.motion.times) < 2:
         raise InvalidInput("demonstration: expected at least two samples, got one")
-    return shown
+    return demonstration

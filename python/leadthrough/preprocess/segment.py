@@ -55,10 +55,10 @@ def segment(
     Raises:
         InvalidInput: if an argument is of the wrong type or not positive.
     """
-    shown = as_demonstration(demonstration, "demonstration")
+    demonstration = as_demonstration(demonstration, "demonstration")
     window = check.number(pause, "pause", above=0.0)
     least = check.number(shortest, "shortest", above=0.0)
-    motion = shown.motion
+    motion = demonstration.motion
     speeds = speeds_of(motion, window)
     moving = speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
     pieces = [
@@ -67,7 +67,7 @@ def segment(
         if motion.times[piece.stop - 1] - motion.times[piece.start] >= least
     ]
     return [
-        Demonstration(cast(MotionT, motion[piece]), name=f"{shown.name} {number}".strip())
+        Demonstration(cast(MotionT, motion[piece]), name=f"{demonstration.name} {number}".strip())
         for number, piece in enumerate(pieces, start=1)
     ]
 
@@ -144,8 +144,8 @@ def _check(motions: Sequence[Motion]) -> None:
 def _gap(before: Motion, after: Motion) -> float:
     away = float(np.linalg.norm(after.positions[0] - before.positions[-1]))
     if isinstance(before, PoseTrajectory) and isinstance(after, PoseTrajectory):
-        turned = rotations.distance(before.orientations[-1:], after.orientations[:1])
-        away = max(away, float(turned[0]))
+        angle = rotations.distance(before.orientations[-1:], after.orientations[:1])
+        away = max(away, float(angle[0]))
     return away
 
 

@@ -61,8 +61,8 @@ def smoothed_over(
     demonstration: Demonstration[MotionT] | MotionT, window: float, name: str
 ) -> Demonstration[MotionT]:
     """The demonstration smoothed as by `smooth_motion`, whose window is called `name` in errors."""
-    shown = several_samples(demonstration)
-    motion, span = shown.motion, check.number(window, name, above=0.0)
+    demonstration = several_samples(demonstration)
+    motion, span = demonstration.motion, check.number(window, name, above=0.0)
     steps = np.diff(motion.times)
     step = motion.duration / len(steps)
     if np.abs(steps - step).max() > _UNEVEN * step:
@@ -76,7 +76,7 @@ def smoothed_over(
             f"{name}: expected {(_FITTED - 1) * step:.6g} to {motion.duration:.6g} s, at least "
             f"{_FITTED} samples and at most all, got {span:.6g} s"
         )
-    return _smoothed(shown, _local_cubics(length, step))
+    return _smoothed(demonstration, _local_cubics(length, step))
 
 
 def smooth_by_spline(
@@ -95,12 +95,12 @@ def smooth_by_spline(
 
     Source: Craven and Wahba 1979.
     """
-    shown = several_samples(demonstration)
-    times = shown.motion.times
+    demonstration = several_samples(demonstration)
+    times = demonstration.motion.times
     if len(times) < _FITTED:
         raise InvalidInput(f"demonstration: expected at least {_FITTED} samples, got {len(times)}")
     weight = None if stiffness is None else check.number(stiffness, "stiffness", at_least=0.0)
-    return _smoothed(shown, _splines(times - times[0], weight))
+    return _smoothed(demonstration, _splines(times - times[0], weight))
 
 
 def smooth_path(
@@ -163,8 +163,8 @@ def _smoothed(demonstration: Demonstration[MotionT], smoother: _Smoother) -> Dem
         rows["accelerations"] = smoother(motion.positions, 2)
     elif isinstance(motion, PoseTrajectory):
         # Between nearby quaternions the shortest way is straight to first order in the angle.
-        turned = smoother(motion.orientations, 0)
-        rows["orientations"] = turned / np.linalg.norm(turned, axis=1, keepdims=True)
+        orientations = smoother(motion.orientations, 0)
+        rows["orientations"] = orientations / np.linalg.norm(orientations, axis=1, keepdims=True)
     if joints_with(motion) is not None:
         rows["joints"] = smoother(rows_of(motion)["joints"], 0)
     return replace(demonstration, motion=replace(motion, **fields_of(motion, rows)))

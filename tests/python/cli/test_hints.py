@@ -110,7 +110,7 @@ def test_a_path_leads_to_the_same_motion_of_an_arm(folder):
     later = lt.Arm.load("ur3").follow(tip)  # in the posture that the path keeps
     assert np.abs(later.positions - joints.positions).max() < 1e-4
     bag = run("--no-profile", "plan", "reach.npz", "-o", "path.mcap").stderr
-    assert "note: path.mcap does not keep the joints that the skill was shown with" in bag
+    assert "note: path.mcap does not keep the demonstrated joints" in bag
 
 
 def test_a_plan_in_a_format_that_cannot_be_read_leads_to_one_that_can(folder):
