@@ -219,7 +219,7 @@ class ClosestPair(ShortRepr):
 
 @dataclass(frozen=True, eq=False)
 class Clearance(ShortRepr):
-    """How near the arm comes to obstacles, or to itself.
+    """Distances of the arm to obstacles, or between its parts.
 
     Attributes:
         first: where something first comes nearer than `margin`; None where nothing does.
@@ -310,7 +310,7 @@ class CollisionReport(Drawn):
 
 @dataclass(frozen=True, eq=False)
 class CollisionPairs(ShortRepr):
-    """Which bodies of an arm are checked against each other, and why the others are not.
+    """Pairs of bodies that are checked against each other, and reasons for leaving out others.
 
     Attributes:
         checked: pairs of names.

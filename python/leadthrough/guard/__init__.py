@@ -1,4 +1,4 @@
-"""What may run: admission of motions from anywhere, braking, and ways onto and off a motion."""
+"""Admission of motions from any source, braking, and connections onto and off a motion."""
 
 from leadthrough.guard.admission import Admission, CommandedState, Reason
 from leadthrough.guard.connect import connect

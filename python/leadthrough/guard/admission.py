@@ -1,4 +1,4 @@
-"""What a guard answers: the motion that may run, how to come to rest after it, and why."""
+"""Chunks of commands put on a guard's clock, and its answers: motion, brake and reasons."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ KINDS: tuple[Kind, ...] = ("position", "velocity", "acceleration", "jerk")  # by
 
 @dataclass(frozen=True, eq=False)
 class CommandedState(ShortRepr):
-    """Where the joints are commanded to be, and how fast they are commanded to move.
+    """Commanded positions, velocities and accelerations of the joints.
 
     Attributes:
         q: (joints,) in rad (m for prismatic joints).

@@ -29,7 +29,7 @@ def connect(
 ) -> JointTrajectory:
     """The motion from the arm's present state on: eased into at its start, and to rest at its end.
 
-    The way onto the first sample is straight for an arm at rest and a sample at rest, and as short
+    The bridge onto the first sample is straight for an arm and a sample at rest, and as short
     as the limits of position, velocity, acceleration and jerk allow; after the last sample the arm
     brakes as fast as it may. Both are certified to be clear between samples. Joints that may turn
     further take the whole turns that bring the motion nearest to the state. The samples themselves
@@ -49,8 +49,8 @@ def connect(
 
     Raises:
         InvalidInput: if an argument has another shape, or a limit is not known.
-        LimitsInfeasible: if no way inside the limits leads onto the trajectory, or to rest.
-        NoPath: if the way would come too near something; `reason` is "ease_in" or "ease_out".
+        LimitsInfeasible: if no bridge inside the limits leads onto the trajectory, or to rest.
+        NoPath: if the bridge would come too near something; `reason` is "ease_in" or "ease_out".
     """
     if not isinstance(trajectory, JointTrajectory):
         raise InvalidInput(
@@ -65,12 +65,12 @@ def connect(
     rows = _unwrapped(chunk.rows, history[-1], arm)
     ease = _ease_in(rules, history, rows)
     ended = np.concatenate([history, ease, rows])
-    way = rules.braked(ended[-HISTORY:], rows[:0])
-    if way is None:
+    stopping = rules.braked(ended[-HISTORY:], rows[:0])
+    if stopping is None:
         raise _infeasible(rules, ended[-HISTORY:], "to rest after the last sample")
-    if found := rules.contact(ended[-HISTORY:], way.rows, 0.0):
+    if found := rules.contact(ended[-HISTORY:], stopping.rows, 0.0):
         raise _blocked(found, "ease_out", "braking after the last sample")
-    commands = np.concatenate([history[-1:], ease, rows, way.rows])
+    commands = np.concatenate([history[-1:], ease, rows, stopping.rows])
     shift = period * (1 + len(ease)) - chunk.start
     events = tuple(replace(each, time=each.time + shift) for each in chunk.events)
     return from_state(history[-2], commands, names=arm.joint_names, period=period, events=events)
@@ -84,7 +84,7 @@ def _ease_in(rules: Rules, history: Float64Array, rows: Float64Array) -> Float64
         raise _infeasible(rules, history, "onto the first sample")
     ease = joined[0]
     if found := rules.contact(history, np.concatenate([ease, rows[:1]]), 0.0):
-        raise _blocked(found, "ease_in", "the way onto the first sample")
+        raise _blocked(found, "ease_in", "the bridge onto the first sample")
     return ease
 
 
@@ -115,7 +115,7 @@ def _infeasible(rules: Rules, history: Float64Array, where: str) -> LimitsInfeas
 
 
 def _blocked(found: Contact, reason: str, what: str) -> NoPath:
-    assert found.bodies is not None  # all of the way was looked at
+    assert found.bodies is not None  # the whole bridge was checked
     return NoPath(
         f"{what} is not clear: {' and '.join(found.bodies)} come too near; move the arm elsewhere "
         "first; in Python, `leadthrough.motion_planning.connect_configurations` finds a path",
@@ -124,7 +124,7 @@ def _blocked(found: Contact, reason: str, what: str) -> NoPath:
 
 
 _JUMP = 3.0  # times its neighbours a step is longer that is a jump
-_SLOWEST = 20  # times as long a piece may take
+_MAX_STRETCH = 20  # factor by which a piece may be stretched
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +151,7 @@ def changed(rules: Rules, history: Float64Array, samples: Float64Array) -> Chang
             break
         resting = max(0, LANDING - len(piece))
         path = np.concatenate([piece, np.repeat(piece[-1:], resting, axis=0)])
-        run = _core.slowed(rules.limits, path, _SLOWEST * len(path))
+        run = _core.slowed(rules.limits, path, _MAX_STRETCH * len(path))
         if run is None:
             complete = False
             break
@@ -171,7 +171,7 @@ def changed(rules: Rules, history: Float64Array, samples: Float64Array) -> Chang
 
 
 def _pieces(samples: Float64Array, step: Float64Array) -> list[int]:
-    """Where pieces without jumps begin, and the end of the last one."""
+    """Starts of the pieces without jumps, and the end of the last one."""
     steps = np.abs(np.diff(samples, axis=0))
     padded = np.pad(steps, ((1, 1), (0, 0)))
     beside = np.maximum(padded[:-2], padded[2:])
@@ -179,43 +179,43 @@ def _pieces(samples: Float64Array, step: Float64Array) -> list[int]:
     return [0, *(np.flatnonzero(jumps) + 1).tolist(), len(samples)]
 
 
-LANDING = 3  # samples that a way has to fit to
-_LONGEST = 10.0  # s
-# A way that takes this fraction of the samples at most keeps to their clock.
+LANDING = 3  # samples that a bridge has to fit to
+_MAX_BRIDGE = 10.0  # s
+# A bridge over at most this fraction of the samples keeps to their clock.
 _ON_TIME = 0.25
 
-# Rows of the way, and how many samples it passes.
+# Rows of the bridge, and the number of samples that it skips.
 Joined = tuple[Float64Array, int]
 
 
 def beyond_reach(rules: Rules, last: Float64Array, target: Float64Array) -> bool:
-    """Whether no way leads onto a target, however slowly that is run: a joint is too far away."""
+    """Whether a joint is too far from a target for any bridge, however slow."""
     periods = 2 * _most_periods(rules) + len(target)
     return bool((np.abs(target[0] - last) > periods * rules.period * rules.joints.velocity).any())
 
 
 def joined_on_time(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
-    """The shortest way onto a sample when that is due, if the first is due a period from now."""
+    """The shortest bridge onto a sample when that is due; the first is due a period from now."""
     soon = max(1, int(_ON_TIME * len(target)))
     return _core.bridge_on_time(rules.limits, history, target, soon)
 
 
 def joined_at_start(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
-    """The shortest way onto the first sample; where none is short, by way of a rest."""
+    """The shortest bridge onto the first sample; if none is short, one with a rest."""
     longest = _most_periods(rules)
     found = _core.bridge_to_start(rules.limits, history, target, longest)
     if found is not None:
         return found
-    way = rules.braked(history, target[:0])
-    if way is None:
+    stopping = rules.braked(history, target[:0])
+    if stopping is None:
         return None
-    rest = (way.rows if len(way.rows) else history)[-1:]
+    rest = (stopping.rows if len(stopping.rows) else history)[-1:]
     pause = np.repeat(rest, HISTORY, axis=0)  # as long as differences reach
     found = _core.bridge_to_start(rules.limits, pause, target, longest)
     if found is None:
         return None
-    return np.concatenate([way.rows, pause, found[0]]), found[1]
+    return np.concatenate([stopping.rows, pause, found[0]]), found[1]
 
 
 def _most_periods(rules: Rules) -> int:
-    return max(1, round(_LONGEST / rules.period))
+    return max(1, round(_MAX_BRIDGE / rules.period))

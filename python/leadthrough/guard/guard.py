@@ -31,7 +31,7 @@ from leadthrough.guard.rules import (
     HISTORY,
     Contact,
     Rules,
-    Way,
+    StoppingTrajectory,
     history_of,
     rules_for,
     surroundings,
@@ -40,7 +40,7 @@ from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Obstacle, Scene, SceneLike, as_scene
 
-_SLOWEST, _FASTEST = 1.0, 1e4  # Hz
+_MIN_RATE, _MAX_RATE = 1.0, 1e4  # Hz
 # Pairs of shapes that are looked at for each sample of a chunk that has to be changed, and for how
 # many samples at least: what bounds the time that an answer takes.
 _WORK, _SHORT = 200, 50
@@ -80,7 +80,7 @@ class Guard(ShortRepr):
         rate: float,
     ) -> None:
         self._arm = arm
-        self._period = 1.0 / check.number(rate, "rate", at_least=_SLOWEST, at_most=_FASTEST)
+        self._period = 1.0 / check.number(rate, "rate", at_least=_MIN_RATE, at_most=_MAX_RATE)
         self._scene = as_scene(scene)
         self._rules = rules_for(arm, self._scene, self._period)
         self._age = 0.0  # periods since the obstacles were seen
@@ -100,7 +100,7 @@ class Guard(ShortRepr):
 
     @property
     def state(self) -> CommandedState:
-        """What is commanded now.
+        """The present command.
 
         Raises:
             InvalidInput: if no state was given yet.
@@ -117,7 +117,7 @@ class Guard(ShortRepr):
 
     @property
     def remaining(self) -> int:
-        """How many commands are left until the arm rests."""
+        """Number of commands left until the arm rests."""
         return 0 if self._stream is None else len(self._stream) - HISTORY - self._at
 
     def next(self) -> CommandedState:
@@ -141,7 +141,7 @@ class Guard(ShortRepr):
         chunk: JointTrajectory | ArrayLike,
         state: CommandedState | ArrayLike | None = None,
     ) -> Admission:
-        """What may run of a chunk, which replaces all that has not been commanded yet.
+        """Admits a chunk, which replaces all that has not been commanded yet.
 
         Args:
             chunk: joint motion whose first sample is due one period from now. A trajectory at
@@ -162,17 +162,19 @@ class Guard(ShortRepr):
         wrong = not_finite(given.rows, self._arm.joint_names, times)
         if wrong is not None:
             return self._braking((wrong,), start=given.start)
-        told: tuple[Reason, ...] = ()
+        reasons: tuple[Reason, ...] = ()
         if given.resampled:
-            told = (Reason("resampled", given.start),)
+            reasons = (Reason("resampled", given.start),)
         if self._rules.excess(history, given.rows) is None:
-            way, found = self._looked_at(given.rows, ALL_WORK)
-            if way is not None and found is None:
-                return self._allowed(given, way, told)
+            stopping, contact = self._looked_at(given.rows, ALL_WORK)
+            if stopping is not None and contact is None:
+                return self._allowed(given, stopping, reasons)
             places = np.arange(len(given.rows), dtype=np.float64)
-            return self._certified(given.rows, places, given, told, way=way, found=found)
-        told += exceeded(self._rules, history, given.rows, times)
-        return self._changed(changed(self._rules, history, given.rows), given, told)
+            return self._certified(
+                given.rows, places, given, reasons, stopping=stopping, contact=contact
+            )
+        reasons += exceeded(self._rules, history, given.rows, times)
+        return self._changed(changed(self._rules, history, given.rows), given, reasons)
 
     def update_obstacles(self, obstacles: Iterable[Obstacle]) -> Admission | None:
         """Replaces the obstacles, resets their age and re-certifies the remaining commands.
@@ -194,14 +196,16 @@ class Guard(ShortRepr):
             return None
         # At rest the arm stands still, which has to be clear too.
         rows = self._left() if len(self._left()) else self._history()[-1:]
-        found = self._rules.contact(self._history(), rows, self._age)
-        if found is None:
-            return self._admitted(Way(rows, len(rows)), "allowed", (), start=self._period)
+        contact = self._rules.contact(self._history(), rows, self._age)
+        if contact is None:
+            return self._admitted(
+                StoppingTrajectory(rows, len(rows)), "allowed", (), start=self._period
+            )
         places = np.arange(len(rows), dtype=np.float64)
-        reason = _contact_reason(found, places, self._period, self._period)
+        reason = _contact_reason(contact, places, self._period, self._period)
         self._safe = False  # as it is; what follows has been looked at anew
         return self._shortened(
-            rows[: int(found.sample)], places, (reason,), start=self._period, events=()
+            rows[: int(contact.sample)], places, (reason,), start=self._period, events=()
         )
 
     def stop(self) -> Admission:
@@ -233,23 +237,31 @@ class Guard(ShortRepr):
         assert self._stream is not None
         return self._stream[self._at + HISTORY :]
 
-    def _allowed(self, given: Chunk, way: Way, told: tuple[Reason, ...]) -> Admission:
+    def _allowed(
+        self, given: Chunk, stopping: StoppingTrajectory, reasons: tuple[Reason, ...]
+    ) -> Admission:
         """The chunk as it is; its own velocities and accelerations only if they keep the limits."""
         answer = self._admitted(
-            way, "changed" if told else "allowed", told, start=given.start, events=given.events
+            stopping,
+            "changed" if reasons else "allowed",
+            reasons,
+            start=given.start,
+            events=given.events,
         )
         own = given.given
         if own is None or not _derivatives_kept(own, self._arm):
             return answer
         return replace(answer, motion=own)
 
-    def _looked_at(self, rows: Float64Array, most_work: int) -> tuple[Way | None, Contact | None]:
+    def _looked_at(
+        self, rows: Float64Array, most_work: int
+    ) -> tuple[StoppingTrajectory | None, Contact | None]:
         """Rows inside the limits with the stop after them, and where they come too near a body."""
-        way = self._rules.braked(self._history(), rows)
-        tried = rows if way is None else way.rows
-        return way, self._rules.contact(self._history(), tried, self._age, most_work=most_work)
+        stopping = self._rules.braked(self._history(), rows)
+        tried = rows if stopping is None else stopping.rows
+        return stopping, self._rules.contact(self._history(), tried, self._age, most_work=most_work)
 
-    def _changed(self, better: Changed, given: Chunk, told: tuple[Reason, ...]) -> Admission:
+    def _changed(self, better: Changed, given: Chunk, reasons: tuple[Reason, ...]) -> Admission:
         """As much as is certified of rows that were made of a chunk."""
         rows, complete = better.rows, better.complete
         wrong = self._rules.excess(self._history(), rows)
@@ -257,75 +269,83 @@ class Guard(ShortRepr):
             rows, complete = rows[: wrong[1]], False
         if not complete:
             at = better.places[len(rows) - 1] + 1.0 if len(rows) else 0.0
-            told += (Reason("no way on", given.start + self._period * float(at)),)
-        way, found = self._looked_at(rows, _WORK * max(len(given.rows), _SHORT))
-        return self._certified(rows, better.places, given, told, way=way, found=found)
+            reasons += (Reason("no way on", given.start + self._period * float(at)),)
+        stopping, contact = self._looked_at(rows, _WORK * max(len(given.rows), _SHORT))
+        return self._certified(
+            rows, better.places, given, reasons, stopping=stopping, contact=contact
+        )
 
     def _certified(
         self,
         rows: Float64Array,
         places: Float64Array,
         given: Chunk,
-        told: tuple[Reason, ...],
+        reasons: tuple[Reason, ...],
         *,
-        way: Way | None,
-        found: Contact | None,
+        stopping: StoppingTrajectory | None,
+        contact: Contact | None,
     ) -> Admission:
         """The rows if they are clear and end in a stop; else as much of them as is certified."""
-        if way is not None and found is None and len(rows):
+        if stopping is not None and contact is None and len(rows):
             events = moved_events(
                 given.events, places[: len(rows)], start=given.start, period=self._period
             )
-            return self._admitted(way, "changed", told, start=given.start, events=events)
-        if found is not None:
-            told += (_contact_reason(found, places, given.start, self._period),)
-            rows = rows[: int(found.sample)]
+            return self._admitted(stopping, "changed", reasons, start=given.start, events=events)
+        if contact is not None:
+            reasons += (_contact_reason(contact, places, given.start, self._period),)
+            rows = rows[: int(contact.sample)]
         elif len(rows):
-            told += (self._stop_reason(rows, places, given.start),)
-        return self._shortened(rows, places, told, start=given.start, events=given.events)
+            reasons += (self._stop_reason(rows, places, given.start),)
+        return self._shortened(rows, places, reasons, start=given.start, events=given.events)
 
     def _shortened(
         self,
         rows: Float64Array,
         places: Float64Array,
-        told: tuple[Reason, ...],
+        reasons: tuple[Reason, ...],
         *,
         start: float,
         events: tuple[Event, ...],
     ) -> Admission:
         """As many of the rows, known to be clear, as leave room to brake."""
-        way = self._rules.cut(self._history(), rows, self._age)
-        if way is None or way.kept == 0:
-            return self._braking(told, start=start, way=way)
-        kept = moved_events(events, places[: way.kept], start=start, period=self._period)
-        return self._admitted(way, "changed", told, start=start, events=kept)
+        stopping = self._rules.cut(self._history(), rows, self._age)
+        if stopping is None or stopping.executed == 0:
+            return self._braking(reasons, start=start, stopping=stopping)
+        remaining = moved_events(
+            events, places[: stopping.executed], start=start, period=self._period
+        )
+        return self._admitted(stopping, "changed", reasons, start=start, events=remaining)
 
     def _braking(
-        self, told: tuple[Reason, ...], *, start: float, way: Way | None = None
+        self,
+        reasons: tuple[Reason, ...],
+        *,
+        start: float,
+        stopping: StoppingTrajectory | None = None,
     ) -> Admission:
         """The fastest stop, or what was certified before; where neither is, the fastest one."""
         history, left = self._history(), self._left()
-        if way is None:
-            way = self._rules.clear_braked(history, left[:0], self._age)
-        if way is None and len(left):
+        if stopping is None:
+            stopping = self._rules.clear_braked(history, left[:0], self._age)
+        if stopping is None and len(left):
             certified = self._safe or self._rules.contact(history, left, self._age) is None
-            way = Way(left, 0) if certified else None
-        if way is not None:
-            return self._admitted(way, "braking", told, start=start)
-        way = self._rules.braked(history, left[:0])
-        if way is None:
-            way = Way(left if len(left) else self._rules.stop(history), 0)
-        found = self._rules.contact(history, way.rows, self._age)
-        if found is not None:
-            places = np.arange(len(way.rows), dtype=np.float64)
-            reason = _contact_reason(found, places, start, self._period)
-            told += () if str(reason) in map(str, told) else (reason,)
+            stopping = StoppingTrajectory(left, 0) if certified else None
+        if stopping is not None:
+            return self._admitted(stopping, "braking", reasons, start=start)
+        stopping = self._rules.braked(history, left[:0])
+        if stopping is None:
+            stopping = StoppingTrajectory(left if len(left) else self._rules.stop(history), 0)
+        contact = self._rules.contact(history, stopping.rows, self._age)
+        if contact is not None:
+            places = np.arange(len(stopping.rows), dtype=np.float64)
+            reason = _contact_reason(contact, places, start, self._period)
+            reasons += () if str(reason) in map(str, reasons) else (reason,)
         elif not len(left):
-            told += (self._stop_reason(left, np.empty(0), start),)
-        return self._admitted(way, "braking", told, start=start, safe=False)
+            reasons += (self._stop_reason(left, np.empty(0), start),)
+        return self._admitted(stopping, "braking", reasons, start=start, safe=False)
 
     def _stop_reason(self, rows: Float64Array, places: Float64Array, start: float) -> Reason:
-        """Which limit the fastest stop after the rows leaves."""
+        """The limit that the fastest stop after the rows exceeds."""
         end = np.concatenate([self._history(), rows])[-HISTORY:]
         wrong = self._rules.stop_excess(end)
         assert wrong is not None
@@ -336,21 +356,21 @@ class Guard(ShortRepr):
 
     def _admitted(
         self,
-        way: Way,
+        stopping: StoppingTrajectory,
         verdict: Verdict,
-        told: tuple[Reason, ...],
+        reasons: tuple[Reason, ...],
         *,
         start: float,
         events: tuple[Event, ...] = (),
         safe: bool = True,
     ) -> Admission:
-        """Makes a way to rest the one that is commanded from now on."""
+        """Commands a stopping trajectory from now on."""
         history = self._history()
-        rows = way.rows if len(way.rows) else history[-1:]
+        rows = stopping.rows if len(stopping.rows) else history[-1:]
         motion, brake = trajectories(
             history,
             rows,
-            way.kept or len(rows),
+            stopping.executed or len(rows),
             names=self._arm.joint_names,
             start=start,
             period=self._period,
@@ -359,16 +379,16 @@ class Guard(ShortRepr):
         self._stream = np.concatenate([history, rows])
         self._at = 0
         self._safe = safe
-        return Admission(motion, brake, verdict, safe, told)
+        return Admission(motion, brake, verdict, safe, reasons)
 
 
-def _contact_reason(found: Contact, places: Float64Array, start: float, period: float) -> Reason:
+def _contact_reason(contact: Contact, places: Float64Array, start: float, period: float) -> Reason:
     """When a contact comes, or what was looked at ends; its clock goes on beyond the chunk."""
-    row = int(found.sample)
+    row = int(contact.sample)
     beyond = row - len(places) + 1.0 if row >= len(places) else 0.0
     place = float(places[min(row, len(places) - 1)]) + beyond if len(places) else 0.0
-    kind: Kind = "contact" if found.bodies else "cut short"
-    return Reason(kind, start + period * max(0.0, place), bodies=found.bodies)
+    kind: Kind = "contact" if contact.bodies else "cut short"
+    return Reason(kind, start + period * max(0.0, place), bodies=contact.bodies)
 
 
 def _derivatives_kept(own: JointTrajectory, arm: Arm) -> bool:
@@ -412,11 +432,11 @@ def exceeded(
         over[jumped] = False
         if (at := _first(over)) is None:
             continue
-        told: Kind = "jump" if kind == "velocity" and _is_jump(used, at) else kind
-        if told == "jump":
+        named: Kind = "jump" if kind == "velocity" and _is_jump(used, at) else kind
+        if named == "jump":
             jumped = slice(at[0], at[0] + HISTORY)
         time, name = float(times[at[0]]), names[at[1]]
-        found.append(Reason(told, time, name, ratio=float(ratio[at])))
+        found.append(Reason(named, time, name, ratio=float(ratio[at])))
     return tuple(found)
 
 

@@ -69,7 +69,7 @@ class GuardStep:
         return features
 
     def get_config(self) -> dict[str, Any]:
-        """What describes the step in a pipeline's file; the guard is made anew by its user."""
+        """Settings of the step in a pipeline's file; its user makes the guard anew."""
         return {"unit": self.unit, "rate": self.guard.rate}
 
     def state_dict(self) -> dict[str, Any]:

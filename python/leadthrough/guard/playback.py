@@ -20,8 +20,8 @@ from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.filters import FilterState, JerkFilter
 
-_LEAST_ROOM = 0.01  # fraction of a limit that a motion has to leave
-_SLOWEST, _FASTEST = 1.0, 1e4  # Hz
+_MIN_ROOM = 0.01  # fraction of a limit that a motion has to leave
+_MIN_RATE, _MAX_RATE = 1.0, 1e4  # Hz
 _EASIEST = 100.0  # 1/s^2: a motion that hardly moves may stop within some periods
 
 
@@ -50,7 +50,7 @@ class Playback(ShortRepr):
     def __init__(self, motion: JointTrajectory, limits: JointLimits, *, rate: float) -> None:
         from scipy.interpolate import CubicSpline
 
-        self._period = 1.0 / check.number(rate, "rate", at_least=_SLOWEST, at_most=_FASTEST)
+        self._period = 1.0 / check.number(rate, "rate", at_least=_MIN_RATE, at_most=_MAX_RATE)
         if not isinstance(motion, JointTrajectory) or len(motion.times) < 2:
             raise InvalidInput("motion: expected a JointTrajectory of at least two samples")
         if motion.positions.shape[1] != len(limits.joint_names):
@@ -93,7 +93,7 @@ class Playback(ShortRepr):
 
     @property
     def time(self) -> float:
-        """Where the motion is, s on its own clock."""
+        """Present time of the motion, s on its own clock."""
         return self._phase
 
     def pause(self) -> None:
@@ -129,7 +129,7 @@ def _phase_limits(motion: JointTrajectory, limits: JointLimits) -> tuple[float, 
         (room, limits.acceleration, "acceleration"),
         (jerk_room, limits.jerk, "jerk"),
     ):
-        if (left < _LEAST_ROOM * limit).any():
+        if (left < _MIN_ROOM * limit).any():
             joint = limits.joint_names[int(np.argmin(left / limit))]
             raise InvalidInput(
                 f"motion: expected room below the {name} limit of {joint}, to change the speed on "

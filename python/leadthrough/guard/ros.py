@@ -21,7 +21,7 @@ _NANOSECONDS = NANOSECONDS
 # Any: messages are of rosbags' types, which are made when it loads, or of rclpy's with the same
 # attributes.
 def admit_message(guard: Guard, message: Any, state: Any = None) -> tuple[Any, Admission]:
-    """What may run of a message, as a message of rosbags' types, and the guard's answer.
+    """The admitted motion of a message, as a message of rosbags' types, and the guard's answer.
 
     The message that comes back goes on to rest, so that a controller that gets nothing more stops.
     Its header and its joints are those of the message that came; joints that are not the arm's are

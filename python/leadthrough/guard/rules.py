@@ -1,4 +1,4 @@
-"""What a stream of commanded positions has to keep, and the ways to rest that keep it."""
+"""Limits and margins of a stream of commanded positions, and stops that keep them."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _RATES = ("velocity", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class StoppingTrajectory:
     """Commands to rest."""
 
     rows: Float64Array  # (n, joints), one a period, the last at rest
-    kept: int  # how many of them come before the arm brakes
+    executed: int  # how many of them come before the arm brakes
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Contact:
     """Two bodies that come nearer than their margin, or the end of what was looked at.
 
     Attributes:
-        sample: before which row, with the fraction of the way from the one before.
+        sample: before which row, with the fraction of the step from the one before.
         bodies: by name; None where the work ended that was allowed.
     """
 
@@ -67,7 +67,7 @@ class Rules:
         before: int = 0,
         most_work: int = ALL_WORK,
     ) -> Contact | None:
-        """Where rows first come too near something."""
+        """The first contact along rows; None if the margins are kept."""
         if before >= len(rows):
             return None
         start = rows[before - 1] if before else history[-1]
@@ -81,13 +81,13 @@ class Rules:
         rows = _core.brake(self.limits, history)
         return rows if len(rows) else history[-1:]
 
-    def braked(self, history: Float64Array, rows: Float64Array) -> Way | None:
+    def braked(self, history: Float64Array, rows: Float64Array) -> StoppingTrajectory | None:
         """Rows, then the fastest stop; None if that leaves a limit."""
         end = np.concatenate([history, rows])[-HISTORY:]
         stop = _core.brake(self.limits, end) if len(rows) else self.stop(end)
         if self.excess(end, stop) is not None:
             return None
-        return Way(np.concatenate([rows, stop]), len(rows))
+        return StoppingTrajectory(np.concatenate([rows, stop]), len(rows))
 
     def stop_excess(self, history: Float64Array) -> tuple[int, int, int, float] | None:
         """The first limit that the fastest stop leaves: its order, row, joint and ratio."""
@@ -100,35 +100,39 @@ class Rules:
         age: float,
         *,
         most_work: int = ALL_WORK,
-    ) -> Way | None:
+    ) -> StoppingTrajectory | None:
         """Rows known to be clear, then the fastest stop; None if that is not certified."""
-        way = self.braked(history, rows)
-        if way is None:
+        stopping = self.braked(history, rows)
+        if stopping is None:
             return None
-        found = self.contact(history, way.rows, age, before=len(rows), most_work=most_work)
-        return way if found is None else None
+        found = self.contact(history, stopping.rows, age, before=len(rows), most_work=most_work)
+        return stopping if found is None else None
 
-    def cut(self, history: Float64Array, rows: Float64Array, age: float) -> Way | None:
-        """As many of the rows as can be kept before the arm has to brake, and the stop."""
-        if len(rows) and (way := self._stopped(history, rows, age)):
-            return way
+    def cut(
+        self, history: Float64Array, rows: Float64Array, age: float
+    ) -> StoppingTrajectory | None:
+        """As many of the rows as can be executed before the arm has to brake, and the stop."""
+        if len(rows) and (stopping := self._stopped(history, rows, age)):
+            return stopping
         best = self.clear_braked(history, rows[:0], age)
         low, high = 0, len(rows)
         while best is not None and high - low > 1:
             middle = (low + high) // 2
-            way = self.clear_braked(history, rows[:middle], age, most_work=_WORK_OF_STOP)
-            low, high = (low, middle) if way is None else (middle, high)
-            best = best if way is None else way
+            stopping = self.clear_braked(history, rows[:middle], age, most_work=_WORK_OF_STOP)
+            low, high = (low, middle) if stopping is None else (middle, high)
+            best = best if stopping is None else stopping
         return best
 
-    def _stopped(self, history: Float64Array, rows: Float64Array, age: float) -> Way | None:
+    def _stopped(
+        self, history: Float64Array, rows: Float64Array, age: float
+    ) -> StoppingTrajectory | None:
         """The rows with a stop on them; None if that is not certified."""
         stopped = _core.stopped(self.limits, history, rows)
         if stopped is None:
             return None
-        kept = int(np.count_nonzero(stopped[1] == np.arange(len(stopped[1]))))
-        found = self.contact(history, stopped[0], age, before=kept, most_work=_WORK_OF_STOP)
-        return Way(stopped[0], kept) if found is None else None
+        executed = int(np.count_nonzero(stopped[1] == np.arange(len(stopped[1]))))
+        found = self.contact(history, stopped[0], age, before=executed, most_work=_WORK_OF_STOP)
+        return StoppingTrajectory(stopped[0], executed) if found is None else None
 
 
 def rules_for(arm: Arm, scene: Scene, period: float) -> Rules:

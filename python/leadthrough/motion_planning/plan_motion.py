@@ -136,7 +136,7 @@ def _free_of(arm: Arm, free: Collection[Axis] | None) -> tuple[Axis, ...]:
 
 
 def _farthest(path: TipMotion, learned: TipMotion) -> float:
-    """How far a path is from another one at the most, m."""
+    """Largest distance of a path from another one, m."""
     from scipy.spatial import KDTree
 
     if path is learned:
@@ -169,7 +169,7 @@ class PlannedMotion(ShortRepr):
 
     @property
     def rounds(self) -> int:
-        """How often the tip's path was planned."""
+        """Number of plans of the tip's path."""
         return len(self.reasons) + 1
 
 
@@ -180,7 +180,7 @@ _SPACE = 3  # coordinates of a position
 def allowed_deviation(
     skill: Skill[Motion], deviation: Deviation | None, standard_deviations: float | None
 ) -> Callable[[TipMotion], Deviation | None]:
-    """What tells of a path how far the tip may be off, as `Arm.follow` takes it."""
+    """The deviation allowed from a path, by path, as `Arm.follow` takes it."""
     if standard_deviations is None:
         return lambda _: deviation
     if deviation is not None:

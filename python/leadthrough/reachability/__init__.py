@@ -1,4 +1,4 @@
-"""Where an arm's tip can be, how well it moves there, and where the arm must stand for a motion."""
+"""Reachable poses of an arm, its manipulability there, and the base position for a motion."""
 
 from leadthrough.reachability.placement import Placement, place_base
 from leadthrough.reachability.reach_map import ReachMap, reach_map, spread_orientations

@@ -1,4 +1,4 @@
-"""Where an arm must stand to run a motion."""
+"""Base poses from which an arm can run a motion."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _FOLLOWED = 20  # of the best places, which are tried until one is found from wh
 
 @dataclass(frozen=True, eq=False)
 class Placement(ShortRepr):
-    """How much of a motion an arm reaches from where it may stand.
+    """Fraction of a motion that an arm reaches, by base pose.
 
     Attributes:
         bases: (n, 4) places of the base, x, y, z in m and the yaw in rad, in the motion's frame.
@@ -50,7 +50,7 @@ def place_base(
     yaws: int = 8,
     seed: int = 0,
 ) -> Placement:
-    """Where an arm must stand to run a motion of poses: the place with the best manipulability.
+    """The base pose from which an arm runs a motion of poses with the best manipulability.
 
     Args:
         motion: poses, or a skill of poses, whose own motion is taken; in a frame that stays.

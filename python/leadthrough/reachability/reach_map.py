@@ -22,13 +22,13 @@ from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.tasks import Execution, Outcome, Row, Store, Task, pickled
 
 _POSES = 2000  # of a task: a fraction of a second
-_MOST_PLACES = 10_000_000
+_MAX_POSITIONS = 10_000_000
 _DRAWN = 4000  # configurations from which the volume is taken where none is given
 
 
 @dataclass(frozen=True, eq=False)
 class ReachMap(ShortRepr):
-    """What an arm reaches on a grid of places.
+    """Poses that an arm reaches on a grid of positions.
 
     Attributes:
         origin: (3,) of the first place, m in the base frame.
@@ -91,7 +91,7 @@ def reach_map(
     seed: int = 0,
     execution: Execution | None = None,
 ) -> ReachMap:
-    """Where an arm's tip can be: in how many orientations, and how well it moves there.
+    """Positions of an arm's tip: the fraction of reached orientations and the manipulability.
 
     Each pose is solved by inverse kinematics; it is reached if a solution inside the joint limits
     keeps the scene's margins. The search is random: a pose counted as out of
@@ -120,9 +120,9 @@ def reach_map(
     if len(corners.lower) != 3:
         raise InvalidInput(f"volume: expected 3 coordinates, got {len(corners.lower)}")
     counts = (np.floor((corners.upper - corners.lower) / step + 1e-9) + 1).astype(int)
-    if counts.prod() > _MOST_PLACES:
+    if counts.prod() > _MAX_POSITIONS:
         raise InvalidInput(
-            f"spacing: expected at most {_MOST_PLACES:,} places, got {counts.prod():,}; raise it"
+            f"spacing: expected at most {_MAX_POSITIONS:,} places, got {counts.prod():,}; raise it"
         )
     axes = [low + step * np.arange(n) for low, n in zip(corners.lower, counts, strict=True)]
     places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -174,7 +174,7 @@ _TOLERANCE = 1e-4  # m and rad
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
-    """What all tasks of a map have in common."""
+    """Data common to all tasks of a map."""
 
     arm: Arm  # that reaches
     scene: Scene  # to be clear of
@@ -195,7 +195,7 @@ def reached(
     scene: Scene,
     seed: int,
 ) -> tuple[NDArray[np.bool_], Float64Array]:
-    """Which poses (m,) the arm reaches clear of everything, and its joints there (m, joints)."""
+    """Collision-free reached poses (m,) as a mask, and the joints there (m, joints)."""
     found = np.zeros(len(positions), dtype=bool)
     joints = np.full((len(positions), len(arm.joint_names)), np.nan)
     rng = np.random.default_rng(seed)

@@ -29,7 +29,7 @@ _LIGHTEST = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """What a controller knows at the beginning of a period."""
+    """Inputs of a controller at the beginning of a period."""
 
     target: CommandedState  # where the arm should be now, and the acceleration that takes it on
     q: Float64Array  # measured positions (joints,)
@@ -39,7 +39,7 @@ class Moment:
 
 @dataclass(frozen=True, eq=False)
 class Gains(ShortRepr):
-    """What a law answers to small errors, along a motion."""
+    """Linear response of a law to small errors, along a motion."""
 
     stiffness: Float64Array  # (n, joints, joints), N m/rad
     damping: Float64Array  # (n, joints, joints), N m s/rad, without that of the drives
@@ -88,7 +88,7 @@ class Motion:
 
 
 class Controller(ShortRepr, ABC):
-    """What simulated arms are controlled by."""
+    """A controller of simulated arms."""
 
     @abstractmethod
     def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
@@ -257,7 +257,7 @@ def joint_gains(
 
 
 def _inertias(arm: Arm, q: Float64Array) -> Float64Array:
-    """What each joint moves (joints,), kg m^2 (kg); light joints as a part of the heaviest."""
+    """Inertia of each joint (joints,), kg m^2 (kg); of light joints a part of the heaviest."""
     inertia = np.diag(arm.mass_matrix(q)).copy()
     path = arm.robot.path(arm.base, arm.tip)
     slides = {joint.name for joint in path if joint.kind == "prismatic"}

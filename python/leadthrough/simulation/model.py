@@ -22,7 +22,7 @@ from leadthrough.shapes.shape import ConvexPart
 ATTACHED = "attached"  # as collision reports call it
 LINK = "link "  # before the names of links, of which one may be "world", as MuJoCo calls its own
 # MuJoCo refuses moving bodies without a mass, kg and kg m^2: too little to be felt.
-_LEAST = 1e-13
+_MIN_INERTIA = 1e-13
 # Entries of a URDF's inertia tensor, and the value of an origin that is not stated.
 
 
@@ -163,11 +163,11 @@ def _set_inertia(body: Any, load: Load | None, driven: bool) -> None:
     if load is None and not driven:
         return
     body.explicitinertial = True
-    body.mass = _LEAST if load is None else load.mass
+    body.mass = _MIN_INERTIA if load is None else load.mass
     if load is None:
-        body.inertia = np.full(3, _LEAST)
+        body.inertia = np.full(3, _MIN_INERTIA)
         return
-    moments = load.inertia + _LEAST * np.eye(3)
+    moments = load.inertia + _MIN_INERTIA * np.eye(3)
     body.ipos = load.center
     body.fullinertia = [*np.diag(moments), moments[0, 1], moments[0, 2], moments[1, 2]]
 

@@ -1,4 +1,4 @@
-"""What a simulation showed: errors, torques, contacts and energy, and whether all is well."""
+"""Results of a simulation: errors, torques, contacts, energy and a verdict."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ _IMPLAUSIBLE = 2.0  # times the velocity that a URDF states
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What was recorded, (n, joints) each; the torques are those of the period that follows."""
+    """Recorded arrays, (n, joints) each; the torques are those of the period that follows."""
 
     q: Float64Array  # positions
     qd: Float64Array  # velocities
@@ -198,7 +198,7 @@ def findings(
     tip: tuple[Float64Array, float | None],
     way_found: bool,
 ) -> tuple[Finding, ...]:
-    """What speaks against running a motion, one of each kind: where it begins, and at its worst."""
+    """Faults of a motion, one of each kind: the start and the worst value."""
     names, plant = real.arm.joint_names, real.plant
     period = real.period
 

@@ -41,7 +41,7 @@ def simulate(
     tip_tolerance: float | None = None,
     rate: float = 1000.0,
 ) -> SimulationReport:
-    """What an arm does with a motion under gravity, friction and a controller.
+    """The motion of an arm under gravity, friction and a controller.
 
     The arm is made from its own URDF: masses, inertias, joint limits, friction, collision shapes,
     and motors with its highest torques. The controller knows the arm, and nothing of the
@@ -251,7 +251,7 @@ _EVERY = 10  # samples that share a mass matrix and gains
 # The model is linear: products of errors are not in it, by which joints disturb each other too.
 _SLACK, _COUPLED = 1.3, 0.1
 _CURVED = 2.0  # 1/rad (1/m)
-_LEAST = 2e-4  # rad (m)
+_MIN_ALLOWED = 2e-4  # rad (m)
 _ENCODER_STEPS = 2.0  # that noise of the encoders may move a joint by
 _MOVING = 1e-6  # rad/s (m/s): slower, dry friction is that of the last way
 _DIVERGED = 1e3  # rad (m)
@@ -298,7 +298,7 @@ def allowed_errors(expected: Float64Array, dry: Float64Array, *, encoder: float)
     most = np.abs(expected - dry).max(axis=0) + np.abs(dry).max(axis=0)
     largest = float(most.max())
     second_order = (_COUPLED + _CURVED * largest) * largest
-    return np.asarray(_SLACK * most + second_order + _LEAST + _ENCODER_STEPS * encoder)
+    return np.asarray(_SLACK * most + second_order + _MIN_ALLOWED + _ENCODER_STEPS * encoder)
 
 
 def _integrated(

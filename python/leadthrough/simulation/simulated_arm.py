@@ -193,17 +193,17 @@ class SimulatedArm(ShortRepr):
 
     @property
     def q(self) -> Float64Array:
-        """Where the joints are (joints,), rad (m)."""
+        """Joint positions (joints,), rad (m)."""
         return np.array(self.data.qpos[self.plant.joints])
 
     @property
     def qd(self) -> Float64Array:
-        """How fast they move (joints,), rad/s (m/s)."""
+        """Joint velocities (joints,), rad/s (m/s)."""
         return np.array(self.data.qvel[self.plant.joints])
 
     @property
     def touches(self) -> list[Touch]:
-        """What touched at the beginning of the last period, one entry for each pair of bodies."""
+        """Contacts at the beginning of the last period, one entry for each pair of bodies."""
         if self.data.ncon == 0:
             return []
         return _touches(self._mujoco, self.plant.model, self.data)

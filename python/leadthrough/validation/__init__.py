@@ -1,4 +1,4 @@
-"""How often a skill's motions succeed on an arm, measured on random queries, with its certainty."""
+"""Success rate of a skill's motions on an arm, measured on random queries, with its bounds."""
 
 from leadthrough.models.certificate import Certificate, ConfidenceInterval
 from leadthrough.models.targets import TargetRegion

@@ -25,13 +25,13 @@ from leadthrough.simulation import Controller, simulate
 from leadthrough.tasks import Row
 from leadthrough.timing import check_limits, retime
 
-# rad or m: how far the path that is retimed may lie off the planned samples.
+# Path tolerance of retiming, rad or m.
 _PATH = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class Setup:
-    """What all queries of a validation have in common."""
+    """Data common to all queries of a validation."""
 
     arm: Arm  # that is to move
     goals: TargetRegion  # of the queries
@@ -128,7 +128,7 @@ def answer(skill: Skill[Motion], setup: Setup, asked: Query, scene: Scene) -> tu
 
 
 def _judged(setup: Setup, timed: JointTrajectory, scene: Scene) -> tuple[str, str]:
-    """What is wrong with a motion, in a word and in a sentence."""
+    """The fault of a motion, in a word and in a sentence; empty without one."""
     arm = setup.arm
     limits = check_limits(timed, arm.limits)
     if not limits.ok:

@@ -28,7 +28,7 @@ _MIN_QUERIES, _MAX_QUERIES, _MAX_TASKS = 20, 200, 2000
 
 @dataclass(frozen=True, eq=False)
 class SamplingPlan(ShortRepr):
-    """How many random queries are asked, and with which certainty they are counted.
+    """Number of random queries and certainty of their count.
 
     Attributes:
         runs: number of queries, >= 1; with `width`, the most.
@@ -67,7 +67,7 @@ def validate(
     controller: Controller | None = None,
     execution: Execution | None = None,
 ) -> Validation:
-    """How often the arm can run the skill's motion, for queries drawn at random from regions.
+    """Success rate of the skill's motions on the arm, for queries drawn at random from regions.
 
     Each query goes the whole way: the skill's motion is planned for the whole arm, retimed inside
     its limits and checked, limits and collisions. The answer is the same wherever it is computed.
@@ -105,7 +105,7 @@ def validate(
 
 
 def _certificate(setup: Setup, plan: SamplingPlan, findings: Findings) -> Certificate:
-    """What the findings certify."""
+    """The certificate of the findings."""
     stopped_early = plan.width is not None
     return Certificate(
         setup.goals,

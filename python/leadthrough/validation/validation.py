@@ -1,4 +1,10 @@
-"""What a validation found: the certificate, and each query with why it failed."""
+"""Results of a validation: certificate, causes of failures, and bounds of the success rate.
+
+Source: Clopper and Pearson 1934, "The use of confidence or fiducial limits illustrated in the case
+of the binomial", Biometrika 26(4). Robbins 1970, "Statistical methods related to the law of the
+iterated logarithm", Ann. Math. Stat. 41(5): a likelihood ratio against a mixture of alternatives
+exceeds 1 / alpha at any time with a probability of at most alpha (Ville's inequality).
+"""
 
 from __future__ import annotations
 
@@ -43,7 +49,7 @@ class Failing(ShortRepr):
 
 @dataclass(frozen=True, eq=False)
 class Validation(ShortRepr):
-    """How often a skill's motions succeed on an arm.
+    """Success of a skill's motions on an arm.
 
     Attributes:
         certificate: the fractions and regions; `skill.certified(...)` keeps it with the skill.
@@ -78,7 +84,7 @@ _PARTS = np.linspace(1.0, 0.1, 10)
 
 
 class Findings:
-    """What was found until now."""
+    """Results up to now."""
 
     def __init__(self, goals: TargetRegion, confidence: float) -> None:
         """Nothing found yet."""
