@@ -60,24 +60,13 @@ def arrival_times(
     stop: ArrayLike | None = ...,
     source_radius: float | None = ...,
 ) -> Float64Array: ...
-@overload
-def arrival_times(
-    speed: ArrayLike,
-    sources: ArrayLike,
-    *,
-    spacing: ArrayLike = ...,
-    order: int = ...,
-    dtype: DTypeLike,
-    stop: ArrayLike | None = ...,
-    source_radius: float | None = ...,
-) -> FloatArray: ...
 def arrival_times(
     speed: ArrayLike,
     sources: ArrayLike,
     *,
     spacing: ArrayLike = 1.0,
     order: int = 1,
-    dtype: DTypeLike = np.float64,
+    dtype: type[np.float32] | type[np.float64] = np.float64,
     stop: ArrayLike | None = None,
     source_radius: float | None = None,
 ) -> FloatArray:
@@ -138,24 +127,13 @@ def arrival_times_batch(
     source_radius: float | None = ...,
     threads: int = ...,
 ) -> list[Float64Array]: ...
-@overload
-def arrival_times_batch(
-    speeds: Sequence[ArrayLike],
-    sources: Sequence[ArrayLike],
-    *,
-    spacing: ArrayLike = ...,
-    order: int = ...,
-    dtype: DTypeLike,
-    source_radius: float | None = ...,
-    threads: int = ...,
-) -> list[NDArray[np.float32]] | list[Float64Array]: ...
 def arrival_times_batch(
     speeds: Sequence[ArrayLike],
     sources: Sequence[ArrayLike],
     *,
     spacing: ArrayLike = 1.0,
     order: int = 1,
-    dtype: DTypeLike = np.float64,
+    dtype: type[np.float32] | type[np.float64] = np.float64,
     source_radius: float | None = None,
     threads: int = 1,
 ) -> list[NDArray[np.float32]] | list[Float64Array]:

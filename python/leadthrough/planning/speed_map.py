@@ -248,14 +248,7 @@ class FreeField(SpeedField):
 
 
 class ExperienceField(FreeField):
-    """The speeds of `experience_map`.
-
-    Args:
-        grid: covers the paths.
-        paths: each (n, d), in the grid's unit.
-        area_of_influence: radius of the tube, in the grid's unit.
-        saturation: in (0, 1].
-    """
+    """The speeds of `experience_map`, from its arguments."""
 
     def __init__(
         self,
@@ -271,15 +264,7 @@ class ExperienceField(FreeField):
 
 
 class TubeField(FreeField):
-    """The speeds of `tube_map`.
-
-    Args:
-        grid: covers the paths.
-        paths: each (n, d), in the grid's unit.
-        weights: of each path, in [0, 1].
-        area_of_influence: radius of the tubes, in the grid's unit.
-        saturation: in (0, 1].
-    """
+    """The speeds of `tube_map`, from its arguments."""
 
     def __init__(
         self,
@@ -297,13 +282,7 @@ class TubeField(FreeField):
 
 
 class ObstacleField(SpeedField):
-    """The speeds of `add_obstacles`: a field without obstacles times how far these are.
-
-    Args:
-        free: the field without obstacles.
-        walls: of its grid.
-        area_of_influence: in the grid's unit.
-    """
+    """The speeds of `add_obstacles`: a field without obstacles times their distances."""
 
     def __init__(self, free: SpeedField, walls: Walls, *, area_of_influence: float) -> None:
         speeds = _core.hindered_speeds(free.compiled, walls.compiled, area_of_influence)
@@ -323,14 +302,7 @@ class SaturatedField(SpeedField):
 
 
 class DetourField(SpeedField):
-    """The speeds of `add_passable_obstacles`, with detours around obstacles that stand in tubes.
-
-    Args:
-        free: the field without obstacles; its saturation is the speed outside the tubes.
-        walls: of its grid.
-        band: distance over which the speed grows from 0 at an obstacle to its own value.
-        reach: of the detours, from the cells of a tube that an obstacle occupies.
-    """
+    """The speeds of `add_passable_obstacles`; the saturation is that of the free field."""
 
     def __init__(self, free: FreeField, walls: Walls, *, band: float, reach: float) -> None:
         speeds = _core.passable_speeds(free.compiled, walls.compiled, band, reach)
