@@ -41,8 +41,8 @@ class CollisionFreeIk:
         found = np.zeros(len(positions), dtype=bool)
         rng = np.random.default_rng(0)
         lower, upper = (np.clip(ends, -np.pi, np.pi) for ends in self._limits())
-        seeds = np.vstack([near[None], rng.uniform(lower, upper, (sum(tries) - 1, len(near)))])
-        for some in np.split(seeds, np.cumsum(tries)[:-1]):
+        starts = np.vstack([near[None], rng.uniform(lower, upper, (sum(tries) - 1, len(near)))])
+        for some in np.split(starts, np.cumsum(tries)[:-1]):
             open_ = np.flatnonzero(~found)
             if len(open_) == 0:
                 break

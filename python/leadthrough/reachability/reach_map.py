@@ -205,11 +205,11 @@ def reached(
         if not len(left):
             break
         middle = 0.5 * (lower + upper)
-        seeds = middle if attempt == 0 else rng.uniform(lower, upper, (len(left), len(lower)))
+        starts = middle if attempt == 0 else rng.uniform(lower, upper, (len(left), len(lower)))
         solved = arm.inverse_kinematics_batch(
             positions[left],
             orientations[left],
-            q0=seeds,
+            q0=starts,
             options=IkOptions(
                 position_tolerance=_TOLERANCE,
                 orientation_tolerance=_TOLERANCE,
