@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "time/quintic_step.hpp"
 #include "time/time_law.hpp"
 
 namespace leadthrough::time_law_tests {
@@ -122,7 +123,17 @@ TEST(TimeLaw, KeepsLimitsOnItsSamples) {
       const TimeLaw law =
           make_time_law(path, grid, limits(joints, 1.0, 3.0, jerk), no_bounds(grid));
       ASSERT_EQ(law.status, TimeLawStatus::kOk);
-      const Rows q = positions_at(path, grid, law.length);
+      const MotionStates motion = states_along(path, grid, law.length, law.speed, law.push);
+      const Rows& q = motion.positions;
+      const MotionExtremes between = motion_extremes(
+          1e-3 * Eigen::VectorXd::LinSpaced(q.rows(), 0.0, static_cast<double>(q.rows() - 1)), q,
+          motion.velocities, motion.accelerations);
+      EXPECT_LE(between.speed.maxCoeff(), 1.0 + 1e-6);
+      EXPECT_LE(between.acceleration.maxCoeff(), 3.0 * (1.0 + 1e-6));
+      const Rows jerks = (motion.accelerations.bottomRows(q.rows() - 1) -
+                          motion.accelerations.topRows(q.rows() - 1)) /
+                         1e-3;
+      EXPECT_LE(jerks.cwiseAbs().maxCoeff(), jerk * (1.0 + 1e-6));
       EXPECT_LE(largest_difference(q, 1, 1e-3), 1.0 + 1e-6);
       EXPECT_LE(largest_difference(q, 2, 1e-3), 3.0 + 1e-5);
       EXPECT_LE(largest_difference(q, 3, 1e-3), jerk * (1.0 + 1e-5));
@@ -131,6 +142,32 @@ TEST(TimeLaw, KeepsLimitsOnItsSamples) {
       EXPECT_NEAR(law.duration, 1e-3 * static_cast<double>(law.length.size() - 1), 1e-12);
     }
   }
+}
+
+TEST(TimeLaw, ReturnsItsOwnDerivatives) {
+  const PolynomialPath path = bend();
+  const PathGrid grid = make_path_grid(path, Eigen::VectorXd::Ones(2), 501);
+  const TimeLaw law = make_time_law(path, grid, limits(2, 1.0, 3.0, 50.0), no_bounds(grid));
+  ASSERT_EQ(law.status, TimeLawStatus::kOk);
+  const Eigen::Index n = law.length.size() - 2;
+  const Eigen::VectorXd speed = (law.length.tail(n) - law.length.head(n)) / 2e-3;
+  const Eigen::VectorXd push = (law.speed.tail(n) - law.speed.head(n)) / 2e-3;
+  EXPECT_LE((speed - law.speed.segment(1, n)).cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_LE((push - law.push.segment(1, n)).cwiseAbs().maxCoeff(), 2e-2);
+  EXPECT_EQ(law.speed[0], 0.0);
+  EXPECT_EQ(law.push[n + 1], 0.0);
+}
+
+TEST(QuinticStep, FindsTheExtremesBetweenTheSamples) {
+  // There and back: from rest at 0 with a push, through a peak in the middle.
+  const QuinticStep bow(1.0, {0.0, 4.0, 0.0}, {0.0, -4.0, 0.0});
+  EXPECT_NEAR(bow.highest().value, 1.25, 1e-12);
+  EXPECT_NEAR(bow.highest().at, 0.5, 1e-9);
+  EXPECT_EQ(bow.lowest().value, 0.0);
+  EXPECT_EQ(bow.speed().value, 4.0);
+  const QuinticStep rest(2.0, {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0});  // the least jerk
+  EXPECT_NEAR(rest.speed().value, 0.5 * 1.875, 1e-12);
+  EXPECT_NEAR(rest.acceleration().value, 0.25 * 10.0 / std::sqrt(3.0), 1e-12);
 }
 
 TEST(TimeLaw, TakesALineInTheTimeOfATrapezoid) {

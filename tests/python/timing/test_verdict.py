@@ -268,3 +268,49 @@ def test_wrong_arguments_are_named(call, motion, limits, argument):
 def test_a_receivers_rate_is_positive():
     with pytest.raises(InvalidInput, match="linear_rate"):
         timing.check_limits(between([0, 0], [1, 1], 1.0), LIMITS, linear_rate=0.0)
+
+
+UR3 = lt.Arm.load("ur3")
+
+
+def spline():
+    way = np.random.default_rng(1).uniform(-0.5, 0.5, (12, 6))
+    through = CubicSpline(np.linspace(0.0, 1.0, 12), way)
+    return lt.trajectories.Spline(through.x, through.c[::-1].transpose(1, 0, 2))
+
+
+def followed():
+    u = np.linspace(0.0, 1.0, 60)
+    angle = 2.0 * np.pi * minimum_jerk(u)
+    tip = np.column_stack([0.3 + 0.05 * np.cos(angle), 0.05 * np.sin(angle), np.full(60, 0.2)])
+    return UR3.follow(lt.PoseTrajectory(2.0 * u, tip, [(0, 1, 0, 0)] * 60))
+
+
+WAY = np.random.default_rng(0).uniform(-1.0, 1.0, (6, 6))
+PATHS = {
+    "spline": (spline, {}),
+    "way-points": (lambda: WAY, {"dwell_times": {2: 0.1}}),
+    "blended": (lambda: WAY, {"blend": 0.05}),
+    "followed": (followed, {}),
+}
+
+
+@pytest.mark.parametrize("rate", [1000.0, 500.0, 125.0])
+@pytest.mark.parametrize("path", PATHS)
+def test_what_retime_returns_is_inside_the_limits_between_samples_too(path, rate):
+    build, options = PATHS[path]
+    motion = lt.retime(build(), UR3.limits, rate=rate, **options)
+    assert timing.check_limits(motion, UR3.limits).ok
+    fine = np.linspace(*motion.times[[0, -1]], 4 * len(motion.times))
+    for order, limit in ((1, UR3.limits.velocity), (2, UR3.limits.acceleration)):
+        assert (np.abs(curve(motion)(fine, order)) <= limit * (1.0 + 1e-6)).all()
+    jerks = np.abs(np.diff(motion.accelerations, axis=0)) * rate
+    assert (jerks <= UR3.limits.jerk * (1.0 + 1e-6)).all()
+
+
+def test_the_law_is_found_along_a_followed_path_faster_than_its_own_pace():
+    joints = followed()
+    fastest, kept = lt.retime(joints, UR3.limits), lt.keep_timing(joints, UR3.limits)
+    assert fastest.duration < 1.01 * joints.duration <= 1.02 * kept.duration
+    assert joints.velocities is not None
+    assert joints.accelerations is not None
