@@ -1,4 +1,4 @@
-"""Streams of chunks that mean no good, and how a guard stands up to them.
+"""Streams of adversarial chunks, and the answers of a guard to them.
 
 PYTHONPATH=tests/python python -m guard.adversary --chunks 100000 --robot panda
 """
