@@ -149,7 +149,7 @@ def test_a_study_that_is_stopped_says_how_to_go_on(tmp_path, monkeypatch):
     monkeypatch.setattr(study, "run", stop)
     result = runner.invoke(cli.app, ["experiment", "ur3", "--quick", "--out", str(tmp_path)])
     assert result.exit_code == 130
-    assert "goes on" in result.stderr
+    assert "rerun the command to resume" in result.stderr
 
 
 @pytest.mark.parametrize("wrong", [["nothing"], ["lasa", "--seed", "-1"], ["ur3", "--jobs", "0"]])
