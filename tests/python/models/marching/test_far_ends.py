@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
-from models.marching.paths import apart, gaps_to
+from models.marching.paths import gaps_to
 
 import leadthrough as lt
 from leadthrough.errors import NoPath
-from leadthrough.models.marching import maps
 from leadthrough.preprocess.resample import by_arc_length
 
 MIDDLE = np.array([40.0, 0.3])  # so far from the origin that a place a kilometre away is no slip
@@ -26,12 +25,6 @@ def away(angle, distance):
     return MIDDLE + distance * np.array([np.cos(angle), np.sin(angle)])
 
 
-def planned_in_one_map(skill, monkeypatch, **query):
-    with monkeypatch.context() as patch:
-        patch.setattr(maps, "_FAR", np.inf)
-        return skill.plan(**query)
-
-
 @pytest.mark.parametrize("angle", [0.0, 0.7, 1.6, 2.9, 4.1])
 def test_start_a_thousand_lengths_away_leads_straight_to_the_demonstrations(angle):
     start = away(angle, 600.0)
@@ -43,17 +36,6 @@ def test_start_a_thousand_lengths_away_leads_straight_to_the_demonstrations(angl
     directions = np.diff(outside, axis=0)
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     assert (directions @ directions[0]).min() > 1.0 - 1e-9
-
-
-@pytest.mark.parametrize("end", ["start", "goal"])
-@pytest.mark.parametrize("angle", [0.0, 2.1, 3.5])
-def test_way_from_afar_is_that_of_a_map_of_everything(end, angle, monkeypatch):
-    skill = lt.FastMarching(resolution=0.004, method="map").fit(shown(2))
-    query = {end: away(angle, 2.0)}
-    route = skill.plan(**query)
-    whole = planned_in_one_map(skill, monkeypatch, **query)
-    assert route.travel_time == pytest.approx(whole.travel_time, rel=2e-3)
-    assert apart(route.path, whole.path, 3000) < 2.0 * 0.004
 
 
 def test_obstacle_between_a_far_start_and_the_demonstrations_is_passed():
