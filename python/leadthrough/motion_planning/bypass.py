@@ -13,7 +13,13 @@ from leadthrough.arm.following import slowed, velocities_of
 from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure
-from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, normalised_times
+from leadthrough.motion import (
+    JointTrajectory,
+    PoseTrajectory,
+    Trajectory,
+    normalised_times,
+    with_derivatives,
+)
 from leadthrough.motion_planning.blocked_segment import CollisionFreeIk, blocked_segment_at
 from leadthrough.motion_planning.connection import connect_configurations
 from leadthrough.motion_planning.tip_paths import TipMotion, with_reason
@@ -129,7 +135,9 @@ def _in_limits(ik: CollisionFreeIk, joints: JointTrajectory) -> JointTrajectory:
     velocities = velocities_of(times, q)
     velocities[[0, -1]] = 0.0
     moved = events.moved(joints.events, joints.times, times)
-    return replace(joints, times=times, velocities=velocities, events=moved)
+    return with_derivatives(
+        replace(joints, times=times, velocities=velocities, accelerations=None, events=moved)
+    )
 
 
 def _tip_of(
