@@ -9,7 +9,7 @@
 #include "arm/run_down.hpp"
 #include "bind/parts.hpp"
 #include "collision/clearance.hpp"
-#include "collision/placed_shapes.hpp"
+#include "collision/shapes.hpp"
 
 namespace py = pybind11;
 

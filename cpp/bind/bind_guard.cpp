@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "bind/parts.hpp"
-#include "collision/placed_shapes.hpp"
+#include "collision/shapes.hpp"
 #include "guard/brake.hpp"
 #include "guard/bridge.hpp"
 #include "guard/contact.hpp"

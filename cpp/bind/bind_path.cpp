@@ -2,7 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "bind/parts.hpp"
-#include "collision/placed_shapes.hpp"
+#include "collision/shapes.hpp"
 #include "path/clear_path.hpp"
 
 namespace py = pybind11;

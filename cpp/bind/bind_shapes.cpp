@@ -1,9 +1,11 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <string>
+
 #include "base/matrix.hpp"
 #include "bind/parts.hpp"
-#include "collision/signed_distance.hpp"
+#include "collision/shapes.hpp"
 #include "rotation/so3.hpp"
 
 namespace py = pybind11;
@@ -19,11 +21,11 @@ Eigen::VectorXd distances(const Shape& shape, const Eigen::Ref<const Rows3>& poi
   return result;
 }
 
-// A capsule or a cylinder.
-template <ShapeKind kind>
-Shape round_shape(double radius, double length, const Eigen::Vector3d& position,
-                  const Eigen::Vector4d& orientation) {
-  return make_shape(kind, {radius, length, 0.0}, so3::to_matrix(orientation), position);
+Shape primitive_shape(const std::string& kind, const Eigen::VectorXd& sizes,
+                      const Eigen::Vector3d& position, const Eigen::Vector4d& orientation) {
+  const auto body = primitive(kind, sizes);
+  require(body.has_value());
+  return {so3::to_matrix(orientation), position, *body};
 }
 
 Shape hulls_shape(const std::vector<Rows3>& corners, const Eigen::Vector3d& position,
@@ -45,24 +47,8 @@ Shape cloud_shape(const Eigen::Ref<const Rows3>& points, double radius,
 
 void bind_shapes(py::module_& module) {
   py::class_<Shape>(module, "Shape").def("distances", &distances, py::arg("points").noconvert());
-  module.def(
-      "box_shape",
-      [](const Eigen::Vector3d& size, const Eigen::Vector3d& position,
-         const Eigen::Vector4d& orientation) {
-        return make_shape(ShapeKind::kBox, size, so3::to_matrix(orientation), position);
-      },
-      py::arg("size"), py::arg("position"), py::arg("orientation"));
-  module.def(
-      "sphere_shape",
-      [](double radius, const Eigen::Vector3d& position) {
-        return make_shape(ShapeKind::kSphere, {radius, 0.0, 0.0}, Eigen::Matrix3d::Identity(),
-                          position);
-      },
-      py::arg("radius"), py::arg("position"));
-  module.def("capsule_shape", &round_shape<ShapeKind::kCapsule>, py::arg("radius"),
-             py::arg("length"), py::arg("position"), py::arg("orientation"));
-  module.def("cylinder_shape", &round_shape<ShapeKind::kCylinder>, py::arg("radius"),
-             py::arg("length"), py::arg("position"), py::arg("orientation"));
+  module.def("primitive_shape", &primitive_shape, py::arg("kind"), py::arg("sizes"),
+             py::arg("position"), py::arg("orientation"));
   module.def("hulls_shape", &hulls_shape, py::arg("corners"), py::arg("position"),
              py::arg("orientation"));
   module.def("cloud_shape", &cloud_shape, py::arg("points").noconvert(), py::arg("radius"),

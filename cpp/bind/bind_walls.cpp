@@ -6,7 +6,7 @@
 
 #include "base/matrix.hpp"
 #include "bind/grids.hpp"
-#include "collision/signed_distance.hpp"
+#include "collision/shapes.hpp"
 
 namespace py = pybind11;
 

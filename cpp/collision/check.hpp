@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "base/constants.hpp"
-#include "collision/cloud.hpp"
-#include "collision/convex_distance.hpp"
+#include "collision/shapes.hpp"
 
 namespace leadthrough {
 
@@ -62,16 +61,6 @@ struct PairOptions {
   int samples = 4000;
   double margin = 0.05;  // m
 };
-
-// A convex body or a cloud at its pose. Pieces of one thing stand one after the other; `piece`
-// marks all but the first.
-struct PlacedShape {
-  Convex convex;
-  Pose pose;
-  std::shared_ptr<const Cloud> cloud = nullptr;
-  bool piece = false;
-};
-using PlacedShapes = std::vector<PlacedShape>;
 
 // The model of the robot that `chain` is the arm of, from the links `base` to `tip`. Joints outside
 // the chain stay at zero or at the limit next to it. hulls: the vertices of all meshes, in the

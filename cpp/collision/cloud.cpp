@@ -4,10 +4,11 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
 #include "base/constants.hpp"
-#include "collision/minkowski.hpp"
 #include "collision/scene.hpp"
 
 namespace leadthrough {
@@ -22,31 +23,24 @@ constexpr int kDepth = 64;  // more than halving any number of points takes
 
 Pose unturned(const Vector3d& position) { return {Eigen::Matrix3d::Identity(), position}; }
 
-// Where a point is, as a core sees it: the square of its distance where `beyond` is positive, else
-// `beyond` is the signed distance.
-struct Offset {
-  double square;
-  double beyond;
-};
-
 // A body among points in their frame. radius: of a ball about its origin that holds it.
-template <Core kCore>
+template <typename OwnCore>
 class Probe {
  public:
-  Probe(const Convex& body, const Pose& pose, double radius)
-      : body_(body), pose_(pose), back_(pose.rotation.transpose()), radius_(radius) {}
+  Probe(const Convex& body, const OwnCore& core, const Pose& pose, double radius)
+      : body_(body), core_(core), pose_(pose), back_(pose.rotation.transpose()), radius_(radius) {}
 
   double square_to(const Vector3d& point) const { return (point - pose_.position).squaredNorm(); }
 
   // Whether the body keeps that far away from a point. A hull is asked for no more than that, and
   // with a point in it says no whatever the depth.
   bool keeps(const Vector3d& point, double least) const {
-    if constexpr (kCore == Core::kHull) {
+    if constexpr (!OwnCore::kClosedForm) {
       const double reach = least + radius_;
       if (reach <= 0.0 || square_to(point) >= reach * reach) return true;
       return beyond_a_plane(point, least) || seen_apart(point, least);
     } else {
-      const Offset offset = of_core(point - pose_.position);
+      const cores::Offset offset = core_.offset(point - pose_.position, pose_.rotation, back_);
       const double needed = least + body_.rounding;
       if (offset.beyond <= 0.0) return offset.beyond >= needed;
       return needed <= 0.0 || offset.square >= needed * needed;
@@ -54,34 +48,15 @@ class Probe {
   }
 
   double distance(const Vector3d& point) const {
-    if constexpr (kCore == Core::kHull) {
+    if constexpr (!OwnCore::kClosedForm) {
       return separation(sphere(0.0), unturned(point), body_, pose_).distance;
     } else {
-      const Offset offset = of_core(point - pose_.position);
+      const cores::Offset offset = core_.offset(point - pose_.position, pose_.rotation, back_);
       return (offset.beyond > 0.0 ? std::sqrt(offset.square) : offset.beyond) - body_.rounding;
     }
   }
 
  private:
-  Offset of_core(const Vector3d& way) const {
-    const Vector3d axis = pose_.rotation.col(2);
-    if constexpr (kCore == Core::kPoint) {
-      return {way.squaredNorm(), 1.0};
-    } else if constexpr (kCore == Core::kSegment) {
-      const double half = body_.half.z();
-      return {(way - std::clamp(axis.dot(way), -half, half) * axis).squaredNorm(), 1.0};
-    } else if constexpr (kCore == Core::kCylinder) {
-      const double along = axis.dot(way);
-      const double side = (way - along * axis).norm() - body_.half.x();
-      const double end = std::abs(along) - body_.half.z();
-      const double out_side = std::max(side, 0.0), out_end = std::max(end, 0.0);
-      return {out_side * out_side + out_end * out_end, std::max(side, end)};
-    } else {
-      const Vector3d out = (back_ * way).cwiseAbs() - body_.half;
-      return {out.cwiseMax(0.0).squaredNorm(), out.maxCoeff()};
-    }
-  }
-
   // Whether a plane that touches the hull keeps it away from the point.
   bool beyond_a_plane(const Vector3d& point, double least) const {
     for (std::size_t i = 0; i < std::min(planes_, kPlanes); ++i)
@@ -92,7 +67,7 @@ class Probe {
   // As `apart` says; its plane is kept, for the points around are likely to lie beyond it too.
   bool seen_apart(const Vector3d& point, double least) const {
     if (!apart(sphere(0.0), unturned(point), body_, pose_, least, normal_)) return false;
-    const Vector3d touched = minkowski::support(body_, -(back_ * normal_));
+    const Vector3d touched = support(body_, -(back_ * normal_));
     const std::size_t i = planes_++ % kPlanes;
     ways_[i] = -normal_;
     offsets_[i] = ways_[i].dot(pose_.rotation * touched + pose_.position);
@@ -100,6 +75,7 @@ class Probe {
   }
 
   const Convex& body_;
+  const OwnCore& core_;
   const Pose& pose_;
   Eigen::Matrix3d back_;
   double radius_;
@@ -113,18 +89,11 @@ class Probe {
 // Calls work(probe) with a body as it is seen from the frame of a cloud.
 template <typename Work>
 auto with_probe(const Convex& body, const Pose& T_cloud_body, double radius, const Work& work) {
-  switch (body.core) {
-    case Core::kPoint:
-      return work(Probe<Core::kPoint>(body, T_cloud_body, radius));
-    case Core::kSegment:
-      return work(Probe<Core::kSegment>(body, T_cloud_body, radius));
-    case Core::kBox:
-      return work(Probe<Core::kBox>(body, T_cloud_body, radius));
-    case Core::kCylinder:
-      return work(Probe<Core::kCylinder>(body, T_cloud_body, radius));
-    default:
-      return work(Probe<Core::kHull>(body, T_cloud_body, radius));
-  }
+  return std::visit(
+      [&](const auto& core) {
+        return work(Probe<std::decay_t<decltype(core)>>(body, core, T_cloud_body, radius));
+      },
+      body.core);
 }
 
 Pose seen_from(const Pose& T_base_cloud, const Pose& T_base_body) {
@@ -223,8 +192,10 @@ double Cloud::reach(const Vector3d& along) const {
 }
 
 const Vector3d& Cloud::nearest_to(const Vector3d& point) const {
-  const Convex dot = sphere(0.0);
-  return *nearest(Probe<Core::kPoint>(dot, unturned(point), 0.0), kInfinity);
+  const cores::Point core;
+  const Convex body{core};
+  const Pose pose = unturned(point);
+  return *nearest(Probe<cores::Point>(body, core, pose, 0.0), kInfinity);
 }
 
 Separation Cloud::separation(const Pose& T_base_cloud, const Convex& body, const Pose& T_base_body,

@@ -3,7 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <optional>
+#include <variant>
 
 #include "base/constants.hpp"
 #include "collision/minkowski.hpp"
@@ -29,8 +30,11 @@ struct NearestOfCores {
   Vector3d normal, on_a, on_b;
 };
 
-bool is_segment(const Convex& body) {
-  return body.core == Core::kPoint || body.core == Core::kSegment;
+// Half the length of a point or segment, or nothing.
+std::optional<double> half_of_segment(const Convex& body) {
+  if (std::holds_alternative<cores::Point>(body.core)) return 0.0;
+  if (const auto* segment = std::get_if<cores::Segment>(&body.core)) return segment->half;
+  return std::nullopt;
 }
 
 NearestOfCores between(const Vector3d& on_a, const Vector3d& on_b) {
@@ -108,9 +112,9 @@ NearestOfCores overlapping(const Difference& difference, Overlap overlap) {
   return {-found.depth, found.normal, found.on_a, found.on_b};
 }
 
-NearestOfCores box_to_segment(const Difference& difference, Overlap overlap) {
-  const Vector3d half_b = difference.b.half.z() * difference.R_a_b.col(2);
-  const Vector3d& box = difference.a.half;
+NearestOfCores box_to_segment(const Difference& difference, const Vector3d& box, double half,
+                              Overlap overlap) {
+  const Vector3d half_b = half * difference.R_a_b.col(2);
   const Vector3d on_b = difference.p_a_b + nearest_share(difference.p_a_b, half_b, box) * half_b;
   const NearestOfCores found = between(on_b.cwiseMax(-box).cwiseMin(box), on_b);
   return found.distance < kCoresTouch ? overlapping(difference, overlap) : found;
@@ -157,13 +161,18 @@ NearestOfCores between_cores(const Difference& difference, const Vector3d& start
                              Overlap overlap) {
   const Convex& a = difference.a;
   const Convex& b = difference.b;
-  if (is_segment(a) && is_segment(b))
-    return between_segments(a.half.z() * Vector3d::UnitZ(), difference.p_a_b,
-                            b.half.z() * difference.R_a_b.col(2));
-  if (a.core == Core::kBox && is_segment(b)) return box_to_segment(difference, overlap);
-  if (is_segment(a) && b.core == Core::kBox) {
+  const auto half_a = half_of_segment(a), half_b = half_of_segment(b);
+  if (half_a && half_b)
+    return between_segments(*half_a * Vector3d::UnitZ(), difference.p_a_b,
+                            *half_b * difference.R_a_b.col(2));
+  const auto* box_a = std::get_if<cores::Box>(&a.core);
+  if (box_a && half_b) return box_to_segment(difference, box_a->half, *half_b, overlap);
+  const auto* box_b = std::get_if<cores::Box>(&b.core);
+  if (half_a && box_b) {
     const Matrix3d back = difference.R_a_b.transpose();
-    return swapped(box_to_segment({b, a, back, -(back * difference.p_a_b)}, overlap), difference);
+    return swapped(
+        box_to_segment({b, a, back, -(back * difference.p_a_b)}, box_b->half, *half_a, overlap),
+        difference);
   }
   return iterate(difference, start, cutoff, overlap);
 }
@@ -175,29 +184,6 @@ Difference difference_of(const Convex& a, const Pose& T_base_a, const Convex& b,
 }
 
 }  // namespace
-
-Convex sphere(double radius) { return {Core::kPoint, Vector3d::Zero(), radius, nullptr}; }
-
-Convex capsule(double radius, double length) {
-  return {Core::kSegment, {0.0, 0.0, 0.5 * length}, radius, nullptr};
-}
-
-Convex box(const Vector3d& size) { return {Core::kBox, 0.5 * size, 0.0, nullptr}; }
-
-Convex cylinder(double radius, double length) {
-  return {Core::kCylinder, {radius, radius, 0.5 * length}, 0.0, nullptr};
-}
-
-Convex hull(Eigen::Matrix3Xd vertices) {
-  const Vector3d half = vertices.cwiseAbs().rowwise().maxCoeff();
-  return {Core::kHull, half, 0.0, std::make_shared<const Eigen::Matrix3Xd>(std::move(vertices))};
-}
-
-double bounding_radius(const Convex& body) {
-  if (body.core == Core::kHull) return body.vertices->colwise().norm().maxCoeff();
-  if (body.core == Core::kCylinder) return std::hypot(body.half.x(), body.half.z());
-  return body.half.norm() + body.rounding;
-}
 
 Separation separation(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
                       double cutoff) {

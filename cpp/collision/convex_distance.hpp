@@ -8,31 +8,12 @@
 // 2017. The depth of cores that overlap comes from the expanding polytope of van den Bergen 2001.
 
 #include <Eigen/Core>
-#include <memory>
 
 #include "arm/chain.hpp"
 #include "base/constants.hpp"
+#include "collision/cores.hpp"
 
 namespace leadthrough {
-
-enum class Core { kPoint, kSegment, kBox, kCylinder, kHull };
-
-struct Convex {
-  Core core = Core::kPoint;
-  // Half the core's extent along the axes of its frame; a segment and a cylinder lie along z.
-  Eigen::Vector3d half = Eigen::Vector3d::Zero();
-  double rounding = 0.0;                             // m
-  std::shared_ptr<const Eigen::Matrix3Xd> vertices;  // of a hull, in its frame
-};
-
-Convex sphere(double radius);
-Convex capsule(double radius, double length);  // length: between the centres of the end balls
-Convex box(const Eigen::Vector3d& size);
-Convex cylinder(double radius, double length);
-Convex hull(Eigen::Matrix3Xd vertices);  // must span a volume
-
-// The radius of a ball about the frame's origin that holds the body, m.
-double bounding_radius(const Convex& body);
 
 // distance: m; below zero it is, negated, a translation that separates the bodies, the shortest one
 // to 1e-7 m and never shorter. on_a, on_b: the nearest points, or the deepest ones. normal: unit,

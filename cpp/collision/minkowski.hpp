@@ -13,38 +13,6 @@ namespace leadthrough::minkowski {
 
 using Eigen::Vector3d;
 
-// The core's point that lies farthest along a direction, in its own frame.
-inline Vector3d support(const Convex& body, const Vector3d& along) {
-  switch (body.core) {
-    case Core::kPoint:
-      return Vector3d::Zero();
-    case Core::kSegment:
-      return {0.0, 0.0, std::copysign(body.half.z(), along.z())};
-    case Core::kBox:
-      return {std::copysign(body.half.x(), along.x()), std::copysign(body.half.y(), along.y()),
-              std::copysign(body.half.z(), along.z())};
-    case Core::kCylinder: {
-      const double length = std::sqrt(along.x() * along.x() + along.y() * along.y());
-      // Along the axis the whole rim is farthest; any of its points will do.
-      const double scale = length > 0.0 ? body.half.x() / length : 0.0;
-      const double x = length > 0.0 ? scale * along.x() : body.half.x();
-      return {x, scale * along.y(), std::copysign(body.half.z(), along.z())};
-    }
-    case Core::kHull:
-      break;
-  }
-  const Eigen::Matrix3Xd& vertices = *body.vertices;
-  Eigen::Index farthest = 0;
-  double most = along.dot(vertices.col(0));
-  for (Eigen::Index i = 1; i < vertices.cols(); ++i) {
-    const double reach = along.dot(vertices.col(i));
-    if (reach <= most) continue;
-    most = reach;
-    farthest = i;
-  }
-  return vertices.col(farthest);
-}
-
 // A point of the difference, and the points of a and b that it is made of.
 struct Vertex {
   Vector3d point;

@@ -11,7 +11,7 @@
 
 #include <vector>
 
-#include "collision/signed_distance.hpp"
+#include "collision/shapes.hpp"
 #include "dmp/primitive.hpp"
 
 namespace leadthrough::dmp {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "arm/frame_kinematics.hpp"
-#include "collision/signed_distance.hpp"
+#include "collision/shapes.hpp"
 #include "ik/task_priority.hpp"
 
 namespace leadthrough {

@@ -13,7 +13,7 @@ from leadthrough.shapes.shape import Primitive, Shape
 
 SHAPES: tuple[type[Shape], ...] = (Box, Sphere, Capsule, Cylinder, Mesh, PointCloud)
 PRIMITIVES: dict[str, type[Primitive]] = {
-    shape.__name__.lower(): shape for shape in SHAPES if issubclass(shape, Primitive)
+    shape.kind(): shape for shape in SHAPES if issubclass(shape, Primitive)
 }
 
 

@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import surface
@@ -62,15 +62,16 @@ class Box(Primitive):
         return surface.box(self.size)
 
     @property
+    def sizes(self) -> Float64Array:
+        return self.size
+
+    @property
     def _half_sizes(self) -> tuple[float, ...]:
         return tuple(0.5 * self.size)
 
     def _moments(self) -> Float64Array:
         squares = self.size**2
         return np.asarray((squares.sum() - squares) / 12.0)
-
-    def _compile(self) -> _core.Shape:
-        return _core.box_shape(self.size, self.position, self.orientation)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -116,14 +117,15 @@ class Sphere(Primitive):
         return surface.sphere(self.radius)
 
     @property
+    def sizes(self) -> Float64Array:
+        return np.array([self.radius])
+
+    @property
     def _half_sizes(self) -> tuple[float, ...]:
         return (self.radius,)
 
     def _moments(self) -> Float64Array:
         return np.full(3, 0.4 * self.radius**2)
-
-    def _compile(self) -> _core.Shape:
-        return _core.sphere_shape(self.radius, self.position)
 
 
 class _Round(Primitive):
@@ -150,6 +152,10 @@ class _Round(Primitive):
     @classmethod
     def from_sizes(cls, sizes: Float64Array, *pose: ArrayLike) -> Self:
         return cls(float(sizes[0]), float(sizes[1]), *pose)
+
+    @property
+    def sizes(self) -> Float64Array:
+        return np.array([self.radius, self.length])
 
     @property
     def _half_sizes(self) -> tuple[float, ...]:
@@ -205,9 +211,6 @@ class Capsule(_Round):
         )
         return np.array([across, across, along])
 
-    def _compile(self) -> _core.Shape:
-        return _core.capsule_shape(self.radius, self.length, self.position, self.orientation)
-
 
 @dataclass(frozen=True, eq=False, init=False)
 class Cylinder(_Round):
@@ -249,6 +252,3 @@ class Cylinder(_Round):
         along = 0.5 * self.radius**2
         across = self.length**2 / 12.0 + 0.5 * along
         return np.array([across, across, along])
-
-    def _compile(self) -> _core.Shape:
-        return _core.cylinder_shape(self.radius, self.length, self.position, self.orientation)

@@ -146,9 +146,19 @@ class Primitive(Solid):
     size_names: ClassVar[str]  # separated by commas, as on the command line
 
     @classmethod
+    def kind(cls) -> str:
+        """Its name on the command line, in the core and in URDFs."""
+        return cls.__name__.lower()
+
+    @classmethod
     @abstractmethod
     def from_sizes(cls, sizes: Float64Array, *pose: ArrayLike) -> Self:
         """The solid of the sizes that `size_names` lists, m."""
+
+    @property
+    @abstractmethod
+    def sizes(self) -> Float64Array:
+        """The sizes that `size_names` lists, m."""
 
     @property
     @abstractmethod
@@ -163,8 +173,10 @@ class Primitive(Solid):
         return self.position, (self._rotation * self._moments()) @ self._rotation.T
 
     def convex_parts(self) -> Iterator[ConvexPart]:
-        kind = type(self).__name__.lower()
-        yield ConvexPart(kind, self._half_sizes, self.position, self.orientation)
+        yield ConvexPart(self.kind(), self._half_sizes, self.position, self.orientation)
+
+    def _compile(self) -> _core.Shape:
+        return _core.primitive_shape(self.kind(), self.sizes, self.position, self.orientation)
 
 
 class PointBased(Shape):

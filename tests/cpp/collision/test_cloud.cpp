@@ -7,7 +7,7 @@
 
 #include "base/allocations.hpp"
 #include "collision/cloud.hpp"
-#include "collision/signed_distance.hpp"
+#include "collision/shapes.hpp"
 
 namespace leadthrough::cloud_tests {
 

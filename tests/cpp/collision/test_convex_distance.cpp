@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <random>
+#include <type_traits>
 #include <vector>
 
 #include "base/allocations.hpp"
@@ -66,16 +67,14 @@ Pose turned(const Vector3d& axis, double angle, const Vector3d& position) {
 }
 
 std::shared_ptr<fcl::CollisionGeometryd> to_fcl(const Convex& body) {
-  switch (body.core) {
-    case Core::kPoint:
-      return std::make_shared<fcl::Sphered>(body.rounding);
-    case Core::kSegment:
-      return std::make_shared<fcl::Capsuled>(body.rounding, 2.0 * body.half.z());
-    case Core::kBox:
-      return std::make_shared<fcl::Boxd>(2.0 * body.half);
-    default:
-      return std::make_shared<fcl::Cylinderd>(body.half.x(), 2.0 * body.half.z());
-  }
+  if (std::holds_alternative<cores::Point>(body.core))
+    return std::make_shared<fcl::Sphered>(body.rounding);
+  if (const auto* segment = std::get_if<cores::Segment>(&body.core))
+    return std::make_shared<fcl::Capsuled>(body.rounding, 2.0 * segment->half);
+  if (const auto* box = std::get_if<cores::Box>(&body.core))
+    return std::make_shared<fcl::Boxd>(2.0 * box->half);
+  const auto& cylinder = std::get<cores::Cylinder>(body.core);
+  return std::make_shared<fcl::Cylinderd>(cylinder.radius, 2.0 * cylinder.half);
 }
 
 fcl::CollisionObjectd to_fcl(const Convex& body, const Pose& pose) {
@@ -90,26 +89,23 @@ double by_fcl(const fcl::CollisionObjectd& a, const fcl::CollisionObjectd& b) {
   return fcl::distance(&a, &b, request, result);
 }
 
-// How far a body reaches along a unit direction, by its definition.
-double reach(const Convex& body, const Pose& pose, const Vector3d& direction) {
-  const Vector3d d = pose.rotation.transpose() * direction;
-  double own = 0.0;
-  switch (body.core) {
-    case Core::kPoint:
-      break;
-    case Core::kSegment:
-      own = std::abs(body.half.z() * d.z());
-      break;
-    case Core::kBox:
-      own = body.half.dot(d.cwiseAbs());
-      break;
-    case Core::kCylinder:
-      own = body.half.x() * std::hypot(d.x(), d.y()) + std::abs(body.half.z() * d.z());
-      break;
-    case Core::kHull:
-      own = (d.transpose() * *body.vertices).maxCoeff();
+struct ReachByDefinition {
+  Vector3d d;  // unit
+
+  double operator()(const cores::Point&) const { return 0.0; }
+  double operator()(const cores::Segment& core) const { return std::abs(core.half * d.z()); }
+  double operator()(const cores::Box& core) const { return core.half.dot(d.cwiseAbs()); }
+  double operator()(const cores::Cylinder& core) const {
+    return core.radius * std::hypot(d.x(), d.y()) + std::abs(core.half * d.z());
   }
-  return own + body.rounding + direction.dot(pose.position);
+  double operator()(const cores::Hull& core) const {
+    return (d.transpose() * *core.vertices).maxCoeff();
+  }
+};
+
+double reach(const Convex& body, const Pose& pose, const Vector3d& direction) {
+  const ReachByDefinition definition{pose.rotation.transpose() * direction};
+  return std::visit(definition, body.core) + body.rounding + direction.dot(pose.position);
 }
 
 // The width of the gap that a direction sees between the bodies, below zero where they overlap.
@@ -269,7 +265,13 @@ TEST(ConvexDistance, NeverGrowsWithTheBodies) {
     const Pose A = random.pose(0.3);
     const Pose B = random.pose(0.3);
     const double before = separation(a, A, b, B).distance;
-    a.half *= 1.1;
+    std::visit(
+        [](auto& core) {
+          using Own = std::decay_t<decltype(core)>;
+          if constexpr (std::is_same_v<Own, cores::Cylinder>) core.radius *= 1.1;
+          if constexpr (Own::kClosedForm && !std::is_same_v<Own, cores::Point>) core.half *= 1.1;
+        },
+        a.core);
     a.rounding *= 1.1;
     EXPECT_LE(separation(a, A, b, B).distance, before + 1e-8) << i;
   }

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
-#include "collision/signed_distance.hpp"
+#include "collision/shapes.hpp"
 
 namespace leadthrough::signed_distance_tests {
 
@@ -13,16 +13,14 @@ using Eigen::Vector3d;
 
 const Eigen::Matrix3d kTurned =
     Eigen::AngleAxisd(1.2, Vector3d(0.4, -0.3, 1.1).normalized()).toRotationMatrix();
-constexpr ShapeKind kKinds[] = {ShapeKind::kBox, ShapeKind::kSphere, ShapeKind::kCapsule,
-                                ShapeKind::kCylinder};
+const Convex kBodies[] = {box({0.1, 0.2, 0.15}), sphere(0.1), capsule(0.1, 0.2),
+                          cylinder(0.1, 0.2)};
 
-Shape shape_of(ShapeKind kind) {
-  return make_shape(kind, {0.1, 0.2, 0.15}, kTurned, {0.5, 0.02, 0.0});
-}
+Shape shape_of(const Convex& body) { return {kTurned, {0.5, 0.02, 0.0}, body}; }
 
 TEST(SignedDistance, GrowsAlongItsGradient) {
-  for (const ShapeKind kind : kKinds) {
-    const Shape shape = shape_of(kind);
+  for (const Convex& body : kBodies) {
+    const Shape shape = shape_of(body);
     for (const Vector3d& point : {Vector3d(0.9, 0.1, 0.2), Vector3d(0.3, -0.4, -0.1),
                                   Vector3d(0.52, 0.03, 0.01), Vector3d(0.48, 0.01, -0.01)}) {
       const SignedDistance here = signed_distance(shape, point);
@@ -36,8 +34,8 @@ TEST(SignedDistance, GrowsAlongItsGradient) {
 
 // Where every direction is as good as others, too.
 TEST(SignedDistance, GrowsAlongItsGradientFromTheMiddle) {
-  for (const ShapeKind kind : kKinds) {
-    const Shape shape = shape_of(kind);
+  for (const Convex& body : kBodies) {
+    const Shape shape = shape_of(body);
     const SignedDistance here = signed_distance(shape, shape.position);
     EXPECT_NEAR(here.gradient.norm(), 1.0, 1e-12);
     const double ahead = signed_distance(shape, shape.position + 1e-6 * here.gradient).distance;
@@ -46,23 +44,27 @@ TEST(SignedDistance, GrowsAlongItsGradientFromTheMiddle) {
 }
 
 TEST(SignedDistance, OfABallIsThatOfItsMiddleLessTheRadius) {
-  const Shape ball = make_shape(ShapeKind::kSphere, {0.5, 0.0, 0.0}, kTurned, Vector3d::Zero());
+  const Shape ball{kTurned, Vector3d::Zero(), sphere(0.5)};
   EXPECT_NEAR(signed_distance(ball, {2.0, 0.0, 0.0}).distance, 1.5, 1e-15);
   EXPECT_NEAR(signed_distance(ball, {0.0, 0.1, 0.0}).distance, -0.4, 1e-15);
 }
 
 TEST(SignedDistance, SizesAreEdgesOrRadiusAndLength) {
-  const Eigen::Matrix3d straight = Eigen::Matrix3d::Identity();
-  const Shape box = make_shape(ShapeKind::kBox, {2.0, 4.0, 6.0}, straight, Vector3d::Zero());
+  const auto at = [](const char* kind, const Eigen::VectorXd& sizes, double z) {
+    return Shape{Eigen::Matrix3d::Identity(), {0.0, 0.0, z}, primitive(kind, sizes).value()};
+  };
+  const Shape box = at("box", Vector3d(2.0, 4.0, 6.0), 0.0);
   EXPECT_NEAR(signed_distance(box, {0.0, 5.0, 0.0}).distance, 3.0, 1e-15);
-  const Shape capsule = make_shape(ShapeKind::kCapsule, {0.5, 2.0, 0.0}, straight, {0, 0, 1});
+  const Shape capsule = at("capsule", Eigen::Vector2d(0.5, 2.0), 1.0);
   EXPECT_NEAR(signed_distance(capsule, {0.0, 0.0, 3.0}).distance, 0.5, 1e-15);
   EXPECT_NEAR(signed_distance(capsule, {0.0, 2.0, 1.5}).distance, 1.5, 1e-15);
-  const Shape cylinder = make_shape(ShapeKind::kCylinder, {0.5, 2.0, 0.0}, straight, {0, 0, 1});
+  const Shape cylinder = at("cylinder", Eigen::Vector2d(0.5, 2.0), 1.0);
   EXPECT_NEAR(signed_distance(cylinder, {0.0, 0.0, 3.0}).distance, 1.0, 1e-15);
   EXPECT_NEAR(signed_distance(cylinder, {0.0, 2.0, 1.5}).distance, 1.5, 1e-15);
   EXPECT_NEAR(signed_distance(cylinder, {3.5, 0.0, 6.0}).distance, 5.0, 1e-15);
   EXPECT_NEAR(signed_distance(cylinder, {0.1, 0.0, 1.7}).distance, -0.3, 1e-15);
+  EXPECT_FALSE(primitive("box", Eigen::Vector2d(0.5, 2.0)));
+  EXPECT_FALSE(primitive("cone", Eigen::Vector2d(0.5, 2.0)));
 }
 
 // The points of the hulls are its corners, of the cloud the balls' middles.

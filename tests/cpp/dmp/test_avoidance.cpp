@@ -9,9 +9,9 @@ namespace leadthrough::dmp::avoidance_tests {
 
 namespace {
 
-Obstacle obstacle_of(ShapeKind kind) {
+Obstacle obstacle_of(const Convex& body) {
   const Eigen::Matrix3d turned = so3::to_matrix(so3::exp({0.4, -0.3, 1.1}));
-  return {make_shape(kind, {0.1, 0.2, 0.15}, turned, {0.5, 0.02, 0.0}), 0.01};
+  return {{turned, {0.5, 0.02, 0.0}, body}, 0.01};
 }
 
 // Straight along x from 0 to 1 by minimum jerk, without a learned force.
@@ -28,9 +28,9 @@ State rest() { return {Vector::Zero(3), Vector::Zero(3), 0.0}; }
 
 TEST(Avoidance, MotionsKeepTheirMargin) {
   const Vector phases = Vector::LinSpaced(501, 0.0, 1.0);
-  for (const ShapeKind kind :
-       {ShapeKind::kBox, ShapeKind::kSphere, ShapeKind::kCapsule, ShapeKind::kCylinder}) {
-    const Obstacle obstacle = obstacle_of(kind);
+  for (const Convex& body :
+       {box({0.1, 0.2, 0.15}), sphere(0.1), capsule(0.1, 0.2), cylinder(0.1, 0.2)}) {
+    const Obstacle obstacle = obstacle_of(body);
     const Surroundings around{{obstacle}, 0.2, Vector(), Vector()};
     const Passage passage = rollout_around(kStill, straight(), around, rest(), phases);
     double least = 1.0;
@@ -62,7 +62,7 @@ TEST(Avoidance, NothingInTheWayChangesNothing) {
 
 TEST(Avoidance, LongStepsEndWhereTheSpringsDo) {
   State state = rest();
-  const Surroundings around{{obstacle_of(ShapeKind::kSphere)}, 0.2, Vector(), Vector()};
+  const Surroundings around{{obstacle_of(sphere(0.1))}, 0.2, Vector(), Vector()};
   advance_around(kStill, straight(), around, Vector::Zero(3), 1e6, state);
   EXPECT_LT((state.value - Vector::Unit(3, 0)).norm(), 1e-9);
 }

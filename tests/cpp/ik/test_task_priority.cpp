@@ -80,9 +80,8 @@ TaskStack every_task(const Chain& chain, PriorityScheme scheme) {
   const Pose pose = forward_kinematics(chain, q.data());
   const Frame tip = tip_frame(chain);
   const Frame elbow{4, {}};
-  Shape ball;
-  ball.radius = 0.1;
-  ball.position = pose.position + Eigen::Vector3d(0.0, 0.15, 0.0);
+  const Shape ball{Eigen::Matrix3d::Identity(), pose.position + Eigen::Vector3d(0.0, 0.15, 0.0),
+                   sphere(0.1)};
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), ahead = Eigen::Vector3d::UnitX();
   const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
   TaskStack stack{chain, {}, {}, scheme, 10.0};

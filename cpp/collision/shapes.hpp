@@ -1,17 +1,18 @@
 #pragma once
 
-// Distance of a point to a shape, negative inside, with its gradient.
+// Obstacles and attached objects: distances of points, and the parts that collision checks take.
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "collision/cloud.hpp"
 #include "collision/convex_distance.hpp"
 
 namespace leadthrough {
-
-enum class ShapeKind { kBox, kSphere, kCapsule, kCylinder, kHulls, kCloud };
 
 // Convex hulls, each about its middle in the frame of them all, with the ball about that.
 struct PlacedHull {
@@ -21,27 +22,15 @@ struct PlacedHull {
 };
 using Hulls = std::vector<PlacedHull>;
 
-// half: a box's half edges; of a capsule or a cylinder, which lie along their z, half.z is half the
-// length; a capsule's is the one between its balls' centres.
 struct Shape {
-  ShapeKind kind = ShapeKind::kSphere;
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Vector3d half = Eigen::Vector3d::Zero();
-  double radius = 0.0;
-  std::shared_ptr<const Hulls> hulls = nullptr;
-  std::shared_ptr<const Cloud> cloud = nullptr;
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d position;
+  std::variant<Convex, std::shared_ptr<const Hulls>, std::shared_ptr<const Cloud>> body;
 };
 
-struct SignedDistance {
-  double distance;
-  Eigen::Vector3d gradient;  // unit, away from the shape
-};
-
-// sizes: a box's edges; a ball's radius; the radius of a capsule or a cylinder and the length of
-// its axis, m.
-Shape make_shape(ShapeKind kind, const Eigen::Vector3d& sizes, const Eigen::Matrix3d& rotation,
-                 const Eigen::Vector3d& position);
+// The convex body of a kind and its sizes, m, or nothing: a "box" of three edges, a "sphere" of a
+// radius, a "capsule" or "cylinder" of a radius and a length.
+std::optional<Convex> primitive(std::string_view kind, const Eigen::VectorXd& sizes);
 
 // corners: of each hull at least four that span a volume, in a frame at the pose. The shape's own
 // position is the middle of them all.
@@ -58,7 +47,19 @@ SignedDistance signed_distance(const Shape& shape, const Eigen::Vector3d& point)
 // The distance alone, which takes half the time or less.
 double distance_to(const Shape& shape, const Eigen::Vector3d& point);
 
-// How far a shape reaches from its position along a unit vector.
+// Extent of a shape from its position along a unit vector, m.
 double reach_of(const Shape& shape, const Eigen::Vector3d& direction);
+
+// A convex body or a cloud at its pose. Pieces of one thing stand one after the other; `piece`
+// marks all but the first.
+struct PlacedShape {
+  Convex convex;
+  Pose pose;
+  std::shared_ptr<const Cloud> cloud = nullptr;
+  bool piece = false;
+};
+using PlacedShapes = std::vector<PlacedShape>;
+
+PlacedShapes placed_shapes(const std::vector<Shape>& shapes);
 
 }  // namespace leadthrough
