@@ -11,7 +11,7 @@ from leadthrough import _core, rotations
 from leadthrough.arm.robot_files import find_mesh, hull_vertices
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, MissingDependency
-from leadthrough.shapes.kinds import PRIMITIVES
+from leadthrough.shapes.primitives import PRIMITIVES
 from leadthrough.shapes.shape import ConvexPart, Primitive
 from leadthrough.shapes.surface import Surface
 

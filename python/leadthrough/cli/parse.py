@@ -13,7 +13,7 @@ from leadthrough.errors import InvalidInput
 from leadthrough.models.targets import Target, TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import RandomObstacle, Shape
-from leadthrough.shapes.kinds import PRIMITIVES
+from leadthrough.shapes.primitives import PRIMITIVES
 
 # The forms of --obstacle.
 FORMS = (

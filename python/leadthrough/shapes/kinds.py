@@ -8,13 +8,10 @@ from leadthrough import _core
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes.cloud import PointCloud
 from leadthrough.shapes.mesh import Mesh
-from leadthrough.shapes.primitives import Box, Capsule, Cylinder, Sphere
-from leadthrough.shapes.shape import Primitive, Shape
+from leadthrough.shapes.primitives import PRIMITIVES
+from leadthrough.shapes.shape import Shape
 
-SHAPES: tuple[type[Shape], ...] = (Box, Sphere, Capsule, Cylinder, Mesh, PointCloud)
-PRIMITIVES: dict[str, type[Primitive]] = {
-    shape.kind(): shape for shape in SHAPES if issubclass(shape, Primitive)
-}
+SHAPES: tuple[type[Shape], ...] = (*PRIMITIVES.values(), Mesh, PointCloud)
 
 
 def names_of(kind: type[Shape]) -> str:

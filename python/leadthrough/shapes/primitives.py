@@ -252,3 +252,8 @@ class Cylinder(_Round):
         along = 0.5 * self.radius**2
         across = self.length**2 / 12.0 + 0.5 * along
         return np.array([across, across, along])
+
+
+PRIMITIVES: dict[str, type[Primitive]] = {
+    kind.kind(): kind for kind in (Box, Sphere, Capsule, Cylinder)
+}

@@ -1,7 +1,5 @@
 """Point clouds against their balls one by one."""
 
-import pickle
-
 import numpy as np
 import pytest
 
@@ -34,13 +32,7 @@ def test_bounds_hold_every_ball():
     assert CLOUD.bounding_radius == pytest.approx(reached)
 
 
-def test_a_cloud_stands_elsewhere_and_is_sent_elsewhere():
-    queries = np.random.default_rng(3).uniform(-1, 1, (50, 3))
-    before = CLOUD.distance(queries)
-    there = CLOUD.at(PLACE + 0.25)
-    np.testing.assert_allclose(there.distance(queries + 0.25), before, atol=1e-14)
-    np.testing.assert_allclose(there.middle, CLOUD.middle + 0.25)
-    np.testing.assert_array_equal(pickle.loads(pickle.dumps(CLOUD)).distance(queries), before)
+def test_a_cloud_is_represented_by_its_size():
     assert "array (300, 3)" in repr(CLOUD)
 
 

@@ -1,7 +1,5 @@
 """Meshes as the hulls of their parts, against boxes and coal."""
 
-import pickle
-
 import coal
 import numpy as np
 import pytest
@@ -87,15 +85,6 @@ def test_hulls_face_outwards_and_contain_their_part():
     normals = np.cross(b - a, c - a)
     offsets = np.einsum("ij,ij->i", normals, a)
     assert (points @ normals.T <= offsets + 1e-9).all()
-
-
-def test_a_mesh_stands_elsewhere_and_is_sent_elsewhere():
-    mesh = mesh_of(surface.sphere(0.3))
-    before = mesh.distance(QUERIES)
-    there = mesh.at(PLACE + 0.25)
-    np.testing.assert_allclose(there.distance(QUERIES + 0.25), before, atol=1e-8)
-    np.testing.assert_allclose(there.middle, mesh.middle + 0.25)
-    np.testing.assert_array_equal(pickle.loads(pickle.dumps(mesh)).distance(QUERIES), before)
 
 
 CORNERS = np.eye(4, 3)
