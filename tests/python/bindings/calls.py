@@ -179,13 +179,13 @@ call(differential.step, Q[0], **AT_REST, **POSE)
 
 # Stacks of tasks.
 frame = make(core.Frame, chain=chain, offset=np.zeros(3))
-ball = make(core.sphere_shape, radius=0.1, position=3 * X[0])
-make(core.box_shape, size=X[0] + 1, position=X[0], orientation=ONE[0])
-ROUND = {"radius": 0.1, "length": 1.0, "position": X[0], "orientation": ONE[0]}
-make(core.capsule_shape, **ROUND)
-pin = make(core.cylinder_shape, **ROUND)
-CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 there = {"position": X[0], "orientation": ONE[0]}
+ball = make(core.primitive_shape, kind="sphere", sizes=np.array([0.1]), **there)
+make(core.primitive_shape, kind="box", sizes=X[0] + 1, **there)
+ROUND = {"sizes": np.array([0.1, 1.0]), **there}
+make(core.primitive_shape, kind="capsule", **ROUND)
+pin = make(core.primitive_shape, kind="cylinder", **ROUND)
+CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 make(core.hulls_shape, corners=[CUBE, CUBE + 3], **there)
 make(core.cloud_shape, points=CUBE, radius=0.1, **there)
 call(pin.distances, [0.9, -0.1], points=np.stack([X[0] + Y[0], X[0]]))
@@ -210,8 +210,14 @@ box = {"lower": -LOOSE, "upper": LOOSE, "reverse": False}
 call(core.resolve_stack, SPEED, jacobians=[np.eye(2)], wanted=[SPEED], **box)
 
 # Collisions: the eye is a cube of 2 m below the arm, the obstacle a ball of 1 m above its tip.
-BALL = [core.sphere_shape(1.0, np.array([1.0, 1.0, 4.0]))]
-attached = [core.sphere_shape(0.1, np.zeros(3))]
+
+
+def sphere(radius, position):
+    return core.primitive_shape("sphere", np.array([radius]), position, ONE[0])
+
+
+BALL = [sphere(1.0, np.array([1.0, 1.0, 4.0]))]
+attached = [sphere(0.1, np.zeros(3))]
 ends = {"base": "base", "tip": "tip"}
 shapes = {"meshes": [CUBE], "attached": attached}
 model = make(core.CollisionModel, robot=robot, chain=chain, **ends, **shapes)
@@ -264,7 +270,7 @@ call(course.superposed, None, value=SPEED, slope=SPEED, shift=SPEED, **shifted)
 call(bent.superposed, None, value=X[0], slope=X[0], shift=X[0], **shifted)
 around = make(
     core.DmpSurroundings,
-    shapes=[core.sphere_shape(1.0, 9 * X[0]), core.box_shape(X[0] + 1, 9 * X[0], ONE[0])],
+    shapes=[sphere(1.0, 9 * X[0]), core.primitive_shape("box", X[0] + 1, 9 * X[0], ONE[0])],
     margins=np.full(2, 0.1),
     reach=0.1,
     lower=NOTHING,
@@ -380,7 +386,7 @@ WALLS = make(
     core.Walls,
     cells=CELLS,
     margin=0.5,
-    shapes=[core.sphere_shape(0.1, np.array([10.0, 20.0, 0.0]))],
+    shapes=[sphere(0.1, np.array([10.0, 20.0, 0.0]))],
     middles=np.array([[10.0, 20.0, 0.0]]),
     half_extents=np.full((1, 3), 0.1),
 )
