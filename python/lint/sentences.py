@@ -15,7 +15,7 @@ import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
-MAX_SENTENCES = 319
+MAX_SENTENCES = 278
 
 # A sentence: from its first word to the mark at its end.
 _SENTENCE = re.compile(
