@@ -6,8 +6,8 @@
 
 #include "bind/parts.hpp"
 #include "dmp/avoidance.hpp"
+#include "dmp/orientation_curve.hpp"
 #include "dmp/primitive.hpp"
-#include "dmp/turning.hpp"
 
 namespace py = pybind11;
 
@@ -16,11 +16,11 @@ namespace leadthrough {
 namespace {
 
 using dmp::Canonical;
-using dmp::Chart;
 using dmp::Course;
 using dmp::Curve;
 using dmp::Forces;
 using dmp::Path;
+using dmp::Representation;
 using dmp::Turn;
 using dmp::Vector;
 using VectorIn = Eigen::Ref<const Vector>;
@@ -122,7 +122,7 @@ std::shared_ptr<Curve> make_curve(const Eigen::Ref<const so3::Quaternions>& cont
   require(controls.rows() >= 4 && steps.rows() == controls.rows() - 1);
   require(speeds.size() >= 2 && covered.size() == speeds.size());
   return std::make_shared<Curve>(Curve{controls, steps, speeds, covered,
-                                       zyz ? Chart::kZyz : Chart::kRotationVector,
+                                       zyz ? Representation::kZyz : Representation::kRotationVector,
                                        canonical_of(rhythmic)});
 }
 
@@ -366,7 +366,7 @@ void bind_dmp(py::module_& module) {
              py::arg("coefficients").noconvert(), py::arg("progress").noconvert(),
              py::arg("start").noconvert(), py::arg("goal").noconvert());
   module.def("dmp_offset", &dmp::offset_between, py::arg("wanted").noconvert(),
-             py::arg("shown").noconvert(), py::arg("near").noconvert());
+             py::arg("demonstrated").noconvert(), py::arg("near").noconvert());
   module.def("dmp_orientations", &orientations, py::arg("curve"), py::arg("offset"),
              py::arg("phases").noconvert(), py::arg("values").noconvert());
   module.def("dmp_poses", &poses, py::arg("forces"), py::arg("state"),

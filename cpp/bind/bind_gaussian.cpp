@@ -1,11 +1,11 @@
 #include <pybind11/eigen.h>
 
 #include "bind/parts.hpp"
-#include "learn/bells.hpp"
-#include "learn/bouncing.hpp"
+#include "learn/basis_functions.hpp"
 #include "learn/curves.hpp"
 #include "learn/dense.hpp"
 #include "learn/gaussian.hpp"
+#include "learn/sample_truncated_gaussian.hpp"
 
 namespace py = pybind11;
 
@@ -45,8 +45,8 @@ Eigen::VectorXd phases_of(const py::handle& time, double duration, bool periodic
   return std::all_of(phases.begin(), phases.end(), inside) ? phases : Eigen::VectorXd();
 }
 
-// Mean and covariance of weights of bells after via points of all curves; nothing where an argument
-// is not plainly right, or something was known before.
+// Mean and covariance of weights of basis functions after via points of all curves; nothing where
+// an argument is not plainly right, or something was known before.
 py::object condition_at(NumbersIn mean, NumbersIn covariance, NumbersIn centres, double sharpness,
                         bool periodic, NumbersIn scale, double duration, const py::object& time,
                         const py::object& position, const py::object& noise, double least) {
@@ -63,7 +63,7 @@ py::object condition_at(NumbersIn mean, NumbersIn covariance, NumbersIn centres,
   const RowsMap known(spread, curves, curves);
   if (!is_covariance(known)) return py::none();
   const Rows basis =
-      normalised_bells(phases, VectorMap(centres.data(), centres.size()), sharpness, periodic, 0);
+      normalised_basis(phases, VectorMap(centres.data(), centres.size()), sharpness, periodic, 0);
   Conditioned result = condition_weights(
       VectorMap(mean.data(), size), RowsMap(covariance.data(), size, size), basis,
       Columns::LinSpaced(curves, 0, curves - 1), RowsMap(values, phases.size(), curves), known,
@@ -110,14 +110,15 @@ py::tuple curves_over(const Eigen::Ref<const Rows>& basis, Eigen::Index bases,
   return curves(part, basis.cols(), bases, rows, weights, most, threads);
 }
 
-// Curves over bells and their derivatives by time, of which there are as many as factors but one.
-py::tuple curves_over_bells(const Eigen::Ref<const Eigen::VectorXd>& phases,
+// Curves over basis functions and their derivatives by time, of which there are as many as factors
+// but one.
+py::tuple curves_over_basis(const Eigen::Ref<const Eigen::VectorXd>& phases,
                             const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
                             bool periodic, const Eigen::Ref<const Eigen::VectorXd>& factors,
                             const Eigen::Ref<const Rows>& weights, py::ssize_t most, int threads) {
   require(factors.size() >= 1 && factors.size() <= 3);
   const auto part = [&](Eigen::Index first, Eigen::Index count) {
-    Rows found = bells_and_derivatives(phases.segment(first, count), centres, sharpness, periodic,
+    Rows found = basis_and_derivatives(phases.segment(first, count), centres, sharpness, periodic,
                                        static_cast<int>(factors.size()) - 1);
     for (Eigen::Index i = 1; i < factors.size(); ++i)
       found.middleRows(i * count, count) *= factors[i];
@@ -130,14 +131,14 @@ py::tuple curves_over_bells(const Eigen::Ref<const Eigen::VectorXd>& phases,
 
 void bind_gaussian(py::module_& module) {
   module.def(
-      "bounced",
+      "sample_truncated_gaussian",
       [](const Eigen::Ref<const Rows>& walls, const Eigen::Ref<const Eigen::VectorXd>& limits,
          const Eigen::Ref<const Eigen::VectorXd>& start, const Eigen::Ref<const Rows>& velocities) {
         require(limits.size() == walls.rows() && start.size() == walls.cols() &&
                 velocities.cols() == walls.cols() &&
                 (walls.rowwise().squaredNorm().array() > 0.0).all());
         const py::gil_scoped_release release;
-        return bounced(walls, limits, start, velocities);
+        return sample_truncated_gaussian(walls, limits, start, velocities);
       },
       py::arg("walls").noconvert(), py::arg("limits").noconvert(), py::arg("start").noconvert(),
       py::arg("velocities").noconvert());
@@ -192,19 +193,19 @@ void bind_gaussian(py::module_& module) {
       },
       py::arg("matrix").noconvert());
   module.def(
-      "normalised_bells",
+      "normalised_basis",
       [](const Eigen::Ref<const Eigen::VectorXd>& phases,
          const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness, bool periodic,
          int order) {
         require(order >= 0 && order <= 2);
         const py::gil_scoped_release release;
-        return normalised_bells(phases, centres, sharpness, periodic, order);
+        return normalised_basis(phases, centres, sharpness, periodic, order);
       },
       py::arg("phases").noconvert(), py::arg("centres").noconvert(), py::arg("sharpness"),
       py::arg("periodic"), py::arg("order"));
   module.def("curves_over", &curves_over, py::arg("basis").noconvert(), py::arg("bases"),
              py::arg("weights").noconvert(), py::arg("most"), py::arg("threads"));
-  module.def("curves_over_bells", &curves_over_bells, py::arg("phases").noconvert(),
+  module.def("curves_over_basis", &curves_over_basis, py::arg("phases").noconvert(),
              py::arg("centres").noconvert(), py::arg("sharpness"), py::arg("periodic"),
              py::arg("factors").noconvert(), py::arg("weights").noconvert(), py::arg("most"),
              py::arg("threads"));

@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "dmp/turning.hpp"
-#include "dmp/turning_parts.hpp"
+#include "dmp/orientation_curve.hpp"
+#include "dmp/orientation_curve_parts.hpp"
 
 namespace leadthrough::dmp {
 
@@ -139,7 +139,7 @@ class Turner {
       Eigen::Map<Quaternion>(to + 4 * n) = negative_ ? Quaternion(-q) : q;
     };
     for (Index n = 0; n < count;) {
-      if (curve_.chart == Chart::kRotationVector && n + kLanes <= count) {
+      if (curve_.representation == Representation::kRotationVector && n + kLanes <= count) {
         const Factors factors = factors_of(curve_, offset_, phases + n, values, n);
         if (factors.are_short()) {
           const Quaternions4 found = product(factors);

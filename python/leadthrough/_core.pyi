@@ -655,7 +655,9 @@ def dmp_shifted_course(
     start: Float64Array,
     goal: Float64Array,
 ) -> DmpCourse: ...
-def dmp_offset(wanted: Float64Array, shown: Float64Array, near: Float64Array) -> Float64Array: ...
+def dmp_offset(
+    wanted: Float64Array, demonstrated: Float64Array, near: Float64Array
+) -> Float64Array: ...
 def dmp_orientations(
     curve: DmpCurve,
     offset: DmpPath,
@@ -676,7 +678,7 @@ def dmp_coordinates(
     velocity: Float64Array,
     near: Float64Array,
 ) -> tuple[Float64Array, Float64Array]: ...
-def bounced(
+def sample_truncated_gaussian(
     walls: Float64Array, limits: Float64Array, start: Float64Array, velocities: Float64Array
 ) -> Float64Array: ...
 def condition_weights(
@@ -706,7 +708,7 @@ def all_finite(values: Float64Array) -> bool: ...
 def product(left: Float64Array, right: Float64Array) -> Float64Array: ...
 def solve_definite(matrix: Float64Array, right: Float64Array) -> Float64Array: ...
 def is_covariance(matrix: Float64Array) -> bool: ...
-def normalised_bells(
+def normalised_basis(
     phases: Float64Array,
     centres: Float64Array,
     sharpness: float,
@@ -716,7 +718,7 @@ def normalised_bells(
 def curves_over(
     basis: Float64Array, bases: int, weights: Float64Array, most: int, threads: int
 ) -> tuple[list[Float64Array], bool]: ...
-def curves_over_bells(
+def curves_over_basis(
     phases: Float64Array,
     centres: Float64Array,
     sharpness: float,

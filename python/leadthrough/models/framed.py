@@ -342,14 +342,14 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
         self, via: Via, start_velocity: ArrayLike | None, final_velocity: ArrayLike | None
     ) -> _EndsAndVia:
         """Parts of a query that only some skills take. Raises InvalidInput, UnsupportedQuery."""
-        found = _beyond_seen(self.frame, via, start_velocity, final_velocity)
-        for name in found:
+        parts = _beyond_seen(self.frame, via, start_velocity, final_velocity)
+        for name in parts:
             if name not in self.supports:
                 raise UnsupportedQuery(
                     f"{name}: a skill of kind {self.skill.kind!r} takes none; it takes "
                     f"{', '.join(sorted(self.supports))}"
                 )
-        return found
+        return parts
 
     def _limits(self, limits: tuple[ArrayLike, ArrayLike] | None) -> _Limits:
         """_Limits seen from the frame. Raises InvalidInput and UnsupportedQuery."""
@@ -453,11 +453,11 @@ def _place_seen(frame: Frame, place: Any, name: str, *, poses: bool) -> Target |
     """A place; None for None."""
     if place is None:
         return None
-    turned = poses and isinstance(place, tuple | list) and len(place) == 2
-    given = place[0] if turned else place
+    is_pose = poses and isinstance(place, tuple | list) and len(place) == 2
+    given = place[0] if is_pose else place
     position = check.array(given, name, shape=(len(frame.origin),))
     seen: Float64Array = (position - frame.origin) @ frame.axes
-    if not turned:
+    if not is_pose:
         return seen
     q = check.quaternions(place[1], name, shape=(4,))
     back = rotations.inverse(frame.orientations(1))
@@ -490,8 +490,8 @@ def _limits_seen(
             "obstacles, or ask the skill inside for limits in its own frame; in Python, "
             "skill.skill.generate(limits=...)"
         )
-    turned = (corners - frame.origin) @ np.round(frame.axes)
-    return turned.min(axis=0), turned.max(axis=0)
+    rotated = (corners - frame.origin) @ np.round(frame.axes)
+    return rotated.min(axis=0), rotated.max(axis=0)
 
 
 def _covariance_seen(frame: Frame, covariance: ArrayLike | None) -> Float64Array | None:
@@ -510,22 +510,22 @@ def _beyond_seen(
     final_velocity: ArrayLike | None,
 ) -> _EndsAndVia:
     """Via points and velocities, those that are given."""
-    found = _EndsAndVia()
+    parts = _EndsAndVia()
     if not isinstance(via, Sequence):
         raise InvalidInput(f"via: expected a sequence of (phase, point), got {via!r}")
     if len(via) > 0:
         if not all(isinstance(pair, tuple | list) and len(pair) == 2 for pair in via):
             raise InvalidInput(f"via: expected pairs (phase, point), got {via!r}")
         points = [check.array(point, "via", shape=frame.origin.shape) for _, point in via]
-        found["via"] = [
+        parts["via"] = [
             (pair[0], (point - frame.origin) @ frame.axes)
             for pair, point in zip(via, points, strict=True)
         ]
     if start_velocity is not None:
-        found["start_velocity"] = _rotated(frame, start_velocity, "start_velocity")
+        parts["start_velocity"] = _rotated(frame, start_velocity, "start_velocity")
     if final_velocity is not None:
-        found["final_velocity"] = _rotated(frame, final_velocity, "final_velocity")
-    return found
+        parts["final_velocity"] = _rotated(frame, final_velocity, "final_velocity")
+    return parts
 
 
 def _rotated(frame: Frame, velocity: ArrayLike, name: str) -> Float64Array:

@@ -303,7 +303,7 @@ call(
     surroundings=around,
     **phases,
 )
-call(core.dmp_offset, HALF_PI_Z[0], wanted=QUARTER[0], shown=ONE[0], near=0 * X[0])
+call(core.dmp_offset, HALF_PI_Z[0], wanted=QUARTER[0], demonstrated=ONE[0], near=0 * X[0])
 on_curve = {"curve": curve, "offset": bent}
 call(core.dmp_orientations, ONE, phases=BREAKS, values=np.zeros((2, 3)), **on_curve)
 call(core.dmp_poses, None, forces=forces6, state=pose, phases=BREAKS)
@@ -479,7 +479,7 @@ call(core.by_arc_length, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], points=CORNER, co
 call(core.all_finite, True, values=np.arange(3.0))
 call(core.is_covariance, True, matrix=np.eye(2))
 call(
-    core.normalised_bells,
+    core.normalised_basis,
     [[0.5, 0.5]],
     phases=np.array([0.5]),
     centres=np.array([0.0, 1.0]),
@@ -496,7 +496,7 @@ call(
     **MOTIONS,
 )
 call(
-    core.curves_over_bells,
+    core.curves_over_basis,
     [[[[[3.0, 2.0]]]]],
     phases=np.array([0.5]),
     centres=np.array([0.0, 1.0]),
@@ -508,7 +508,7 @@ call(
 call(core.product, [[2.0, 3.0]], left=np.ones((1, 2)), right=np.array([[1.0, 1.0], [1.0, 2.0]]))
 call(core.solve_definite, [[0.5], [2.0]], matrix=2.0 * np.eye(2), right=np.array([[1.0], [4.0]]))
 call(
-    core.bounced,
+    core.sample_truncated_gaussian,
     [[0.0, 2.0]],
     walls=np.eye(2),
     limits=np.full(2, 5.0),

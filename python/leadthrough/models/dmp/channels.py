@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Generic, TypeVar
@@ -14,7 +15,7 @@ from leadthrough import _core
 from leadthrough.check import Float64Array
 from leadthrough.events import Events
 from leadthrough.models.dmp import transformation
-from leadthrough.models.dmp.constraints import Constraints, roll
+from leadthrough.models.dmp.constraints import Constraints, check_constraints, roll, step_within
 from leadthrough.models.dmp.progress import (
     COARSE_PHASES,
     JOINTS,
@@ -30,6 +31,7 @@ from leadthrough.models.dmp.query import Query, check_channels, course_through
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
 from leadthrough.models.targets import Target
 from leadthrough.motion import JointTrajectory, Motion, Trajectory, computed, with_derivatives
+from leadthrough.shapes import Shape
 
 # A goal nearer than this fraction of the motion's size to the one before is the same.
 _SAME_GOAL = 1e-13
@@ -93,6 +95,27 @@ class Channels(Generic[StateT]):
         joints: JointTrajectory | None,
     ) -> Motion:
         """The motion from a state on, at phases (n,), with its events and the arm's joints."""
+
+    @property
+    @abstractmethod
+    def limited(self) -> int | None:
+        """Number of channels that limits bound; None where there are no limits."""
+
+    def constraints(
+        self, obstacles: Sequence[Shape], limits: tuple[ArrayLike, ArrayLike] | None
+    ) -> Constraints:
+        """The constraints of a query."""
+        return check_constraints(
+            obstacles, limits, dimensions=self.dimensions, channels=self.limited
+        )
+
+    def step_within(
+        self, state: StateT, dt: float, acceleration: Float64Array, constraints: Constraints
+    ) -> StateT:
+        """The state dt s later, under an acceleration (channels,) and constraints."""
+        return step_within(
+            self.system, state, dt, acceleration, constraints=constraints, size=self.size
+        )
 
     def ahead(self, state: StateT, phases: Float64Array) -> tuple[Float64Array, Float64Array]:
         """Values and slopes (n, channels) from a state on, at phases (n,)."""
@@ -164,6 +187,11 @@ class PointChannels(Channels[_core.PointState]):
         """Two or three for points in the plane or in space; None otherwise."""
         count = len(self.system.ends.start)
         return count if self.joint_names is None and count in (2, 3) else None
+
+    @property
+    def limited(self) -> int:
+        """All of them."""
+        return len(self.system.ends.start)
 
     @cached_property
     def progress(self) -> Progress:

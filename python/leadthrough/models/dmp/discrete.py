@@ -21,9 +21,7 @@ from leadthrough import check, events
 from leadthrough.models.archive import Arrays
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp.channels import Channels
-from leadthrough.models.dmp.constraints import Constraints, check_constraints, step_within
 from leadthrough.models.dmp.learning import check_choices, check_weights, learn_motion
-from leadthrough.models.dmp.mean_motion import mean_motion
 from leadthrough.models.dmp.poses import channels_of
 from leadthrough.models.dmp.primitive import Primitive, take_parts
 from leadthrough.models.dmp.query import (
@@ -33,7 +31,6 @@ from leadthrough.models.dmp.query import (
     check_final_velocity,
     check_step,
 )
-from leadthrough.models.dmp.transformation import enough_weights
 from leadthrough.models.protocol import Skill, Target, Unfitted
 from leadthrough.models.queries import checked_query, even_phases
 from leadthrough.motion import Motion, MotionT, MotionT_co
@@ -109,9 +106,8 @@ class DMP(Unfitted):
                 channel ends where it began; for several whose orientations lie too far apart for a
                 mean, and where "lifted" would spin.
         """
-        mean = mean_motion(demonstrations)
-        model = replace(self, weights=self.weights or enough_weights(mean.duration))
-        parts = learn_motion(mean, **asdict(model))
+        mean, parts = learn_motion(demonstrations, **asdict(self))
+        model = replace(self, weights=len(parts["system"].weights))
         return DMPSkill(model=model, duration=mean.duration, size=mean.size, **parts)
 
 
@@ -190,7 +186,7 @@ class DMPSkill(Primitive[MotionT_co]):
             NoPath: where steering does not clear the obstacles.
         """
         step = check.number(dt, "dt", above=0.0)
-        constraints = self._constraints(obstacles, limits)
+        constraints = self._channels.constraints(obstacles, limits)
         state = self.begin(
             start=start,
             goal=goal,
@@ -297,8 +293,8 @@ class DMPSkill(Primitive[MotionT_co]):
             return state.coast(self.system.forces, span)
         still = np.zeros(len(state.value))
         push = still if coupling is None else self._channels.acceleration(coupling)
-        constraints = self._constraints(obstacles, limits)
-        return step_within(self.system, state, span, push, constraints=constraints, size=self.size)
+        constraints = self._channels.constraints(obstacles, limits)
+        return self._channels.step_within(state, span, push, constraints)
 
     def default_duration(self, *, start: Target | None = None, goal: Target | None = None) -> float:
         """Default duration of a motion, s: as demonstrated, or longer.
@@ -351,16 +347,6 @@ class DMPSkill(Primitive[MotionT_co]):
     def _channels(self) -> Channels[Any]:  # Any: of states of points, or of poses
         return channels_of(
             self.system, self.size, joint_names=self.joint_names, orientation=self.orientation
-        )
-
-    def _constraints(
-        self, obstacles: Sequence[Shape], limits: tuple[ArrayLike, ArrayLike] | None
-    ) -> Constraints:
-        return check_constraints(
-            obstacles,
-            limits,
-            dimensions=self._channels.dimensions,
-            channels=None if self.orientation is not None else len(self.system.ends.start),
         )
 
 

@@ -8,12 +8,24 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.errors import InvalidInput
-from leadthrough.models.dmp.mean_motion import MeanMotion
-from leadthrough.models.dmp.orientation import REPRESENTATIONS, learn, learn_closed
+from leadthrough.models.demonstrations import Demonstrations
+from leadthrough.models.dmp.mean_motion import MeanMotion, mean_cycle, mean_motion
+from leadthrough.models.dmp.orientation import (
+    REPRESENTATIONS,
+    OrientationCoordinates,
+    learn,
+    learn_closed,
+)
 from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.primitive import Parts
 from leadthrough.models.dmp.regression import REGRESSIONS, fit, fit_rhythm
-from leadthrough.models.dmp.transformation import FORMS, MAX_WEIGHTS
+from leadthrough.models.dmp.transformation import (
+    FORMS,
+    MAX_WEIGHTS,
+    TransformationSystem,
+    enough_weights,
+)
+from leadthrough.motion import Motion
 
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)  # channels of poses
 
@@ -31,9 +43,15 @@ def check_choices(form: str, regression: str, orientation: str) -> None:
 
 
 def learn_motion(
-    mean: MeanMotion, weights: int, *, form: str, regression: str, orientation: str
-) -> Parts:
-    """Parts of a discrete primitive."""
+    demonstrations: Demonstrations[Motion],
+    weights: int | None,
+    *,
+    form: str,
+    regression: str,
+    orientation: str,
+) -> tuple[MeanMotion, Parts]:
+    """The mean of demonstrations, and the parts of a discrete primitive that follows it."""
+    mean = mean_motion(demonstrations)
     coordinates, values = None, mean.positions
     groups: tuple[slice, ...] = (slice(None),)
     if mean.orientations is not None:
@@ -45,24 +63,26 @@ def learn_motion(
         coordinates, rotated = learn(mean.phases, mean.orientations, orientation)
         values, groups = np.hstack([values, rotated]), (_POSITION, _ORIENTATION)
     system = fit(
-        mean.phases, values, weights=weights, form=form, regression=regression, groups=groups
+        mean.phases,
+        values,
+        weights=weights or enough_weights(mean.duration),
+        form=form,
+        regression=regression,
+        groups=groups,
     )
     if coordinates is not None and mean.orientations is not None:
         channels = PoseChannels(system, mean.size, coordinates)
         if channels.refuses_spins:
             angle = channels.replayed_angle(mean.phases, mean.orientations)
             coordinates = replace(coordinates, angle=angle)
-    return Parts(
-        system=system,
-        events=mean.events,
-        joint_names=mean.joint_names,
-        orientation=coordinates,
-        posture=mean.posture,
-    )
+    return mean, _parts(mean, system, coordinates)
 
 
-def learn_rhythm(mean: MeanMotion, weights: int) -> Parts:
-    """Parts of a rhythmic primitive."""
+def learn_rhythm(
+    demonstrations: Demonstrations[Motion], weights: int, period: float | None
+) -> tuple[MeanMotion, Parts]:
+    """The mean period of demonstrations, and the parts of a rhythmic primitive that follows it."""
+    mean = mean_cycle(demonstrations, period)
     coordinates, values = None, mean.positions
     if mean.orientations is not None:
         coordinates, rotated = learn_closed(mean.phases, mean.orientations)
@@ -72,6 +92,12 @@ def learn_rhythm(mean: MeanMotion, weights: int) -> Parts:
         begun = system.ends.start[None, _ORIENTATION].copy()
         first = coordinates.orientations(np.zeros(1), begun)[0]
         coordinates = replace(coordinates, start=first, goal=first)
+    return mean, _parts(mean, system, coordinates)
+
+
+def _parts(
+    mean: MeanMotion, system: TransformationSystem, coordinates: OrientationCoordinates | None
+) -> Parts:
     return Parts(
         system=system,
         events=mean.events,

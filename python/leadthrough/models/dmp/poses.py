@@ -57,6 +57,11 @@ class PoseChannels(Channels[_core.PoseState]):
         """Three: the position keeps clear of obstacles."""
         return 3
 
+    @property
+    def limited(self) -> None:
+        """None: poses have no limits."""
+        return
+
     @cached_property
     def progress(self) -> Progress:
         """One for the position and one for the orientation."""

@@ -22,7 +22,6 @@ from leadthrough.models.archive import Arrays
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.learning import check_weights, learn_rhythm
-from leadthrough.models.dmp.mean_motion import mean_cycle
 from leadthrough.models.dmp.primitive import Primitive, take_parts
 from leadthrough.models.dmp.query import (
     as_pose,
@@ -78,10 +77,8 @@ class RhythmicDMP(Unfitted):
             InvalidInput: for other motions.
             FitError: for one that does not move or is shorter than a period.
         """
-        mean = mean_cycle(demonstrations, self.period)
-        return RhythmicDMPSkill(
-            model=self, period=mean.duration, **learn_rhythm(mean, self.weights)
-        )
+        mean, parts = learn_rhythm(demonstrations, self.weights, self.period)
+        return RhythmicDMPSkill(model=self, period=mean.duration, **parts)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -75,7 +75,7 @@ class Kernels:
 
 @dataclass(frozen=True, eq=False)
 class Ends(ShortRepr):
-    """Where channels begin and end."""
+    """Values and slopes of channels at both ends."""
 
     start: Float64Array  # values (channels,) at phase 0
     goal: Float64Array  # values (channels,) at phase 1; of a rhythm, its centre

@@ -63,8 +63,8 @@ class Basis(ShortRepr):
         """Values of the functions, or their derivatives with respect to the phase."""
         if self.kind == "bspline":
             return np.asarray(self._spline(phases, order))
-        bells = phases, self.centres, self.sharpness, self.is_rhythmic
-        return _core.normalised_bells(*bells, order)
+        functions = phases, self.centres, self.sharpness, self.is_rhythmic
+        return _core.normalised_basis(*functions, order)
 
     def curves(
         self,
@@ -79,8 +79,8 @@ class Basis(ShortRepr):
         if self.kind == "bspline":
             rows = [self._spline(phases, order) * pace for order, pace in enumerate(paces)]
             return _core.curves_over(np.concatenate(rows), len(paces), weights, most, threads)
-        bells = phases, self.centres, self.sharpness, self.is_rhythmic
-        return _core.curves_over_bells(*bells, paces, weights, most, threads)
+        functions = phases, self.centres, self.sharpness, self.is_rhythmic
+        return _core.curves_over_basis(*functions, paces, weights, most, threads)
 
     @cached_property
     def centres(self) -> Float64Array:
@@ -166,7 +166,7 @@ def raised(covariance: Float64Array, basis: Basis, least: float) -> Float64Array
 
 
 def _left_between(basis: Basis, variances: Float64Array) -> Float64Array:
-    """What deviations in between add to those of the ends, for variances (d, n) in all."""
+    """Deviations in between beside those of the ends, for variances (d, n) in all."""
     fit, inner = _fit_and_kernel(basis)
     reached = product(basis(_phases(basis)), fit)
     own = (product(reached, inner) * reached).sum(axis=1)

@@ -111,8 +111,8 @@ def _about(skill: ProMPSkill[MotionT], coordinates: Coordinates[MotionT]) -> Pro
         return skill
     rows, count = skill.basis(NODES), skill.basis.count
     own = rows @ skill.free.mean.reshape(-1, count)[3:].T
-    turned = rotations.compose(skill.coordinates.reference_at(NODES), rotations.exp(own))
-    here = coordinates.tangent(turned, NODES)
+    orientations = rotations.compose(skill.coordinates.reference_at(NODES), rotations.exp(own))
+    here = coordinates.tangent(orientations, NODES)
     farthest = float(np.linalg.norm(here, axis=1).max())
     if farthest > _MAX_ROTATION:
         raise InvalidInput(

@@ -277,7 +277,7 @@ def refuse_too_close(
         return
     spacing = float(np.diff(before.basis.centres).max())  # B-splines stand closer at the ends
     advice = (
-        f"the {count} weights tell times apart from {_RESOLVED * spacing * before.duration:.3g} s "
+        f"the {count} weights resolve times from {_RESOLVED * spacing * before.duration:.3g} s "
         "on; move them apart, let their values lie on a smooth curve, give a covariance, or fit "
         "with more weights"
     )

@@ -57,19 +57,19 @@ def row_basis(rows: Float64Array, *, least: float) -> tuple[Float64Array, list[i
     left = rows.copy()
     squared = np.einsum("ij,ij->i", left, left)
     smallest = least**2 * squared.max(initial=0.0)
-    found, chosen = np.zeros((0, rows.shape[1])), []
-    while len(found) < min(rows.shape):
+    axes, chosen = np.zeros((0, rows.shape[1])), []
+    while len(axes) < min(rows.shape):
         row = int(np.argmax(squared))
         if squared[row] <= smallest:
             break
         # Once more, as what is left of the row has rounding errors of the whole row.
-        axis = left[row] - np.einsum("ij,i->j", found, np.einsum("ij,j->i", found, left[row]))
+        axis = left[row] - np.einsum("ij,i->j", axes, np.einsum("ij,j->i", axes, left[row]))
         axis /= np.sqrt((axis**2).sum())
         left -= np.einsum("ij,j->i", left, axis)[:, None] * axis
         squared = np.einsum("ij,ij->i", left, left)
-        found = np.vstack([found, axis])
+        axes = np.vstack([axes, axis])
         chosen.append(row)
-    return found, chosen
+    return axes, chosen
 
 
 def _factorised(matrix: Float64Array, least: float) -> tuple[Float64Array, Float64Array]:

@@ -46,6 +46,15 @@ class Gaussian(ShortRepr):
         values, vectors = np.linalg.eigh(self.covariance)
         return np.asarray(vectors[:, values <= CERTAIN**2 * values[-1]])
 
+    def columns_at(self, rows: Float64Array) -> tuple[Float64Array, Float64Array]:
+        """Mean (m, d) and covariance (m, d, d) of columns whose weights are a vector (d k,)."""
+        count = rows.shape[1]
+        size = len(self.mean) // count
+        blocks = self.covariance.reshape(size, count, size, count).transpose(1, 3, 0, 2)
+        pairs = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
+        covariance = matrix_product(pairs, blocks.reshape(count**2, size**2))
+        return rows @ self.mean.reshape(size, count).T, covariance.reshape(-1, size, size)
+
     def draw(self, count: int, rng: np.random.Generator) -> Float64Array:
         """Random vectors (count, n)."""
         normal = rng.standard_normal((count, len(self.mean)))

@@ -41,7 +41,7 @@ _PACES = np.log(np.geomspace(0.4, 2.5, 37))
 # fraction of motions that go at another pace than the demonstrations.
 _PACE_SPREAD = 0.25
 _UNUSUAL = 0.1
-# The power of what the samples tell of the duration: their deviations are not independent.
+# Power of the likelihood of the duration: deviations of neighbouring samples are not independent.
 _TEMPERED = 0.3
 # Demonstrations of one duration: the least standard deviation, which counts as one of them.
 _MIN_PACE_SPREAD = 0.03
@@ -53,7 +53,7 @@ _MIN_PROBABILITY = 1e-3
 _JUDGED = np.array([0.4, 0.7, 1.0])
 # Logarithms of the factors that the covariance is tried with.
 _FACTORS = np.linspace(-3.0, 5.5, 86)
-# Directions of which the samples tell less than this, relative to what is told most, are unseen.
+# Directions with less information from the samples than this, relative to the most, are unseen.
 _UNSEEN = 1e-12
 
 
@@ -90,7 +90,7 @@ class Region(ShortRepr):
 
 @dataclass(frozen=True, eq=False)
 class Inference(ShortRepr, Generic[MotionT_co]):
-    """What the beginning of a motion tells; entry i is about skill i.
+    """Result of `infer` from the beginning of a motion; entry i is about skill i.
 
     Attributes:
         probabilities: probability (k,) of each skill.
@@ -98,7 +98,7 @@ class Inference(ShortRepr, Generic[MotionT_co]):
         phases: the phase (k,) at which the observed part ends, in (0, 1].
         skills: the k skills conditioned on the observed part, with the new durations. Their
             `distribution` is the mean and the covariance of the forecast, whose uncertainty
-            includes that the demonstrations tell mean, covariance and duration only so well.
+            includes that of mean, covariance and duration from few demonstrations.
         freedom: degrees of freedom (k,) of the t distributions with these moments.
     """
 
@@ -116,7 +116,7 @@ class Inference(ShortRepr, Generic[MotionT_co]):
     def region(
         self, times: ArrayLike, *, skill: int | None = None, probability: float = 0.95
     ) -> Region:
-        """Where the motion is expected to be, its samples as noisy as the demonstrations.
+        """Region of the expected motion, its samples as noisy as the demonstrations.
 
         The ellipsoids hold the motion with this probability at each time on its own, not at all
         times at once. They are those of a t distribution with `freedom` degrees of freedom and
@@ -173,12 +173,12 @@ def infer(
     check_seen(observed, "observed")
     before = _prior(prior, len(skills))
     noise = common_noise([each.noise for each in skills], [each.scale for each in skills])
-    found = [Continuation(observed, skill, noise) for skill in skills]
+    continuations = [Continuation(observed, skill, noise) for skill in skills]
     with np.errstate(divide="ignore"):
-        evidence = np.log(before) + [each.evidence for each in found]
+        evidence = np.log(before) + [each.evidence for each in continuations]
     probabilities = np.exp(evidence - evidence.max())
-    durations = np.array([each.duration for each in found])
-    forecasts = [each.forecast() for each in found]
+    durations = np.array([each.duration for each in continuations])
+    forecasts = [each.forecast() for each in continuations]
     return Inference(
         probabilities / probabilities.sum(),
         durations,
@@ -219,10 +219,10 @@ class Continuation:
         for _ in range(2):
             paces, seen = self._refined(paces, seen)
         steps = np.gradient(paces) if len(paces) > 1 else np.ones(1)
-        told, believed = np.array([each.evidence for each in seen]), self._log_prior(paces)
+        likelihoods, believed = np.array([each.evidence for each in seen]), self._log_prior(paces)
         # The probability of the skill is that of all its durations together.
-        self.evidence = float(logsumexp(told + believed, b=steps))
-        scores = _TEMPERED * told + believed
+        self.evidence = float(logsumexp(likelihoods + believed, b=steps))
+        scores = _TEMPERED * likelihoods + believed
         likely = np.exp(scores - scores.max()) * steps
         likely = np.where(likely > _MIN_PROBABILITY * likely.max(), likely, 0.0)
         self._paces, self._likely, self._all = paces, likely / likely.sum(), seen
@@ -255,8 +255,8 @@ class Continuation:
         off = []
         for curve, predictive in experience.left_out:
             values = rows @ curve.reshape(size, -1).T
-            found = Seen(predictive, basis, phases, values, self._noise).forecast().weights
-            off.append(_squared_error(curve - found.mean, found.covariance, ahead, self._noise))
+            rest = Seen(predictive, basis, phases, values, self._noise).forecast().weights
+            off.append(_squared_error(curve - rest.mean, rest.covariance, ahead, self._noise))
         # The mean of a variance after as many squared errors, if nothing was known before.
         return float(np.sum(off) / (len(off) - 2))
 
@@ -269,8 +269,8 @@ class Continuation:
 
     def _refined(self, paces: Float64Array, seen: list[Seen]) -> tuple[Float64Array, list[Seen]]:
         """The grid with more paces between the neighbours of the best one."""
-        told = _TEMPERED * np.array([each.evidence for each in seen])
-        top = int(np.argmax(told + self._log_prior(paces)))
+        likelihoods = _TEMPERED * np.array([each.evidence for each in seen])
+        top = int(np.argmax(likelihoods + self._log_prior(paces)))
         first, last = max(top - 1, 0), min(top + 1, len(paces) - 1)
         between = np.linspace(paces[first], paces[last], _REFINED + 2)[1:-1]
         added = between[~np.isin(between, paces)]
@@ -281,9 +281,9 @@ class Continuation:
     def _log_prior(self, paces: Float64Array) -> Float64Array:
         """Log density (n,) of paces before anything is seen."""
         mean, spread = self._nominal
-        usual = np.exp(-0.5 * ((paces - mean) / spread) ** 2) / spread
+        nominal = np.exp(-0.5 * ((paces - mean) / spread) ** 2) / spread
         other = np.exp(-0.5 * (paces / _PACE_SPREAD) ** 2) / _PACE_SPREAD
-        return np.asarray(np.log((1.0 - _UNUSUAL) * usual + _UNUSUAL * other))
+        return np.asarray(np.log((1.0 - _UNUSUAL) * nominal + _UNUSUAL * other))
 
     def _seen(self, pace: float) -> Seen:
         duration = self._skill.duration * float(np.exp(pace))
@@ -317,7 +317,7 @@ def _squared_error(
 
 @dataclass(frozen=True, eq=False)
 class Forecast(ShortRepr):
-    """What is expected of the weights of a motion that has been seen in part."""
+    """Distribution of the weights of a motion that has been seen in part."""
 
     weights: Gaussian  # mean and covariance of the weights (d k,)
     freedom: float  # degrees of freedom, > 4, of the t distribution with these moments
@@ -337,17 +337,17 @@ class Seen:
         self._predictive = predictive
         size, rows, root = len(noise), basis(phases), predictive.spread.root
         residual = (values - rows @ predictive.spread.mean.reshape(size, -1).T) / np.sqrt(noise)
-        # Few functions reach far into the part that was seen: as few rows tell as much.
+        # Few functions reach far into the part that was seen: as few rows hold what is known.
         across, lengths, along = np.linalg.svd(rows, full_matrices=False)
-        told = lengths > 1e-9 * lengths[0]
-        few = lengths[told, None] * along[told]
+        informative = lengths > 1e-9 * lengths[0]
+        few = lengths[informative, None] * along[informative]
         blocks = root.reshape(size, basis.count, -1) / np.sqrt(noise)[:, None, None]
         self._reached = np.matmul(few, blocks).reshape(-1, root.shape[1])
-        # In the coordinates z, weights = mean + root reached.T axes z, each is told on its own.
+        # In the coordinates z, weights = mean + root reached.T axes z, each is observed on its own.
         precisions, axes = np.linalg.eigh(self._reached @ self._reached.T)
         seen = precisions > _UNSEEN * precisions[-1]
         self._precisions, self._axes = precisions[seen], axes[:, seen]
-        pulled = self._axes.T @ (across[:, told].T @ residual).T.ravel()
+        pulled = self._axes.T @ (across[:, informative].T @ residual).T.ravel()
         self._pulled = pulled * np.sqrt(self._precisions)
         self._factors, believed = _log_prior(predictive.freedom)
         # Variance (factors, z) of each z after the samples.

@@ -208,7 +208,7 @@ class Truncated:
         """Every `stride`-th draw of what the walls see, one for each velocity, after the first."""
         first = np.random.default_rng(0).standard_normal((_FIRST, velocities.shape[1]))
         all_of = np.concatenate([first, velocities])
-        drawn = _core.bounced(self._walls, self._room, self._start, all_of)
+        drawn = _core.sample_truncated_gaussian(self._walls, self._room, self._start, all_of)
         return np.asarray(drawn[_FIRST + stride - 1 :: stride])
 
 

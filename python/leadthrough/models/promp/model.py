@@ -23,7 +23,7 @@ from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of, scales
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
-from leadthrough.models.promp import conditioning, dense, ends, limits
+from leadthrough.models.promp import conditioning, ends, limits
 from leadthrough.models.promp.basis import KINDS, MIN_FUNCTIONS, Basis, BasisKind
 from leadthrough.models.promp.conditioning import TaskMap
 from leadthrough.models.promp.drawing import Drawing, phases_at
@@ -62,7 +62,7 @@ class ProMP(Unfitted):
             began.
         width: standard deviation of the Gaussian and rhythmic functions, in spacings of their
             centres, 0.3 to 3. Velocities ripple with narrow functions, from 0.6 down; wide ones
-            are hard to tell from each other.
+            are hard to distinguish.
         estimator: "least_squares", which is quick and exact at both ends of every demonstration,
             or "em", which weighs noisy samples against each other and takes demonstrations of only
             a part of the motion.
@@ -198,9 +198,9 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
     ) -> tuple[Float64Array, Float64Array]:
         """Mean and covariance of the columns, without the noise of the demonstrations.
 
-        They are those of `weights`, which an estimator found: that few demonstrations tell mean
-        and covariance only roughly is not part of them, nor of `sample` and `condition`. The
-        skills that `infer` returns have covariances of which it is part.
+        They are those of `weights`, as estimated: the uncertainty that few demonstrations leave
+        about mean and covariance is not part of them, nor of `sample` and `condition`. It is part
+        of the covariances of the skills that `infer` returns.
 
         Args:
             times: times (n,), s, in [0, duration]; of a rhythmic motion any.
@@ -214,11 +214,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         """
         check.integer(order, "order", at_least=0, at_most=2)
         rows = self.basis(self._phases(times, "times", at_least=1), order) * self.duration**-order
-        size, count = self.coordinates.width, self.basis.count
-        blocks = self.weights.covariance.reshape(size, count, size, count).transpose(1, 3, 0, 2)
-        pairs = (rows[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
-        covariance = dense.product(pairs, blocks.reshape(count**2, size**2))
-        return rows @ self.weights.mean.reshape(size, count).T, covariance.reshape(-1, size, size)
+        return self.weights.columns_at(rows)
 
     @checked_query
     def generate(
@@ -232,7 +228,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
     ) -> MotionT_co:
         """The mean motion, or one between a start and a goal.
 
-        Inside what was shown it is conditioned on them. Farther off it is shifted, and no phase
+        Within the demonstrations it is conditioned on them. Farther off it is shifted, and no phase
         moves by more than one and a half times what the ends are moved by.
 
         Args:
@@ -498,7 +494,7 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
             weights: distribution of the weights (d k,), one column after the other.
 
         Raises:
-            InvalidInput: if the limits cannot be kept.
+            InvalidInput: if the limits cannot be satisfied.
         """
         if self.bounds is not None:
             limits.moved_inside(weights, self.basis, self.bounds, self.scale)

@@ -17,8 +17,8 @@ from scipy.integrate import solve_ivp
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
-from leadthrough.models.dmp.transformation import DECAY, RATE
 
+RATE, DECAY = 12.5, -np.log(0.01)  # alpha = 25 = 4 beta; the canonical state ends at 1 %
 PLANNER = lt.DMP.lauretti()
 
 

@@ -25,7 +25,6 @@ from models.dmp.turns import (
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.models.dmp.orientation import noise_of
 
 
 @pytest.mark.parametrize(("moved_by", "quicker"), [(20, 1.15), (90, 1.3)])
@@ -132,12 +131,3 @@ def test_signs_of_quaternions_do_not_matter():
     made = lt.DMP().fit([raw]).generate(goal=((0.3, 0.1, 0.2), -q[-1]))
     expected = fitted(u, q).generate(goal=((0.3, 0.1, 0.2), q[-1]))
     assert rotations.distance(made.orientations, expected.orientations).max() < 1e-12
-
-
-@pytest.mark.parametrize("sigma", [1e-3, 0.02])
-def test_the_noise_of_orientations_is_measured_whatever_the_motion(sigma):
-    _, q = turn(200, 1500)
-    assert noise_of(q) < 1e-5
-    assert noise_of(q[::2000]) == 0.0  # too few to tell
-    added = np.random.default_rng(1).normal(0.0, sigma, (len(q), 3))
-    assert noise_of(rotations.compose(q, rotations.exp(added))) == pytest.approx(sigma, rel=0.1)

@@ -3,17 +3,13 @@
 from functools import cache
 
 import numpy as np
+from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough import rotations
 
 DURATION = 4.0
 FIXED = np.array([1.0, 2.0, 2.0]) / 3.0
-
-
-def minimum_jerk(u):
-    u = np.clip(u, 0.0, 1.0)
-    return u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
 
 
 def about_fixed_axis(degrees, rate):

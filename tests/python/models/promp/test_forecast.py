@@ -7,10 +7,6 @@ from scipy.stats import chi2
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.models import infer
-from leadthrough.models.promp.basis import Basis
-from leadthrough.models.promp.gaussian import Gaussian
-from leadthrough.models.promp.inference import Seen
-from leadthrough.models.promp.predictive import PosteriorPredictive
 
 U = np.linspace(0.0, 1.0, 101)
 SEEN = 31  # of 101 samples
@@ -114,30 +110,6 @@ def test_regions_hold_for_other_columns_weights_paces_and_durations():
         )
         assert error <= 1.0
         assert inside >= 0.9
-
-
-def test_a_forecast_is_the_posterior_of_a_t_distribution():
-    rng = np.random.default_rng(0)
-    basis, noise, freedom = Basis("gaussian", 6), np.array([0.01]), 6.0
-    root = rng.normal(size=(6, 6))
-    predictive = PosteriorPredictive(Gaussian(rng.normal(size=6), root @ root.T), freedom)
-    phases = np.linspace(0.0, 0.5, 7)
-    rows = basis(phases)
-    values = (rows @ (predictive.spread.mean + root @ rng.normal(size=6)))[:, None]
-    # By importance sampling from the prior, over the factor alone.
-    factors = 0.5 * freedom / rng.gamma(0.5 * freedom, size=20_000)
-    missed = (values - rows @ predictive.spread.mean[:, None])[:, 0]
-    scores, means = [], []
-    for factor in factors:
-        spread = factor * rows @ predictive.spread.covariance @ rows.T + 0.01 * np.eye(7)
-        solved = np.linalg.solve(spread, missed)
-        scores.append(-0.5 * (missed @ solved + np.linalg.slogdet(2.0 * np.pi * spread)[1]))
-        means.append(factor * predictive.spread.covariance @ rows.T @ solved)
-    likely = np.exp(scores)
-    seen = Seen(predictive, basis, phases, values, noise)
-    assert seen.evidence == pytest.approx(np.log(likely.mean()), abs=0.02)
-    expected = predictive.spread.mean + likely @ np.array(means) / likely.sum()
-    np.testing.assert_allclose(seen.forecast().weights.mean, expected, atol=0.02)
 
 
 def test_a_saved_skill_forecasts_the_same_and_an_older_file_as_a_normal_distribution(

@@ -5,7 +5,6 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models.promp.basis import Basis, smooth_prior
 
 TIMES = np.linspace(0.0, 2.0, 200)
 
@@ -17,25 +16,6 @@ def test_mean_and_spread_are_those_of_the_demonstrations(shown):
     np.testing.assert_allclose(mean, curves.mean(axis=0), atol=1e-3)
     deviation = np.sqrt(np.einsum("nii->ni", covariance))
     np.testing.assert_allclose(deviation, curves.std(axis=0, ddof=1), atol=0.05)
-
-
-@pytest.mark.parametrize("count", [6, 60])
-def test_known_distribution_is_recovered_as_well_as_by_the_sample_covariance(count):
-    basis, size = Basis("gaussian", 8, margin=0.25), 2
-    truth = smooth_prior(basis, np.array([0.3, 0.5]))
-    u = np.linspace(0.0, 1.0, 60)
-    rows = np.kron(np.eye(size), basis(u))
-    middle = np.concatenate([np.linspace(0, 2, 8), np.linspace(1, -1, 8)])
-    ours, samples = [], []
-    for seed in range(20):
-        rng = np.random.default_rng(seed)
-        weights = rng.multivariate_normal(middle, truth, count)
-        curves = (weights @ rows.T).reshape(count, size, -1).transpose(0, 2, 1)
-        given = [lt.Demonstration(lt.Trajectory(2 * u, curve)) for curve in curves]
-        fitted = lt.ProMP(weights=8).fit(given).weights.covariance
-        ours.append(np.linalg.norm(fitted - truth))
-        samples.append(np.linalg.norm(np.cov(weights.T) - truth))
-    assert np.mean(ours) <= 1.1 * np.mean(samples)
 
 
 @pytest.mark.parametrize("estimator", ["least_squares", "em"])

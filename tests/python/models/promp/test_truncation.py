@@ -54,7 +54,9 @@ def test_one_wall_gives_the_truncated_normal_distribution():
     for limit in (-1.5, 0.0, 2.0):
         wall = np.array([[0.6, 0.0, 0.8]])
         start = (limit - 0.1) * wall[0]
-        along = _core.bounced(wall, np.array([limit]), start, velocities) @ wall[0]
+        along = (
+            _core.sample_truncated_gaussian(wall, np.array([limit]), start, velocities) @ wall[0]
+        )
         exact = truncnorm(-INF, limit)
         assert along.max() <= limit + 1e-12
         assert along.mean() == pytest.approx(exact.mean(), abs=0.02)

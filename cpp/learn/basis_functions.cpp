@@ -1,4 +1,4 @@
-#include "learn/bells.hpp"
+#include "learn/basis_functions.hpp"
 
 #include "base/constants.hpp"
 
@@ -28,7 +28,7 @@ struct Exponents {
 };
 
 // Those of orders from the first to the last, below each other.
-Rows bells_of_orders(const Eigen::Ref<const Eigen::VectorXd>& phases,
+Rows basis_of_orders(const Eigen::Ref<const Eigen::VectorXd>& phases,
                      const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
                      bool periodic, int first, int last) {
   const Eigen::Index count = phases.size();
@@ -55,16 +55,16 @@ Rows bells_of_orders(const Eigen::Ref<const Eigen::VectorXd>& phases,
 
 }  // namespace
 
-Rows normalised_bells(const Eigen::Ref<const Eigen::VectorXd>& phases,
+Rows normalised_basis(const Eigen::Ref<const Eigen::VectorXd>& phases,
                       const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
                       bool periodic, int order) {
-  return bells_of_orders(phases, centres, sharpness, periodic, order, order);
+  return basis_of_orders(phases, centres, sharpness, periodic, order, order);
 }
 
-Rows bells_and_derivatives(const Eigen::Ref<const Eigen::VectorXd>& phases,
+Rows basis_and_derivatives(const Eigen::Ref<const Eigen::VectorXd>& phases,
                            const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
                            bool periodic, int most) {
-  return bells_of_orders(phases, centres, sharpness, periodic, 0, most);
+  return basis_of_orders(phases, centres, sharpness, periodic, 0, most);
 }
 
 }  // namespace leadthrough

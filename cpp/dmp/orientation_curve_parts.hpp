@@ -3,7 +3,7 @@
 // Parts shared by single orientations of a pose primitive and by batches of them.
 
 #include "base/polynomial.hpp"
-#include "dmp/turning.hpp"
+#include "dmp/orientation_curve.hpp"
 
 namespace leadthrough::dmp {
 

@@ -1,4 +1,4 @@
-#include "learn/bouncing.hpp"
+#include "learn/sample_truncated_gaussian.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -72,9 +72,10 @@ void travel(Particle& particle, const Eigen::Ref<const Rows>& walls,
 
 }  // namespace
 
-Rows bounced(const Eigen::Ref<const Rows>& walls, const Eigen::Ref<const Eigen::VectorXd>& limits,
-             const Eigen::Ref<const Eigen::VectorXd>& start,
-             const Eigen::Ref<const Rows>& velocities) {
+Rows sample_truncated_gaussian(const Eigen::Ref<const Rows>& walls,
+                               const Eigen::Ref<const Eigen::VectorXd>& limits,
+                               const Eigen::Ref<const Eigen::VectorXd>& start,
+                               const Eigen::Ref<const Rows>& velocities) {
   const Eigen::VectorXd lengths = walls.rowwise().squaredNorm();
   Rows drawn(velocities.rows(), velocities.cols());
   Particle particle{start, start, walls * start, limits};

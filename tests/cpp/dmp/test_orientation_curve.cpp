@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "base/constants.hpp"
-#include "dmp/turning.hpp"
+#include "dmp/orientation_curve.hpp"
 
-namespace leadthrough::dmp::turning_tests {
+namespace leadthrough::dmp::orientation_curve_tests {
 
 namespace {
 
@@ -14,13 +14,13 @@ using so3::Quaternion;
 using so3::Vector3;
 
 // Two turns about an axis that changes, at even speed, in intervals of 30 degrees.
-Curve winding(Chart chart, Canonical canonical = Canonical::kDiscrete) {
+Curve winding(Representation representation, Canonical canonical = Canonical::kDiscrete) {
   constexpr Eigen::Index kIntervals = 24;
   Curve curve{so3::Quaternions(kIntervals + 3, 4),
               so3::Vectors(kIntervals + 2, 3),
               Vector::Constant(11, kIntervals),
               Vector::LinSpaced(11, 0.0, kIntervals),
-              chart,
+              representation,
               canonical};
   Quaternion q(1.0, 0.0, 0.0, 0.0);
   for (Eigen::Index i = 0; i < kIntervals + 3; ++i) {
@@ -39,8 +39,9 @@ const Vector3 kValue(0.3, 0.5, -0.2);
 const Vector3 kSlope(1.0, -2.0, 0.5);
 
 TEST(Turning, VelocityIsTheDerivativeOfTheOrientation) {
-  for (const Chart chart : {Chart::kRotationVector, Chart::kZyz}) {
-    const Curve curve = winding(chart);
+  for (const Representation representation :
+       {Representation::kRotationVector, Representation::kZyz}) {
+    const Curve curve = winding(representation);
     for (const double phase : {0.01, 0.37, 0.5, 0.93}) {
       constexpr double kStep = 1e-6;
       const Turn turn = turn_at(curve, kOffset, phase, kValue, kSlope);
@@ -55,7 +56,7 @@ TEST(Turning, VelocityIsTheDerivativeOfTheOrientation) {
 }
 
 TEST(Turning, CurveIsSmoothWhereItsPiecesJoin) {
-  const Curve curve = winding(Chart::kRotationVector);
+  const Curve curve = winding(Representation::kRotationVector);
   const Vector3 zero = Vector3::Zero();
   for (int piece = 1; piece < 24; ++piece) {
     const double join = piece / 24.0;
@@ -71,8 +72,9 @@ TEST(Turning, CurveIsSmoothWhereItsPiecesJoin) {
 }
 
 TEST(Turning, CoordinatesComeBack) {
-  for (const Chart chart : {Chart::kRotationVector, Chart::kZyz}) {
-    const Curve curve = winding(chart);
+  for (const Representation representation :
+       {Representation::kRotationVector, Representation::kZyz}) {
+    const Curve curve = winding(representation);
     const Turn turn = turn_at(curve, kOffset, 0.4, kValue, kSlope);
     const Coordinates back = coordinates_of(curve, kOffset, 0.4, turn, kValue);
     EXPECT_LT((back.value - kValue).norm(), 1e-9);
@@ -81,7 +83,7 @@ TEST(Turning, CoordinatesComeBack) {
 }
 
 TEST(Turning, NearestCoordinatesCountTurns) {
-  const Curve curve = winding(Chart::kRotationVector);
+  const Curve curve = winding(Representation::kRotationVector);
   const Vector3 long_way = kValue * (1.0 + 4.0 * kPi / kValue.norm());
   const Turn turn = turn_at(curve, kOffset, 0.4, kValue, kSlope);
   const Coordinates back = coordinates_of(curve, kOffset, 0.4, turn, long_way);
@@ -89,7 +91,7 @@ TEST(Turning, NearestCoordinatesCountTurns) {
 }
 
 TEST(Turning, ShortAndLongCoordinatesAgreeWithTheExponential) {
-  const Curve curve = winding(Chart::kRotationVector);
+  const Curve curve = winding(Representation::kRotationVector);
   const Path none;
   const Quaternion base = orientation_at(curve, none, 0.2, Vector3::Zero());
   for (const double angle : {0.0, 1e-9, 0.1, 0.529, 0.5291, 0.53, 2.0, 9.0}) {
@@ -101,8 +103,9 @@ TEST(Turning, ShortAndLongCoordinatesAgreeWithTheExponential) {
 
 // Four phases at a time, some by themselves, and some too long for the series.
 TEST(Turning, ManyOrientationsAreThoseOfEachPhase) {
-  for (const Chart chart : {Chart::kRotationVector, Chart::kZyz}) {
-    const Curve curve = winding(chart);
+  for (const Representation representation :
+       {Representation::kRotationVector, Representation::kZyz}) {
+    const Curve curve = winding(representation);
     const Vector phases = Vector::LinSpaced(23, 0.0, 1.1);
     Rows values(23, 6);
     for (Eigen::Index n = 0; n < values.rows(); ++n)
@@ -123,7 +126,7 @@ TEST(Turning, ManyOrientationsAreThoseOfEachPhase) {
 }
 
 TEST(Turning, PosesAreThoseOfARolloutAndItsOrientations) {
-  const Curve curve = winding(Chart::kRotationVector);
+  const Curve curve = winding(Representation::kRotationVector);
   // More phases than are turned at a time, and a number that is no multiple of four.
   const Vector phases = Vector::LinSpaced(151, 0.0, 1.0);
   Forces forces{Rows(5, 6), Vector::Ones(5), 12.5, Canonical::kDiscrete};
@@ -155,7 +158,7 @@ TEST(Turning, HalfATurnIsAboutTheAxisWhoseFirstCoordinateIsPositive) {
 }
 
 TEST(Turning, PeakSpeedsAreThoseOfDenseDifferences) {
-  const Curve curve = winding(Chart::kRotationVector);
+  const Curve curve = winding(Representation::kRotationVector);
   const Vector phases = Vector::LinSpaced(2001, 0.0, 1.0);
   Rollout motion{Rows::Zero(2001, 6), Rows::Zero(2001, 6)};
   motion.slopes.row(700) << 3.0, 0.0, -4.0, 9.0, 9.0, 9.0;
@@ -171,12 +174,12 @@ TEST(Turning, PeakSpeedsAreThoseOfDenseDifferences) {
 
 TEST(Turning, StandsAfterTheEndOrGoesRoundAgain) {
   const Vector3 zero = Vector3::Zero();
-  const Curve once = winding(Chart::kRotationVector);
+  const Curve once = winding(Representation::kRotationVector);
   const Turn end = turn_at(once, kOffset, 1.0, zero, zero);
   const Turn later = turn_at(once, kOffset, 7.5, zero, zero);
   EXPECT_EQ(end.orientation, later.orientation);
   EXPECT_EQ(later.velocity, zero);
-  const Curve round = winding(Chart::kRotationVector, Canonical::kRhythmic);
+  const Curve round = winding(Representation::kRotationVector, Canonical::kRhythmic);
   const Path same = minimum_jerk(kLast, kLast);
   EXPECT_LT(so3::distance(orientation_at(round, same, 0.25, zero),
                           orientation_at(round, same, 3.25, zero)),
@@ -185,4 +188,4 @@ TEST(Turning, StandsAfterTheEndOrGoesRoundAgain) {
 
 }  // namespace
 
-}  // namespace leadthrough::dmp::turning_tests
+}  // namespace leadthrough::dmp::orientation_curve_tests

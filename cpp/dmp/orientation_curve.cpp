@@ -1,11 +1,11 @@
-#include "dmp/turning.hpp"
+#include "dmp/orientation_curve.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "base/constants.hpp"
-#include "dmp/turning_parts.hpp"
+#include "dmp/orientation_curve_parts.hpp"
 #include "rotation/curve.hpp"
 
 namespace leadthrough::dmp {
@@ -90,9 +90,9 @@ void turn_along(const Curve& curve, double phase, Product& product) {
 }
 
 template <typename Product>
-void turn_by_coordinates(Chart chart, const Vector3& value, const Vector3& slope,
+void turn_by_coordinates(Representation representation, const Vector3& value, const Vector3& slope,
                          Product& product) {
-  if (chart == Chart::kRotationVector) {
+  if (representation == Representation::kRotationVector) {
     product.times(short_exp(value), [&]() -> Vector3 { return so3::left_jacobian(value) * slope; });
     return;
   }
@@ -134,7 +134,7 @@ so3::Matrix3 zyz_jacobian(const Vector3& angles) {
   so3::Matrix3 columns;
   for (Eigen::Index k = 0; k < 3; ++k) {
     Moving product;
-    turn_by_coordinates(Chart::kZyz, angles, Vector3::Unit(k), product);
+    turn_by_coordinates(Representation::kZyz, angles, Vector3::Unit(k), product);
     columns.col(k) = product.turn.velocity;
   }
   return columns;
@@ -142,8 +142,9 @@ so3::Matrix3 zyz_jacobian(const Vector3& angles) {
 
 // Of the coordinates, for an angular velocity of E(value) in its own base frame. Next to gimbal
 // lock the least-squares solution.
-Vector3 slope_of(Chart chart, const Vector3& value, const Vector3& velocity) {
-  if (chart == Chart::kRotationVector) return so3::left_jacobian_inverse(value) * velocity;
+Vector3 slope_of(Representation representation, const Vector3& value, const Vector3& velocity) {
+  if (representation == Representation::kRotationVector)
+    return so3::left_jacobian_inverse(value) * velocity;
   return zyz_jacobian(value).completeOrthogonalDecomposition().solve(velocity);
 }
 
@@ -168,8 +169,8 @@ Quaternion offset_at(const Path& offset, double phase) {
   return product.orientation;
 }
 
-Vector3 offset_between(const Quaternion& wanted, const Quaternion& shown, const Vector3& near) {
-  Quaternion turn = so3::compose(wanted, so3::inverse(shown));
+Vector3 offset_between(const Quaternion& wanted, const Quaternion& demonstrated, const Vector3& near) {
+  Quaternion turn = so3::compose(wanted, so3::inverse(demonstrated));
   if (std::abs(turn[0]) < 0.5 * kHalfTurn) {
     const Vector3 axis = turn.tail<3>();
     const double leading = std::abs(axis[0]) > kHalfTurn   ? axis[0]
@@ -184,7 +185,7 @@ Vector3 offset_between(const Quaternion& wanted, const Quaternion& shown, const 
 Turn turn_at(const Curve& curve, const Path& offset, double phase, const Vector3& value,
              const Vector3& slope) {
   Moving product = reference<Moving>(curve, offset, phase);
-  turn_by_coordinates(curve.chart, value, slope, product);
+  turn_by_coordinates(curve.representation, value, slope, product);
   return product.turn;
 }
 
@@ -193,21 +194,23 @@ Coordinates coordinates_of(const Curve& curve, const Path& offset, double phase,
   const Turn base = reference<Moving>(curve, offset, phase).turn;
   const Quaternion back = so3::inverse(base.orientation);
   const Quaternion relative = so3::compose(back, turn.orientation);
-  const Vector3 value = curve.chart == Chart::kRotationVector ? nearest_log(relative, near)
-                                                              : nearest_angles(relative, near);
-  return {value, slope_of(curve.chart, value, rotate(back, turn.velocity - base.velocity))};
+  const Vector3 value = curve.representation == Representation::kRotationVector
+                            ? nearest_log(relative, near)
+                            : nearest_angles(relative, near);
+  return {value,
+          slope_of(curve.representation, value, rotate(back, turn.velocity - base.velocity))};
 }
 
 Vector3 coordinate_push(const Curve& curve, const Path& offset, double phase, const Vector3& value,
                         const Vector3& angular) {
   const Quaternion base = reference<Still>(curve, offset, phase).orientation;
-  return slope_of(curve.chart, value, rotate(so3::inverse(base), angular));
+  return slope_of(curve.representation, value, rotate(so3::inverse(base), angular));
 }
 
 Quaternion orientation_at(const Curve& curve, const Path& offset, double phase,
                           const Vector3& value) {
   Still product = reference<Still>(curve, offset, phase);
-  turn_by_coordinates(curve.chart, value, Vector3::Zero(), product);
+  turn_by_coordinates(curve.representation, value, Vector3::Zero(), product);
   // Rounding has left it so near to unit length that one step of Newton's makes it that.
   const double excess = product.orientation.squaredNorm() - 1.0;
   return product.orientation * (1.0 - 0.5 * excess);

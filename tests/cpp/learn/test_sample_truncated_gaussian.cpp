@@ -4,9 +4,9 @@
 #include <random>
 
 #include "base/constants.hpp"
-#include "learn/bouncing.hpp"
+#include "learn/sample_truncated_gaussian.hpp"
 
-namespace leadthrough::bouncing_tests {
+namespace leadthrough::sample_truncated_gaussian_tests {
 
 namespace {
 
@@ -21,16 +21,17 @@ Rows velocities(Eigen::Index size) {
 }  // namespace
 
 TEST(Bouncing, WithoutAWallInReachTheDrawsAreTheVelocities) {
-  const Rows drawn = bounced(Rows::Identity(2, 2), Eigen::Vector2d::Constant(100.0),
-                             Eigen::Vector2d(3.0, -2.0), velocities(2));
+  const Rows drawn =
+      sample_truncated_gaussian(Rows::Identity(2, 2), Eigen::Vector2d::Constant(100.0),
+                                Eigen::Vector2d(3.0, -2.0), velocities(2));
   EXPECT_TRUE(drawn.isApprox(velocities(2), 1e-12));
 }
 
 TEST(Bouncing, BehindOneWallIsHalfANormalDistribution) {
   Rows wall(1, 2);
   wall << 3.0, 4.0;
-  const Rows drawn =
-      bounced(wall, Eigen::VectorXd::Zero(1), Eigen::Vector2d(-0.3, -0.4), velocities(2));
+  const Rows drawn = sample_truncated_gaussian(wall, Eigen::VectorXd::Zero(1),
+                                               Eigen::Vector2d(-0.3, -0.4), velocities(2));
   const Eigen::ArrayXd along = drawn * wall.row(0).transpose() / 5.0;
   EXPECT_LE(along.maxCoeff(), 1e-12);
   EXPECT_NEAR(along.mean(), -std::sqrt(2.0 / kPi), 0.02);
@@ -41,9 +42,10 @@ TEST(Bouncing, ANarrowWedgeIsNeverLeft) {
   Rows walls(3, 2);
   walls << 1.0, 0.05, -1.0, 0.05, 0.0, -1.0;
   const Eigen::Vector3d limits(0.02, 0.02, 2.0);
-  const Rows drawn = bounced(walls, limits, Eigen::Vector2d(0.0, -1.0), velocities(2));
+  const Rows drawn =
+      sample_truncated_gaussian(walls, limits, Eigen::Vector2d(0.0, -1.0), velocities(2));
   const Eigen::VectorXd outside = (drawn * walls.transpose()).colwise().maxCoeff();
   EXPECT_LE((outside - limits).maxCoeff(), 1e-9);
 }
 
-}  // namespace leadthrough::bouncing_tests
+}  // namespace leadthrough::sample_truncated_gaussian_tests

@@ -14,21 +14,21 @@
 
 namespace leadthrough::dmp {
 
-enum class Chart { kRotationVector, kZyz };  // E: the exponential, or three Euler angles
+enum class Representation { kRotationVector, kZyz };  // E: the exponential, or three Euler angles
 
 struct Curve {
   so3::Quaternions controls;  // (intervals + 3); interval i of c runs between controls i + 1, i + 2
   so3::Vectors steps;         // (intervals + 2), rotation vectors between neighbours, body frame
   Vector speeds;              // (m + 1), dc/du >= 0 at even phases, linear between them
   Vector covered;             // (m + 1), c there: the speeds' integral, from 0 to `intervals`
-  Chart chart;
+  Representation representation;
   Canonical canonical;
 };
 
-// The rotation vector that turns `shown` into `wanted`, of those, 2 pi apart on a line, the one
-// nearest to `near`; near 0, the shortest. Half a turn is about the axis whose first coordinate
-// that is not 0 is positive.
-so3::Vector3 offset_between(const so3::Quaternion& wanted, const so3::Quaternion& shown,
+// The rotation vector that rotates `demonstrated` into `wanted`, of those, 2 pi apart on a line,
+// the one nearest to `near`; near 0, the shortest. Half a turn is about the axis whose first
+// coordinate that is not 0 is positive.
+so3::Vector3 offset_between(const so3::Quaternion& wanted, const so3::Quaternion& demonstrated,
                             const so3::Vector3& near);
 
 so3::Quaternion orientation_at(const Curve& curve, const Path& offset, double phase,
