@@ -131,15 +131,6 @@ def test_joints_keep_limits_and_know_no_obstacles():
         skill.generate(obstacles=[WALL])
 
 
-@pytest.mark.parametrize(
-    "limits",
-    [3, (0.0, 1.0), ((0, 0, 0), (1, 1)), ((1, 1, 1), (0, 0, 0)), ((0, 0, np.nan), (1, 1, 1))],
-)
-def test_bad_limits_are_refused_by_name(limits):
-    with pytest.raises(InvalidInput, match="limits"):
-        SKILL.generate(limits=limits)
-
-
 def test_ends_outside_the_limits_are_refused_by_name():
     limits = ((-1.0, -1.0, 0.0), (0.3, 1.0, 1.0))
     with pytest.raises(InvalidInput, match="goal"):

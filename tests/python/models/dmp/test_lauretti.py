@@ -163,15 +163,6 @@ def test_steps_are_those_of_the_whole_motion_and_a_moved_goal_is_reached():
     assert np.degrees(away) < 0.1
 
 
-def test_the_planner_is_saved_with_its_form(tmp_path):
-    u, q = tipped(120)
-    skill = PLANNER.fit([demonstration(u, q)])
-    skill.save(tmp_path / "skill.npz")
-    again = lt.load_skill(tmp_path / "skill.npz")
-    assert again.model == PLANNER
-    assert again.generate().orientations.tobytes() == skill.generate().orientations.tobytes()
-
-
 def test_what_the_forms_cannot_do_is_refused_by_name():
     u, q = tipped(60)
     with pytest.raises(UnsupportedQuery, match="final_velocity"):

@@ -1,14 +1,11 @@
 """Movement primitives of poses; the hard rotations among them."""
 
-import pickle
-
 import numpy as np
 import pytest
 from models.dmp.turns import (
     DURATION,
     HARD,
     HARD_AT_50_HZ,
-    WAVE,
     about_turning_axis,
     angle_turned,
     demonstration,
@@ -22,7 +19,7 @@ from models.dmp.turns import (
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
+from leadthrough.errors import FitError
 from leadthrough.preprocess import segment
 
 
@@ -99,46 +96,6 @@ def test_several_demonstrations_give_their_mean():
     turned = rotations.compose(q, np.repeat([[0.0, 1.0, 0.0, 0.0]], len(q), axis=0))
     with pytest.raises(FitError, match="mean orientation"):
         lt.DMP().fit([shown[0], demonstration(u, turned)])
-
-
-@pytest.mark.parametrize("orientation", ["anchored", "lifted", "log", "euler"])
-def test_skill_survives_pickling_and_saving(orientation, tmp_path):
-    skill = fitted(*turn(120, 100), orientation=orientation, weights=20)
-    skill.save(tmp_path / "skill.npz")
-    expected = skill.generate(goal=((1, 1, 1), (1, 0, 0, 0)))
-    for again in (pickle.loads(pickle.dumps(skill)), lt.load_skill(tmp_path / "skill.npz")):
-        made = again.generate(goal=((1, 1, 1), (1, 0, 0, 0)))
-        assert made.orientations.tobytes() == expected.orientations.tobytes()
-        assert made.positions.tobytes() == expected.positions.tobytes()
-
-
-@pytest.mark.parametrize(
-    "query",
-    [
-        {"goal": ((0, 0, 0), (1, 1, 1, 1))},
-        {"goal": ((0, 0, 0), (0, 0, 0, 0))},
-        {"goal": (0, 0)},
-        {"start": ((0, 0), (1, 0, 0, 0))},
-        {"start": (0, 0, np.nan)},
-        {"duration": 0.0},
-        {"dt": -1.0},
-        {"obstacles": [1]},
-        {"via": [(0.5, (0, 0))]},
-    ],
-)
-def test_bad_query_is_refused_by_name(query):
-    with pytest.raises(InvalidInput, match=next(iter(query))):
-        WAVE.generate(**query)
-
-
-def test_bad_settings_and_demonstrations_are_refused():
-    with pytest.raises(InvalidInput, match="orientation"):
-        lt.DMP(orientation="quaternion")
-    with pytest.raises(UnsupportedQuery, match="limits"):
-        WAVE.generate(limits=(-np.ones(3), np.ones(3)))
-    still = lt.PoseTrajectory([0, 1], np.zeros((2, 3)), [(1, 0, 0, 0), (-1, 0, 0, 0)])
-    with pytest.raises(FitError, match="does not move"):
-        lt.DMP().fit([lt.Demonstration(still)])
 
 
 @pytest.mark.parametrize("trial", ["trial1.csv", "trial2.csv"])

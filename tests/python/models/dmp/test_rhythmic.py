@@ -1,13 +1,10 @@
 """Rhythmic primitives."""
 
-import pickle
-
 import numpy as np
 import pytest
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 
 PERIOD = 1.5
 
@@ -123,30 +120,3 @@ def test_joints_keep_their_names():
     joints = lt.JointTrajectory(SHOWN.times, SHOWN.positions, joint_names=("a", "b", "c"))
     made = lt.RhythmicDMP().fit([lt.Demonstration(joints)]).generate()
     assert made.joint_names == ("a", "b", "c")
-
-
-def test_rhythms_survive_pickling_and_saving(tmp_path):
-    for skill in (SKILL, lt.RhythmicDMP(period=PERIOD).fit([lt.Demonstration(SHOWN)])):
-        skill.save(tmp_path / "skill.npz")
-        for again in (pickle.loads(pickle.dumps(skill)), lt.load_skill(tmp_path / "skill.npz")):
-            assert type(again) is type(skill)
-            made, expected = again.generate(duration=4.0), skill.generate(duration=4.0)
-            assert made.positions.tobytes() == expected.positions.tobytes()
-
-
-def test_bad_input_is_refused():
-    for settings in ({"weights": 2}, {"period": 0.0}, {"period": "1"}):
-        with pytest.raises(InvalidInput, match=next(iter(settings))):
-            lt.RhythmicDMP(**settings)
-    with pytest.raises(FitError, match="period"):
-        lt.RhythmicDMP(period=2.0).fit([lt.Demonstration(points_of(SHOWN))])
-    with pytest.raises(FitError, match="samples"):
-        lt.RhythmicDMP(period=1e-9).fit([lt.Demonstration(points_of(SHOWN))])
-    with pytest.raises(UnsupportedQuery, match="obstacles"):
-        SKILL.generate(obstacles=[lt.Sphere(0.1, (0, 0, 0))])
-    bad = ({"amplitude": -1}, {"period": 0.0}, {"period": 1e-9}, {"start": (0,)}, {"goal": "x"})
-    for query in bad:
-        with pytest.raises(InvalidInput, match=next(iter(query))):
-            SKILL.generate(**query, duration=1.0)
-    with pytest.raises(InvalidInput, match="dt"):
-        SKILL.step(SKILL.begin(), 1e6)
