@@ -169,7 +169,8 @@ Quaternion offset_at(const Path& offset, double phase) {
   return product.orientation;
 }
 
-Vector3 offset_between(const Quaternion& wanted, const Quaternion& demonstrated, const Vector3& near) {
+Vector3 offset_between(const Quaternion& wanted, const Quaternion& demonstrated,
+                       const Vector3& near) {
   Quaternion turn = so3::compose(wanted, so3::inverse(demonstrated));
   if (std::abs(turn[0]) < 0.5 * kHalfTurn) {
     const Vector3 axis = turn.tail<3>();
