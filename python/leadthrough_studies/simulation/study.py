@@ -11,12 +11,13 @@ of conditioning and of human demonstrations. Needs the extra `simulation`; handw
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from leadthrough.simulation import (
     ComputedTorque,
+    Controller,
+    Disturbances,
     JointImpedance,
     PositionServo,
     SimulationReport,
@@ -28,10 +29,10 @@ from leadthrough_studies.simulation.report import report
 from leadthrough_studies.simulation.stability import conditioning, naturalness
 from leadthrough_studies.study import Row, Study, Task, cpu_time
 
-_AMISS: dict[str, Any] = {"friction": 0.2, "delay": 0.001}
-# Controllers, and what is amiss.
-SETTINGS: dict[str, tuple[Any, dict[str, Any]]] = {
-    "computed torque, nothing amiss": (ComputedTorque(), {}),
+_AMISS = Disturbances(friction=0.2, delay=0.001)
+# Controllers and disturbances.
+SETTINGS: dict[str, tuple[Controller, Disturbances]] = {
+    "computed torque, nothing amiss": (ComputedTorque(), Disturbances()),
     "computed torque": (ComputedTorque(), _AMISS),
     "position servo": (PositionServo(), _AMISS),
     "joint impedance": (JointImpedance(), _AMISS),
@@ -96,8 +97,8 @@ def run_motion(*, source: str, index: int, seed: int) -> list[Row]:
     if isinstance(made, str):
         return [{"study": "refused", **labels, "reason": made}]
     rows: list[Row] = []
-    for setting, (controller, amiss) in SETTINGS.items():
-        shown = simulate(made.arm, made.joints, controller=controller, **amiss)
+    for setting, (controller, disturbances) in SETTINGS.items():
+        shown = simulate(made.arm, made.joints, controller=controller, disturbances=disturbances)
         rows.append({"study": "sound", **labels, "setting": setting} | _judged(shown))
     if index == 0:
         seconds = cpu_time(lambda: simulate(made.arm, made.joints))
