@@ -11,12 +11,12 @@ of conditioning and of human demonstrations. Needs the extra `simulation`; handw
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from leadthrough.simulation import (
     ComputedTorque,
-    Controller,
     Disturbances,
     JointImpedance,
     PositionServo,
@@ -31,7 +31,7 @@ from leadthrough_studies.study import Row, Study, Task, cpu_time
 
 _AMISS = Disturbances(friction=0.2, delay=0.001)
 # Controllers and disturbances.
-SETTINGS: dict[str, tuple[Controller, Disturbances]] = {
+SETTINGS: dict[str, tuple[Any, Disturbances]] = {
     "computed torque, nothing amiss": (ComputedTorque(), Disturbances()),
     "computed torque": (ComputedTorque(), _AMISS),
     "position servo": (PositionServo(), _AMISS),
