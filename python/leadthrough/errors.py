@@ -31,6 +31,9 @@ class LeadthroughError(Exception):
 class InvalidInput(LeadthroughError, ValueError):
     """An argument is wrong; the message names it, the expected and the given value.
 
+    Every function raises it for an argument that is not as documented: another type or shape, out
+    of the stated range, not finite. Under "Raises" stand only further causes.
+
     Attributes:
         argument: name of the argument, such as "rate"; None if no single one is at fault.
         value: the given value, if it is a number or a text; else None.

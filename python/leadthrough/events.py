@@ -26,9 +26,6 @@ class Event:
     Attributes:
         time: s, on the clock of the motion.
         name: action or observation, such as "close gripper"; not blank.
-
-    Raises:
-        InvalidInput: if the time is not a finite number or the name is not text or is blank.
     """
 
     time: float

@@ -139,9 +139,6 @@ class Trajectory(Sampled):
 
         Returns:
             Point (d,), or (m, d) for several times.
-
-        Raises:
-            InvalidInput: if a time lies outside the motion.
         """
         several, _, points = self._places(time)
         return points if several else points[0]
@@ -207,9 +204,6 @@ class PoseTrajectory(Sampled):
 
         Returns:
             Position (3,) and orientation (4,), or (m, 3) and (m, 4) for several times.
-
-        Raises:
-            InvalidInput: if a time lies outside the motion.
         """
         several, at, points = self._places(time)
         if len(self.times) == 1:
@@ -284,9 +278,6 @@ class JointTrajectory(Sampled):
 
         Returns:
             Joint positions (joints,), or (m, joints) for several times.
-
-        Raises:
-            InvalidInput: if a time lies outside the motion.
         """
         several, _, joints = self._places(time)
         return joints if several else joints[0]
@@ -348,9 +339,6 @@ class Demonstration(Drawn, Generic[MotionT_co]):
     Attributes:
         motion: the demonstrated motion; `joints` that are given become the motion's own.
         name: for messages and files.
-
-    Raises:
-        InvalidInput: if the motion is none, or the joints do not fit it.
     """
 
     motion: MotionT_co

@@ -187,9 +187,6 @@ def trim(
             all of them, rad/s. By default it follows from the recording: twice what its noise
             reaches, and at least 4 % of its usual speed.
         angular_speed: threshold of poses, > 0, rad/s; by default as for `speed`.
-
-    Raises:
-        InvalidInput: if an argument is of the wrong type or out of its range.
     """
     demonstration = as_demonstration(demonstration, "demonstration")
     motion = demonstration.motion

@@ -217,9 +217,6 @@ class Arm(ArmModel):
 
         Returns:
             One row per configuration; none where no solution was found.
-
-        Raises:
-            InvalidInput: if an argument is out of its range.
         """
         return inverse_kinematics.solve_all(
             self._chain,
@@ -318,10 +315,6 @@ class Arm(ArmModel):
             motion: the poses, or points in 3-D, that the tip was to follow.
             position_tolerance: the largest error in m for the verdict `ok`, > 0.
             orientation_tolerance: the largest error in rad for the verdict `ok`, > 0.
-
-        Raises:
-            InvalidInput: if an argument has another type or number of samples, or a tolerance is
-                not positive.
         """
         return path_report(
             self._chain,

@@ -129,9 +129,6 @@ def damped_inverse_kinematics(
     Returns:
         One row per pose.
 
-    Raises:
-        InvalidInput: if an argument has another type or shape, or is out of its range.
-
     Source: Yang, Liu and Pears, equations 3 to 7.
     """
     targets = many_poses(positions, orientations)

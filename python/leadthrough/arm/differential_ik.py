@@ -60,9 +60,6 @@ class DifferentialIk(ShortRepr):
             leaves the tool in place; by default the middle of their ranges.
         nullspace_gain: rate in 1/s, >= 0, of that motion.
 
-    Raises:
-        InvalidInput: if an argument has another shape or is out of its range.
-
     Source: Nakamura and Hanafusa 1986 (damped step); Flacco, De Luca and Khatib 2015 (limits).
     """
 
@@ -112,9 +109,6 @@ class DifferentialIk(ShortRepr):
         Args:
             q: configuration (joints,) in rad (m).
             qd: velocities (joints,) in rad/s (m/s); by default at rest.
-
-        Raises:
-            InvalidInput: if one has another shape, is not finite or too large.
         """
         still = np.zeros(self._joints) if qd is None else qd
         return JointState(
@@ -138,9 +132,6 @@ class DifferentialIk(ShortRepr):
             orientation: of the target, (4,) w, x, y, z; None leaves it free.
             twist: of the target itself, (6,) in m/s and rad/s, linear first, base frame; zero by
                 default.
-
-        Raises:
-            InvalidInput: if an argument has another type or shape, is not finite or too large.
         """
         target = _FREE if orientation is None else orientation
         moving = _STILL if twist is None else twist

@@ -73,9 +73,6 @@ class FollowOptions(ShortRepr):
         position_tolerance: error in m that counts as reached, > 0. All samples but those beside a
             singularity come ten times closer.
         orientation_tolerance: error in rad that counts as reached, > 0; the same holds.
-
-    Raises:
-        InvalidInput: if an option is out of its range.
     """
 
     posture: Motion | ArrayLike | None = None

@@ -46,9 +46,6 @@ class JointLimits(ShortRepr):
         acceleration: (joints,) in rad/s^2 (m/s^2), >= 0; None if not known.
         jerk: (joints,) in rad/s^3 (m/s^3), >= 0; None if not known.
         effort: (joints,) in N m (N), >= 0; None if not known.
-
-    Raises:
-        InvalidInput: if one has another length, is NaN or negative, or lower is above upper.
     """
 
     joint_names: tuple[str, ...]

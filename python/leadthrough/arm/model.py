@@ -116,9 +116,6 @@ class ArmModel(Drawn):
         Args:
             position: (3,) in m.
             orientation: (4,) w, x, y, z.
-
-        Raises:
-            InvalidInput: if one has another shape, or the orientation is no unit quaternion.
         """
         return replace(self, attachment=self.attachment.with_tool(position, orientation))
 
@@ -148,9 +145,6 @@ class ArmModel(Drawn):
             shape: any but a PointCloud; it joins `attached` and counts in
                 collision checks. Of a mesh the hulls of its parts count, for its mass too.
             mass: in kg, >= 0, of uniform density; it adds to the payload.
-
-        Raises:
-            InvalidInput: if the shape is something else, or the mass is negative.
         """
         return replace(self, attachment=self.attachment.with_shape(shape, mass))
 
@@ -162,9 +156,6 @@ class ArmModel(Drawn):
 
         Returns:
             Position (3,) and orientation (4,), or (m, 3) and (m, 4) for a batch.
-
-        Raises:
-            InvalidInput: if q has another shape or is not finite.
         """
         return kinematics.forward_kinematics(self._chain, q)
 
@@ -176,9 +167,6 @@ class ArmModel(Drawn):
 
         Returns:
             (6, joints), or (m, 6, joints) for a batch.
-
-        Raises:
-            InvalidInput: if q has another shape, is not finite or so large that J overflows.
         """
         return kinematics.jacobian(self._chain, q)
 
@@ -193,9 +181,6 @@ class ArmModel(Drawn):
 
         Returns:
             (6, joints), or (m, 6, joints) for a batch.
-
-        Raises:
-            InvalidInput: if the shapes differ, or a number is not finite or too large.
         """
         return kinematics.matrices(_core.jacobian_derivative, self._chain, q=q, qd=qd)
 
@@ -213,9 +198,6 @@ class ArmModel(Drawn):
 
         Returns:
             (6, joints), or (m, 6, joints) for a batch.
-
-        Raises:
-            InvalidInput: if the shapes differ, or a number is not finite or too large.
         """
         kernel = _core.jacobian_second_derivative
         return kinematics.matrices(kernel, self._chain, q=q, qd=qd, qdd=qdd)
@@ -232,9 +214,6 @@ class ArmModel(Drawn):
 
         Returns:
             (), or (m,) for a batch.
-
-        Raises:
-            InvalidInput: if q has another shape, is not finite or too large.
 
         Source: Yoshikawa 1985.
         """
@@ -254,10 +233,6 @@ class ArmModel(Drawn):
 
         Returns:
             (), or (m,) for a batch.
-
-        Raises:
-            InvalidInput: if q has another shape, is not finite or too large, or the weight is not
-                positive.
         """
         weight = check.number(rotation_weight, "rotation_weight", above=0.0)
         return kinematics.condition_number(self.jacobian(q), weight)

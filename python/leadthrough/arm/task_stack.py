@@ -57,9 +57,6 @@ class TaskStack(ShortRepr):
         rest_damping: rate in 1/s, >= 0, at which the joints slow down in directions in which no
             task asks for an acceleration.
 
-    Raises:
-        InvalidInput: if a task does not fit the arm, or an argument is out of its range.
-
     Source: Siciliano and Slotine 1991; Flacco and De Luca 2014; Flacco, De Luca and Khatib 2015.
     """
 
@@ -90,9 +87,6 @@ class TaskStack(ShortRepr):
 
         Args:
             tasks: in the order of their priority, the highest first; at most 12.
-
-        Raises:
-            InvalidInput: if a task does not fit the arm.
         """
         # Spelled out, as loops change tasks in every step: unchanged parts are reused.
         made = object.__new__(TaskStack)
@@ -112,9 +106,6 @@ class TaskStack(ShortRepr):
             qd: present velocities (joints,) in rad/s (m/s); without them the accelerations that
                 lead to the new velocities are not bounded.
             dt: the interval in s, 1e-6 to 10.
-
-        Raises:
-            InvalidInput: if an argument has another shape or is out of its range.
         """
         now = self._joints(q, "q")
         before = _UNKNOWN if qd is None else self._joints(qd, "qd")
@@ -127,9 +118,6 @@ class TaskStack(ShortRepr):
             q: configuration (joints,) in rad (m).
             qd: present velocities (joints,) in rad/s (m/s), which grow by dt times the answer.
             dt: the interval in s, 1e-6 to 10.
-
-        Raises:
-            InvalidInput: if an argument has another shape or is out of its range.
         """
         state = (self._joints(q, "q"), self._joints(qd, "qd"))
         return _solution(*self._stack.acceleration(*state, magnitudes.interval(dt)))
@@ -325,9 +313,6 @@ def resolve(
         lower: bounds (joints,) of the motion; none by default.
         upper: bounds (joints,) of the motion; none by default.
         scheme: as in `TaskStack`.
-
-    Raises:
-        InvalidInput: if the shapes don't fit each other, or a lower bound is above the upper one.
     """
     rows = _checked_jacobians(jacobians)
     joints = rows[0].shape[1]

@@ -102,9 +102,6 @@ class PoseTask(ArmTask):
         link: name of the link; None is the arm's tip.
         gain: rate at which the error decays, 1/s, > 0.
         damping_ratio: of the decay where accelerations are commanded, > 0.
-
-    Raises:
-        InvalidInput: if an argument has another shape or is out of its range.
     """
 
     position: Float64Array
@@ -147,9 +144,6 @@ class PositionTask(ArmTask):
         point: (3,) in m, in the link's frame.
         gain: rate at which the error decays, 1/s, > 0.
         damping_ratio: of the decay where accelerations are commanded, > 0.
-
-    Raises:
-        InvalidInput: if an argument has another shape or is out of its range.
     """
 
     position: Float64Array
@@ -196,9 +190,6 @@ class DirectionTask(ArmTask):
         link: name of the link; None is the arm's tip.
         gain: rate at which the error decays, 1/s, > 0.
         damping_ratio: of the decay where accelerations are commanded, > 0.
-
-    Raises:
-        InvalidInput: if an argument has another shape or is out of its range.
     """
 
     axis: Float64Array
@@ -246,9 +237,6 @@ class PostureTask(ArmTask):
         velocity: of the goal, (joints,) in rad/s (m/s).
         gain: rate at which the error decays, 1/s, > 0.
         damping_ratio: of the decay where accelerations are commanded, > 0.
-
-    Raises:
-        InvalidInput: if an argument has another shape or is out of its range.
     """
 
     q: Float64Array
@@ -283,9 +271,6 @@ class ElbowTask(ArmTask):
             sideways.
         gain: rate at which the error decays, 1/s, > 0.
         damping_ratio: of the decay where accelerations are commanded, > 0.
-
-    Raises:
-        InvalidInput: if an argument has another shape or is out of its range.
     """
 
     link: str
@@ -322,9 +307,6 @@ class JointLimitTask(ArmTask):
             quarter of a joint's range counts.
         gain: fraction per second of what is left of the distance that it may shrink by, > 0.
         damping_ratio: of the decay where accelerations are commanded, > 0.
-
-    Raises:
-        InvalidInput: if a number is out of its range.
     """
 
     margin: float
@@ -351,9 +333,6 @@ class ObstacleTask(ArmTask):
         point: (3,) in m, in the link's frame.
         gain: fraction per second of what is left of the distance that it may shrink by, > 0.
         damping_ratio: of the decay where accelerations are commanded, > 0.
-
-    Raises:
-        InvalidInput: if an argument has another type or shape, or is out of its range.
     """
 
     shape: Shape

@@ -184,9 +184,6 @@ class Guard(ShortRepr):
 
         Returns:
             None if no state was given yet.
-
-        Raises:
-            InvalidInput: if an obstacle is malformed.
         """
         self._scene = Scene(obstacles, self._scene.margin, self._scene.self_collision_margin)
         around = surroundings(self._arm, self._scene, self._period)

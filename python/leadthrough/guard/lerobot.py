@@ -32,9 +32,6 @@ class GuardStep:
         guard: of the arm; its joints are named as the motors, with or without ".pos".
         unit: of the actions and observations.
         answer: what the guard said of the last action; None before the first.
-
-    Raises:
-        InvalidInput: if the unit is unknown.
     """
 
     def __init__(self, guard: Guard, *, unit: Literal["degrees", "radians"] = "degrees") -> None:

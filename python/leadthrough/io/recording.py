@@ -31,9 +31,6 @@ class Recording(ShortRepr):
         joints: of the arm whose tip moved so, n samples in the same order, or None.
         events: on the same clock.
         name: of the recording; for messages and demonstrations.
-
-    Raises:
-        InvalidInput: if an array is not numeric or its shape does not fit.
     """
 
     times: Float64Array

@@ -150,9 +150,6 @@ def arrival_times_batch(
 
     Returns:
         Times of the maps' shape, one array per problem.
-
-    Raises:
-        InvalidInput: as in `arrival_times`, and if there are not as many maps as sources.
     """
     precision = precision_of(dtype)
     check.integer(order, "order", at_least=1, at_most=2)
@@ -189,9 +186,6 @@ def nearest_sources(
 
     Returns:
         Indices of the shape of `arrival`.
-
-    Raises:
-        InvalidInput: if the times, sources or spacing are not of this kind.
     """
     raw = regular(arrival, "arrival")
     if raw.dtype.kind != "f" or raw.ndim not in (2, 3) or raw.size == 0 or not raw.min() >= 0.0:

@@ -97,9 +97,6 @@ def plan(speed: ArrayLike, grid: Grid, start: ArrayLike, goal: ArrayLike) -> Pla
         grid: of the map.
         start: point (d,).
         goal: point (d,).
-
-    Raises:
-        InvalidInput: as in `plan_many`.
     """
     return plan_many(speed, grid, check.array(start, "start", shape=("d",))[None], goal)[0]
 
@@ -115,9 +112,6 @@ def plan_many(speed: ArrayLike, grid: Grid, starts: ArrayLike, goal: ArrayLike) 
 
     Returns:
         A plan for each start; one without a path says why.
-
-    Raises:
-        InvalidInput: if the map does not fit the grid, or points are malformed.
     """
     points = check.array(starts, "starts", shape=("k", grid.dimensions))
     end = check.array(goal, "goal", shape=(grid.dimensions,))

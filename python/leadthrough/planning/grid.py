@@ -30,9 +30,6 @@ class Grid(ShortRepr):
         origin: centre of the first cell (d,), in the unit of the points; d is 2 or 3.
         spacing: distance between neighbours' centres, (d,), > 0; one number holds for every axis.
         shape: number of cells along every axis, (d,), at most 2e8 in all.
-
-    Raises:
-        InvalidInput: if one of them is malformed or out of its range.
     """
 
     origin: Float64Array
@@ -99,9 +96,6 @@ class Grid(ShortRepr):
 
         Args:
             points: (n, d).
-
-        Raises:
-            InvalidInput: if they are not finite points of the grid's dimension.
         """
         p = check.array(points, "points", shape=("n", self.dimensions))
         return np.asarray((p - self.origin) / self.spacing)
@@ -111,9 +105,6 @@ class Grid(ShortRepr):
 
         Args:
             coordinates: (n, d), whole numbers at cells' centres.
-
-        Raises:
-            InvalidInput: if they are not finite numbers of that shape.
         """
         c = check.array(coordinates, "coordinates", shape=("n", self.dimensions))
         return np.asarray(self.origin + c * self.spacing)
@@ -123,9 +114,6 @@ class Grid(ShortRepr):
 
         Args:
             points: (n, d).
-
-        Raises:
-            InvalidInput: if they are not finite points of the grid's dimension.
         """
         nearest = np.floor(self.coordinates(points) + 0.5)
         return np.asarray(((nearest >= 0) & (nearest < self.shape)).all(axis=1))

@@ -21,9 +21,6 @@ def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> 
         grid: the cells; a 2-D grid is the plane z = 0.
         obstacles: shapes.
         margin: in the grid's unit, >= 0.
-
-    Raises:
-        InvalidInput: if an obstacle is no shape, or the margin is negative.
     """
     room = check.number(margin, "margin", at_least=0.0)
     result = np.zeros(grid.shape, dtype=np.bool_)
@@ -43,9 +40,6 @@ def occupied_by_points(grid: Grid, points: ArrayLike, *, radius: float) -> NDArr
             it.
         radius: in the grid's unit, > 0; below half a cell's diagonal a point may lie between all
             centres.
-
-    Raises:
-        InvalidInput: if the points do not have the grid's dimension, or the radius is not > 0.
     """
     from scipy.spatial import cKDTree
 
@@ -103,9 +97,6 @@ def distance_transform(mask: ArrayLike, *, spacing: ArrayLike = 1.0) -> Float64A
 
     Returns:
         Distances in the unit of the spacing, of the mask's shape.
-
-    Raises:
-        InvalidInput: if the mask is not such an array or a spacing is not > 0.
     """
     cells = np.asarray(mask)
     if cells.dtype != np.bool_ or cells.ndim not in (2, 3) or not 0 < cells.size <= MAX_CELLS:

@@ -80,9 +80,6 @@ def align_by_time_warping(
         demonstrations: at least one, all of one type and size, two samples or more each; a motion
             stands for a demonstration of it.
         reference: index of one whose timing and duration all others take, instead of the mean's.
-
-    Raises:
-        InvalidInput: if the demonstrations don't fit, or there is none of that index.
     """
     demonstrations = _comparable(demonstrations)
     motions = [each.motion for each in demonstrations]

@@ -160,9 +160,6 @@ def cut_at_gaps(
         recording: with or without faults.
         longest_gap: longest time without a sample, > 0, s; times shorter than five usual steps are
             no gap.
-
-    Raises:
-        InvalidInput: if no sample has a time, or the gap is not positive.
     """
     longest = check.number(longest_gap, "longest_gap", above=0.0)
     whole = _as_recording(recording)

@@ -20,9 +20,6 @@ def dtw_distance(a: ArrayLike, b: ArrayLike) -> float:
     Returns:
         The sum, in the curves' unit.
 
-    Raises:
-        InvalidInput: if a curve has no points, the dimensions differ or the sum is not finite.
-
     Source: Sakoe and Chiba 1978, with symmetric steps of weight one.
     """
     return _finite(_core.dtw_distance(*_curves(a, b)))
@@ -37,9 +34,6 @@ def frechet_distance(a: ArrayLike, b: ArrayLike) -> float:
 
     Returns:
         The distance, in the curves' unit.
-
-    Raises:
-        InvalidInput: if a curve has no points, the dimensions differ or the result is not finite.
 
     Source: Eiter and Mannila 1994.
     """

@@ -51,9 +51,6 @@ def segment(
         angular_speed: threshold of poses, > 0, rad/s; by default as for `speed`.
         pause: s, > 0.
         shortest: s, > 0; shorter motions are left out.
-
-    Raises:
-        InvalidInput: if an argument is of the wrong type or not positive.
     """
     demonstration = as_demonstration(demonstration, "demonstration")
     window = check.number(pause, "pause", above=0.0)

@@ -90,9 +90,6 @@ def smooth_by_spline(
         stiffness: weight, >= 0, of the squared second derivative relative to the squared distances
             from the samples; by default found for each column by generalised cross-validation.
 
-    Raises:
-        InvalidInput: if there are too few samples, or the stiffness is negative.
-
     Source: Craven and Wahba 1979.
     """
     demonstration = several_samples(demonstration)

@@ -259,9 +259,6 @@ def spread_orientations(count: int) -> Float64Array:
 
     Args:
         count: their number, >= 1.
-
-    Raises:
-        InvalidInput: if it is not a positive integer.
     """
     number = check.integer(count, "count", at_least=1)
     at = np.arange(number) + 0.5

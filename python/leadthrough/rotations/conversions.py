@@ -23,9 +23,6 @@ def to_matrix(quaternions: ArrayLike) -> Float64Array:
 
     Args:
         quaternions: unit quaternions (n, 4).
-
-    Raises:
-        InvalidInput: if they are not unit quaternions of that shape.
     """
     q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
     return np.asarray(_core.so3_to_matrix(q).reshape(-1, 3, 3))
@@ -70,9 +67,6 @@ def from_euler(angles: ArrayLike, *, convention: str) -> Float64Array:
         angles: rad, (n, 3).
         convention: three axes in the order of the angles; capital letters ("ZYZ") turn about the
             moving axes, small ones ("xyz") about the fixed ones.
-
-    Raises:
-        InvalidInput: if the angles are not finite numbers of that shape, or the convention is none.
     """
     checked = check.array(angles, "angles", shape=("n", 3))
     axes = check.choice(convention, "convention", CONVENTIONS)
@@ -99,9 +93,6 @@ def to_euler(quaternions: ArrayLike, *, convention: str) -> Float64Array:
     Returns:
         The first and third angle from -pi to pi; the second from 0 to pi where the first and third
         axis are the same, else from -pi/2 to pi/2.
-
-    Raises:
-        InvalidInput: if they are not unit quaternions of that shape, or the convention is none.
     """
     from scipy.spatial.transform import Rotation
 

@@ -18,9 +18,6 @@ def exp(rotation_vectors: ArrayLike) -> Float64Array:
 
     Args:
         rotation_vectors: axis times angle, rad, (n, 3), of any length.
-
-    Raises:
-        InvalidInput: if they are not finite numbers of that shape.
     """
     return _core.so3_exp(check.array(rotation_vectors, "rotation_vectors", shape=("n", 3)))
 
@@ -31,9 +28,6 @@ def log(quaternions: ArrayLike) -> Float64Array:
     Args:
         quaternions: unit quaternions (n, 4). q and -q have the same logarithm, except at exactly
             pi, where the sign of the vector is q's.
-
-    Raises:
-        InvalidInput: if they are not unit quaternions of that shape.
     """
     return _core.so3_log(check.quaternions(quaternions, "quaternions", shape=("n", 4)))
 
@@ -44,9 +38,6 @@ def compose(a: ArrayLike, b: ArrayLike) -> Float64Array:
     Args:
         a: unit quaternions (n, 4).
         b: unit quaternions (n, 4).
-
-    Raises:
-        InvalidInput: if they are not unit quaternions, as many in one as in the other.
     """
     return _core.so3_compose(*pair(a, b))
 
@@ -56,9 +47,6 @@ def inverse(quaternions: ArrayLike) -> Float64Array:
 
     Args:
         quaternions: unit quaternions (n, 4).
-
-    Raises:
-        InvalidInput: if they are not unit quaternions of that shape.
     """
     q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
     return np.asarray(q * [1.0, -1.0, -1.0, -1.0])
@@ -70,9 +58,6 @@ def distance(a: ArrayLike, b: ArrayLike) -> Float64Array:
     Args:
         a: unit quaternions (n, 4).
         b: unit quaternions (n, 4).
-
-    Raises:
-        InvalidInput: if they are not unit quaternions, as many in one as in the other.
     """
     return _core.so3_distance(*pair(a, b))
 
@@ -82,9 +67,6 @@ def align_signs(quaternions: ArrayLike) -> Float64Array:
 
     Args:
         quaternions: unit quaternions (n, 4), of which the first keeps its sign.
-
-    Raises:
-        InvalidInput: if they are not unit quaternions of that shape.
     """
     return aligned(check.quaternions(quaternions, "quaternions", shape=("n", 4)))
 

@@ -32,9 +32,6 @@ def slerp(a: ArrayLike, b: ArrayLike, fractions: ArrayLike) -> Float64Array:
     Returns:
         Quaternions that are continuous from a, so that at 1 they may be -b.
 
-    Raises:
-        InvalidInput: if the arguments are malformed or a fraction lies outside [0, 1].
-
     Source: Shoemake 1985, "Animating rotation with quaternion curves".
     """
     first, second = pair(a, b)
@@ -55,9 +52,6 @@ def interpolate(times: ArrayLike, quaternions: ArrayLike, at: ArrayLike) -> Floa
         times: of the samples, s, (n,), n >= 2.
         quaternions: the samples, unit quaternions (n, 4).
         at: times of the result, s, (m,), not before the first sample or after the last.
-
-    Raises:
-        InvalidInput: if the arguments are malformed or a time lies outside the samples'.
     """
     t, samples = timed(times, quaternions, at_least=2)
     q = align_signs(samples)
@@ -125,9 +119,6 @@ def left_jacobian(rotation_vectors: ArrayLike) -> Float64Array:
 
     Args:
         rotation_vectors: phi, rad, (n, 3).
-
-    Raises:
-        InvalidInput: if they are not finite numbers of that shape.
 
     Source: Sola et al. 2018, eq. 145.
     """
@@ -201,9 +192,6 @@ def integrate(times: ArrayLike, angular_velocities: ArrayLike, start: ArrayLike)
         times: s, (n,).
         angular_velocities: rad/s in the base frame, (n, 3).
         start: unit quaternion (4,) at the first time.
-
-    Raises:
-        InvalidInput: if the arguments are malformed, or a turn is not of finite size.
     """
     t = check.times(times, "times")
     velocities = check.array(angular_velocities, "angular_velocities", shape=(len(t), 3))

@@ -26,9 +26,6 @@ class Box(Primitive):
         position: centre (3,), m.
         orientation: w, x, y, z of the box in the base frame, (4,); parallel to the axes by
             default.
-
-    Raises:
-        InvalidInput: if one of them is malformed or an edge is not > 0.
     """
 
     size_names = "SX,SY,SZ"
@@ -81,9 +78,6 @@ class Sphere(Primitive):
     Attributes:
         radius: m, > 0.
         position: centre (3,), m.
-
-    Raises:
-        InvalidInput: if one of them is malformed or the radius is not > 0.
     """
 
     size_names = "R"
@@ -172,9 +166,6 @@ class Capsule(_Round):
         position: middle (3,), m.
         orientation: w, x, y, z of the capsule in the base frame, (4,); along the base's z axis by
             default.
-
-    Raises:
-        InvalidInput: if one of them is malformed or out of its range.
     """
 
     radius: float
@@ -222,9 +213,6 @@ class Cylinder(_Round):
         position: middle (3,), m.
         orientation: w, x, y, z of the cylinder in the base frame, (4,); along the base's z axis by
             default.
-
-    Raises:
-        InvalidInput: if one of them is malformed or out of its range.
     """
 
     radius: float

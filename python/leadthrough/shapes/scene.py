@@ -33,9 +33,6 @@ class MovingObstacle(ShortRepr):
     Attributes:
         shape: the obstacle at its present pose, in the base frame.
         speed: upper bound of the speed of all of its points, m/s, >= 0.
-
-    Raises:
-        InvalidInput: if the shape is not a shape, or the speed is negative or not finite.
     """
 
     shape: Shape
@@ -54,9 +51,6 @@ class RandomObstacle(ShortRepr):
         shape: the obstacle, at the middle of its positions.
         reach: largest distance from there along each axis of the base frame, (3,) or one number,
             m, >= 0.
-
-    Raises:
-        InvalidInput: if the shape is not a shape, or the reach is malformed or negative.
     """
 
     shape: Shape
@@ -101,9 +95,6 @@ class Scene(ShortRepr):
         obstacles: shapes, `MovingObstacle` and `RandomObstacle`, in the base frame.
         margin: distance to keep from obstacles, m, >= 0.
         self_collision_margin: distance to keep between parts of the arm, m, >= 0.
-
-    Raises:
-        InvalidInput: if an obstacle is none of these, or a margin is negative or not finite.
     """
 
     obstacles: tuple[Obstacle, ...]

@@ -77,9 +77,6 @@ class Shape(ShortRepr, ABC):
         Args:
             position: (3,), m in the base frame.
             orientation: (4,) w, x, y, z; by default as before. A sphere has none and ignores it.
-
-        Raises:
-            InvalidInput: if one of them is malformed.
         """
         here = pose(position, IDENTITY if orientation is None else orientation)
         if orientation is None:
@@ -97,9 +94,6 @@ class Shape(ShortRepr, ABC):
 
         Args:
             points: m in the base frame, (n, 3).
-
-        Raises:
-            InvalidInput: if they are not finite points of that shape.
         """
         return self._compiled.distances(check.array(points, "points", shape=("n", 3)))
 

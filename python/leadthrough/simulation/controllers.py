@@ -115,9 +115,6 @@ class ComputedTorque(Controller):
         frequency: natural frequency of the error, rad/s, > 0.
         damping_ratio: 1 for no overshoot, > 0.
 
-    Raises:
-        InvalidInput: if one is not > 0.
-
     Source: Siciliano et al. 2009, "Robotics", section 8.5.2.
     """
 
@@ -181,9 +178,6 @@ class PositionServo(_JointSprings):
             inertia of each joint at the start the frequency.
         frequency: natural frequency of the joints, rad/s, > 0; without a stiffness.
         damping_ratio: of each joint with its inertia at the start, > 0.
-
-    Raises:
-        InvalidInput: if one is not > 0.
     """
 
     stiffness: ArrayLike | None = None
@@ -200,9 +194,6 @@ class JointImpedance(_JointSprings):
         stiffness: as there.
         frequency: as there; lower by default.
         damping_ratio: as there.
-
-    Raises:
-        InvalidInput: if one is not > 0.
 
     Source: Albu-Schaeffer, Ott and Hirzinger 2007.
     """
@@ -309,9 +300,6 @@ class CartesianImpedance(Controller):
         posture: natural frequency, rad/s, > 0, with which joints that the tip does not need keep to
             the planned posture.
         damping_ratio: of the tip with the inertia that it has where it is, > 0.
-
-    Raises:
-        InvalidInput: if one is malformed or out of its range.
 
     Source: Khatib 1987; damping by Albu-Schaeffer et al. 2003.
     """

@@ -35,9 +35,6 @@ class Push(ShortRepr):
         time: when it begins, s after the start of the motion.
         force: (3,), N in the base frame.
         duration: s, > 0.
-
-    Raises:
-        InvalidInput: if one is malformed or out of its range.
     """
 
     time: float
@@ -62,9 +59,6 @@ class Disturbances(ShortRepr):
         encoder: steps in which positions are measured, rad (m), >= 0; velocities are their
             differences.
         pushes: forces on the tip.
-
-    Raises:
-        InvalidInput: if one is malformed or out of its range.
     """
 
     payload: float = 1.0

@@ -147,10 +147,6 @@ def check_limits(
         linear_rate: rate in Hz of a receiver that runs the positions alone, straight from one to
             the next, such as a script of servoj commands. By default the quintics are judged that
             a controller runs which reads velocities and accelerations too.
-
-    Raises:
-        InvalidInput: if the trajectory and the limits are not of the same joints, or the rate is
-            not positive.
     """
     _joint_names(trajectory, limits)
     if linear_rate is None:
@@ -174,9 +170,6 @@ def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Bin
     Args:
         trajectory: the motion, judged as by `check_limits`.
         limits: limits of the same joints.
-
-    Raises:
-        InvalidInput: if the trajectory and the limits are not of the same joints.
     """
     joints = _joint_names(trajectory, limits)
     if len(trajectory.times) == 1:

@@ -26,9 +26,6 @@ class TipSpeed:
     Attributes:
         limit: m/s, > 0.
         jacobian: maps q to (3, joints) or, linear rows first, (6, joints), as `Arm.jacobian`.
-
-    Raises:
-        InvalidInput: if the limit is not positive or the Jacobian is no function.
     """
 
     limit: float

@@ -38,9 +38,6 @@ class Bezier(PointCurve):
     Attributes:
         points: control points (n, d); (n,) are taken as one-dimensional.
         domain: first and last time.
-
-    Raises:
-        InvalidInput: if the points are malformed or more than 100, or the domain does not rise.
     """
 
     points: Float64Array
@@ -66,9 +63,6 @@ class Bezier(PointCurve):
 
         Args:
             t: inside the domain.
-
-        Raises:
-            InvalidInput: if it is not.
         """
         first, last = self.domain
         time = check.number(t, "t", above=first, below=last)
@@ -191,9 +185,6 @@ def de_casteljau(points: ArrayLike, fraction: float) -> list[Float64Array]:
     Args:
         points: control points (n, d).
         fraction: of the domain, from 0 to 1.
-
-    Raises:
-        InvalidInput: if the points are malformed or the fraction lies outside [0, 1].
     """
     s = check.number(fraction, "fraction", at_least=0.0, at_most=1.0)
     levels = [curve.points(points, "points")]

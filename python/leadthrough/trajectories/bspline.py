@@ -38,9 +38,6 @@ class BSpline(PointCurve):
         points: control points (n, d); (n,) are taken as one-dimensional.
         knot_vector: (n + degree + 1,).
         degree: of the pieces, 0 to 20.
-
-    Raises:
-        InvalidInput: if one of them is malformed, or the knots fall or span no domain.
     """
 
     points: Float64Array
@@ -82,9 +79,6 @@ class BSpline(PointCurve):
 
         Args:
             t: times of the domain (n,).
-
-        Raises:
-            InvalidInput: if a time lies outside the domain.
         """
         import scipy.interpolate
 
@@ -115,9 +109,6 @@ class Nurbs(PointCurve):
         weights: (n,), > 0.
         knot_vector: (n + degree + 1,).
         degree: of the pieces, 0 to 20.
-
-    Raises:
-        InvalidInput: as for `BSpline`, and if a weight is not > 0.
     """
 
     points: Float64Array
@@ -183,9 +174,6 @@ def bspline_near(
         points: (n, d).
         control_points: number of control points, degree + 1 to n.
         degree: of the pieces, 1 to 20.
-
-    Raises:
-        InvalidInput: if the times do not rise, the shapes do not fit, or a number is out of range.
     """
     t, table, k = _checked(times, points, degree)
     count = check.integer(control_points, "control_points", at_least=k + 1, at_most=len(table))
@@ -211,9 +199,6 @@ def nurbs_through(
         points: (n, d), n > degree.
         weights: of the n control points, > 0; equal ones give a B-spline.
         degree: of the pieces, 1 to 20.
-
-    Raises:
-        InvalidInput: if the times do not rise, the shapes do not fit, or a number is out of range.
     """
     t, table, k = _checked(times, points, degree)
     factors = check.array(weights, "weights", shape=(len(table),))

@@ -69,9 +69,6 @@ class PointCurve(ShortRepr, ABC):
         Args:
             t: times of the domain, (n,) or one.
             derivative: order of the derivative, 0 for values.
-
-        Raises:
-            InvalidInput: if a time lies outside the domain, or the order is negative.
         """
         return self._values(times_inside(t, self.domain), order(derivative))
 
@@ -81,9 +78,6 @@ class PointCurve(ShortRepr, ABC):
         Args:
             matrix: (e, d).
             offset: (e,) or one number.
-
-        Raises:
-            InvalidInput: if they do not fit the curve's dimension.
         """
         width = len(self.evaluate(self.domain[0]))
         a = check.array(matrix, "matrix", shape=("e", width))
@@ -95,9 +89,6 @@ class PointCurve(ShortRepr, ABC):
 
         Args:
             factor: > 0; the times of the domain and the knots are multiplied by it.
-
-        Raises:
-            InvalidInput: if it is not > 0.
         """
         return self._stretched(check.number(factor, "factor", above=0.0))
 

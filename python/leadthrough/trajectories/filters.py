@@ -58,9 +58,6 @@ class FilterState(ShortRepr):
 
         Args:
             position: (d,).
-
-        Raises:
-            InvalidInput: if it is not a finite vector.
         """
         x = check.frozen(position, "position", shape=("d",))
         return FilterState(x, np.zeros_like(x), np.zeros_like(x))
@@ -85,9 +82,6 @@ class LinearFilter(ShortRepr, ABC):
             period: s, 1e-7 to 1e5.
             velocity: the target's, (d,) or one number; with it a moving target is followed without
                 lag.
-
-        Raises:
-            InvalidInput: if the shapes do not fit or the period is out of its range.
         """
         x, goal, speed, dt = _inputs(state, target, velocity, period)
         lag, moved, change = self._moved(x - goal + speed * dt, state.velocity, speed, dt)
@@ -106,9 +100,6 @@ class FirstOrderFilter(LinearFilter):
 
     Attributes:
         rate: of the decay, 1/s, > 0.
-
-    Raises:
-        InvalidInput: if the rate is not > 0.
     """
 
     rate: float
@@ -131,9 +122,6 @@ class SecondOrderFilter(LinearFilter):
     Attributes:
         stiffness: 1/s^2, > 0.
         damping: 1/s, > 0.
-
-    Raises:
-        InvalidInput: if one of them is not > 0.
     """
 
     stiffness: float
@@ -180,9 +168,6 @@ class TimeOptimalFilter(ShortRepr):
     Attributes:
         velocity: limit > 0, (d,) or one number for all dimensions.
         acceleration: limit > 0, (d,) or one number for all dimensions.
-
-    Raises:
-        InvalidInput: if a limit is not > 0.
     """
 
     velocity: Float64Array
@@ -210,9 +195,6 @@ class TimeOptimalFilter(ShortRepr):
             period: s, 1e-7 to 1e5.
             velocity: the target's, (d,) or one number; a moving target within the limits is caught
                 and then followed without lag.
-
-        Raises:
-            InvalidInput: if the shapes do not fit or the period is out of its range.
         """
         x, goal, drift, dt = _inputs(state, target, velocity, period)
         top = limit_for(self.velocity, "velocity", x)
@@ -327,9 +309,6 @@ class JerkFilter(ShortRepr):
             state: the present one.
             target: (d,).
             period: s, 1e-7 to 1e5.
-
-        Raises:
-            InvalidInput: if the shapes do not fit or a number is out of its range.
         """
         states, limits, goal = self._checked(state, target)
         return _state(_core.step_each(states, limits, goal, check_period(period)))
@@ -344,9 +323,6 @@ class JerkFilter(ShortRepr):
             state: as for `step`.
             target: as for `step`.
             period: as for `step`.
-
-        Raises:
-            InvalidInput: as for `step`.
         """
         states, limits, goal = self._checked(state, target)
         return _state(_core.step_together(states, limits, goal, check_period(period)))
@@ -357,9 +333,6 @@ class JerkFilter(ShortRepr):
         Args:
             state: the present one.
             target: (d,).
-
-        Raises:
-            InvalidInput: if the shapes do not fit or a number is out of its range.
         """
         return np.asarray(_core.times_to_rest(*self._checked(state, target)))
 
@@ -368,9 +341,6 @@ class JerkFilter(ShortRepr):
 
         Args:
             state: the present one.
-
-        Raises:
-            InvalidInput: if its shape does not fit the limits or a number is out of its range.
         """
         states, limits, _ = self._checked(state, getattr(state, "position", ()))
         return np.asarray(_core.resting_places(states, limits))
@@ -380,9 +350,6 @@ class JerkFilter(ShortRepr):
 
         Args:
             direction: of the line, (d,); a dimension that does not move does not bind.
-
-        Raises:
-            InvalidInput: if it does not fit the limits.
         """
         u = check.array(direction, "direction", shape=("d",))
         if not u.any():  # nothing moves: any limit will do
@@ -467,9 +434,6 @@ class StraightFilter(ShortRepr):
 
     Attributes:
         limits: of every dimension.
-
-    Raises:
-        InvalidInput: if they are not a JerkFilter.
     """
 
     limits: JerkFilter

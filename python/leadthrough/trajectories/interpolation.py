@@ -33,9 +33,6 @@ def linear(times: ArrayLike, points: ArrayLike) -> Spline:
     Args:
         times: strictly increasing, (n,).
         points: (n, d).
-
-    Raises:
-        InvalidInput: if the times do not rise, or there are not as many points.
     """
     t, x = _through(times, points)
     slopes = np.diff(x, axis=0) / np.diff(t)[:, None]
@@ -49,9 +46,6 @@ def hermite(times: ArrayLike, points: ArrayLike, velocities: ArrayLike) -> Splin
         times: strictly increasing, (n,).
         points: (n, d).
         velocities: (n, d).
-
-    Raises:
-        InvalidInput: if the times do not rise, or the shapes do not fit.
     """
     from scipy.interpolate import CubicHermiteSpline
 
@@ -74,9 +68,6 @@ def clamped_cubic(
         points: (n, d).
         start_velocity: (d,), or one number for all dimensions.
         end_velocity: (d,), or one number for all dimensions.
-
-    Raises:
-        InvalidInput: if the times do not rise, or the shapes do not fit.
     """
     from scipy.interpolate import CubicSpline
 
@@ -102,9 +93,6 @@ def natural_cubic(
         points: (n, d).
         start_acceleration: (d,), or one number for all dimensions.
         end_acceleration: (d,), or one number for all dimensions.
-
-    Raises:
-        InvalidInput: if the times do not rise, or the shapes do not fit.
     """
     from scipy.interpolate import CubicSpline
 
@@ -120,9 +108,6 @@ def periodic_cubic(times: ArrayLike, points: ArrayLike) -> Spline:
     Args:
         times: strictly increasing, (n,), n >= 3.
         points: (n, d), the last the same as the first.
-
-    Raises:
-        InvalidInput: if the times do not rise, the shapes do not fit or the points do not close.
     """
     from scipy.interpolate import CubicSpline
 
@@ -204,9 +189,6 @@ def smoothing(times: ArrayLike, points: ArrayLike, *, weight: float) -> Spline:
         points: (n, d).
         weight: >= 0, of the integral of the squared acceleration beside the sum of squared errors;
             with 0 the spline goes through the points.
-
-    Raises:
-        InvalidInput: if the times do not rise, the shapes do not fit or the weight is negative.
 
     Source: Reinsch 1967.
     """

@@ -206,9 +206,6 @@ class PoseCurve(ShortRepr):
     Attributes:
         positions: a curve in 3-D, m.
         orientations: a curve of rotations over the same domain.
-
-    Raises:
-        InvalidInput: if they are not such curves, or their domains differ.
     """
 
     positions: Curve
@@ -247,9 +244,6 @@ class PoseCurve(ShortRepr):
         Returns:
             Positions (n, 3) and unit quaternions (n, 4), or their derivatives, (n, 3) each, in the
             base frame.
-
-        Raises:
-            InvalidInput: if a time lies outside the domain, or the order is another.
         """
         times = curve.times_inside(t, self.domain)
         return (
@@ -262,9 +256,6 @@ class PoseCurve(ShortRepr):
 
         Args:
             times: strictly increasing, (n,), of the domain.
-
-        Raises:
-            InvalidInput: if they do not rise, or one lies outside the domain.
         """
         t = curve.times_inside(times, self.domain)
         return PoseTrajectory(t, *self.evaluate(t))

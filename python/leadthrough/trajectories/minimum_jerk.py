@@ -37,9 +37,6 @@ class State(ShortRepr):
         position: (d,).
         velocity: (d,); one number holds for all dimensions.
         acceleration: (d,); one number holds for all dimensions.
-
-    Raises:
-        InvalidInput: if they are not finite numbers of these shapes.
     """
 
     position: Float64Array
@@ -94,9 +91,6 @@ def minimum_jerk(start: State | ArrayLike, end: State | ArrayLike, *, duration: 
         end: a State, or a position (d,) to rest at.
         duration: s, > 0.
 
-    Raises:
-        InvalidInput: if the states are not of one dimension or the duration is not > 0.
-
     Source: Grioli 2023, section 2.3.1, with the control points derived anew.
     """
     total = check.number(duration, "duration", above=0.0)
@@ -128,9 +122,6 @@ def minimum_jerk_through(
         start: velocity and acceleration at the first point, instead of rest; its position is not
             read.
         end: velocity and acceleration at the last point, likewise.
-
-    Raises:
-        InvalidInput: if the times do not rise, or the shapes do not fit.
     """
     from scipy.interpolate import make_interp_spline
 

@@ -34,9 +34,6 @@ class Lagrange(PointCurve):
     Attributes:
         nodes: strictly increasing times (n,), 2 to 500.
         points: (n, d); (n,) are taken as one-dimensional.
-
-    Raises:
-        InvalidInput: if the nodes do not rise, or there are not as many points.
     """
 
     nodes: Float64Array
@@ -65,9 +62,6 @@ class Lagrange(PointCurve):
 
         Args:
             t: times of the domain (n,).
-
-        Raises:
-            InvalidInput: if a time lies outside the domain.
         """
         times = curve.times_inside(np.atleast_1d(t), self.domain)
         return _barycentric(self.nodes, self._weights, np.eye(len(self.nodes)), times)
@@ -102,9 +96,6 @@ def chebyshev_nodes(count: int, domain: tuple[float, float] = (-1.0, 1.0)) -> Fl
     Args:
         count: at least 2.
         domain: first and last node.
-
-    Raises:
-        InvalidInput: if there are too few, or the domain does not rise.
     """
     number = check.integer(count, "count", at_least=2)
     first, last = curve.knot_times(domain, "domain")[[0, -1]]
@@ -121,9 +112,6 @@ def osculating(times: ArrayLike, points: ArrayLike, velocities: ArrayLike) -> La
         times: strictly increasing, (n,).
         points: (n, d).
         velocities: (n, d).
-
-    Raises:
-        InvalidInput: if the times do not rise, or the shapes do not fit.
 
     Source: Grioli 2023, eqs. 2.6, 2.7.
     """

@@ -61,9 +61,6 @@ class RotationCurve(ShortRepr, ABC):
             t: times of the domain, (n,); or one, for a result of one dimension.
             derivative: 0 for quaternions, 1 for velocities in rad/s, 2 for accelerations in
                 rad/s^2.
-
-        Raises:
-            InvalidInput: if a time lies outside the domain, or the order is another.
         """
         order = check.integer(derivative, "derivative", at_least=0, at_most=2)
         times = curve.times_inside(t, self.domain)
@@ -83,9 +80,6 @@ class Slerp(RotationCurve):
     Attributes:
         times: strictly increasing, s, (n,).
         quaternions: unit quaternions (n, 4); made continuous in sign.
-
-    Raises:
-        InvalidInput: if the times do not rise, or there are not as many unit quaternions.
     """
 
     times: Float64Array
@@ -170,10 +164,6 @@ class RotationBezier(RotationCurve):
         quaternions: unit quaternions (n, 4), neighbours less than half a turn apart; made
             continuous in sign.
         times: first and last time, s.
-
-    Raises:
-        InvalidInput: if they are fewer than 2 or more than 50, neighbours are half a turn apart, or
-            the times do not rise.
     """
 
     quaternions: Float64Array

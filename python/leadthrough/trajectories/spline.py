@@ -24,10 +24,6 @@ class Spline(PointCurve):
         knots: strictly increasing times (k + 1,); at an inner knot the piece after it counts.
         coefficients: (k, terms, d); the value of piece i at time t is the sum over j of
             coefficients[i, j] (t - knots[i])**j.
-
-    Raises:
-        InvalidInput: if the knots do not rise or the coefficients are not finite numbers of that
-            shape.
     """
 
     knots: Float64Array

@@ -37,9 +37,6 @@ class SamplingPlan(ShortRepr):
         required: fraction in (0, 1) for the part of the goals that the certificate names.
         confidence: of the interval and of that part, in (0, 1).
         seed: of the random number generator, >= 0.
-
-    Raises:
-        InvalidInput: if one of them is out of its range.
     """
 
     runs: int = 1000

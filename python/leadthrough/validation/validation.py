@@ -185,9 +185,6 @@ def clopper_pearson(successes: int, runs: int, *, confidence: float = 0.95) -> t
         successes: number of runs that succeeded.
         runs: number of all runs, >= 1.
         confidence: probability, in (0, 1), with which the bounds hold at least.
-
-    Raises:
-        InvalidInput: if an argument is out of its range.
     """
     count, total = _counted(successes, runs)
     rest = 0.5 * (1.0 - check.number(confidence, "confidence", above=0.0, below=1.0))
@@ -213,9 +210,6 @@ def confidence_sequence(
         successes: number of runs that succeeded until now.
         runs: number of all runs until now, >= 1.
         confidence: probability, in (0, 1), with which all bounds hold at least.
-
-    Raises:
-        InvalidInput: if an argument is out of its range.
     """
     count, total = _counted(successes, runs)
     alpha = 1.0 - check.number(confidence, "confidence", above=0.0, below=1.0)
