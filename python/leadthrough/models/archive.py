@@ -10,20 +10,23 @@ from contextlib import suppress
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough.drawing.drawn import Drawn
-from leadthrough.errors import InvalidInput
+from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.protocol import Distributed, Parameter, Skill, fitted_again
+from leadthrough.models.queries import CheckedQuery, Via, checked_query
 from leadthrough.models.registry import entry_of_skill
-from leadthrough.motion import Motion
+from leadthrough.models.targets import Target
+from leadthrough.motion import Motion, MotionT_co
+from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:
     from leadthrough.drawing.panels import Panel
@@ -36,11 +39,11 @@ _CERTIFICATE = "certificate"
 Arrays = Mapping[str, NDArray[Any]]
 
 
-class FittedSkill(Drawn):
+class FittedSkill(Drawn, Generic[MotionT_co]):
     """Base of fitted skills: saved as settings and arrays, drawn by their own motion.
 
-    A derived frozen dataclass has `model`, its settings, and answers `generate`, `supports` and
-    `to_archive`.
+    A derived frozen dataclass has `model`, its settings, `supports` and `to_archive`, and answers
+    the checked queries of `generate` by a method `_answer`.
 
     Attributes:
         kind: name of this kind of skill in files.
@@ -53,9 +56,43 @@ class FittedSkill(Drawn):
     def supports(self) -> frozenset[str]:
         """Parts of a query that it honours."""
 
+    @checked_query
+    def generate(
+        self,
+        *,
+        start: Target | None = None,
+        goal: Target | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+    ) -> MotionT_co:
+        """A motion of the demonstrated type; parts that are left out are as demonstrated.
+
+        Args:
+            start: point or joints (d,); of poses a position (3,), or (position (3,), orientation
+                (4,) as w, x, y, z).
+            goal: likewise, at the end.
+            duration: s, > 0.
+            dt: s, > 0, upper bound of the sampling step.
+            obstacles: shapes to keep clear of, in the demonstrations' frame; a drawing of two
+                dimensions lies in the plane z = 0.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+            UnsupportedQuery: for a part that is not among `supports`.
+            NoPath: where obstacles leave no path, or the goal is not reached.
+        """
+        query = CheckedQuery(start, goal, duration, dt, obstacles)
+        if query.obstacles and "obstacles" not in self.supports:
+            name = type(getattr(self, "model", self)).__name__
+            raise UnsupportedQuery(
+                f"obstacles: {name} cannot avoid them; leave them out or use FastMarching"
+            )
+        return self._answer(query)
+
     @abstractmethod
-    def generate(self) -> Motion:
-        """Its own motion."""
+    def _answer(self, query: CheckedQuery) -> MotionT_co:
+        """The motion that answers a query."""
 
     @abstractmethod
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
@@ -124,6 +161,76 @@ class FittedSkill(Drawn):
         _, covariance = self.distribution(times)
         deviations = np.sqrt(np.einsum("nii->ni", covariance))
         return motion._panels(deviations[:, : motion.positions.shape[1]])
+
+
+class SteppedSkill(FittedSkill[MotionT_co]):
+    """A skill whose motions pass via points, and go on step by step in a control loop.
+
+    A derived class also has a method `step(state, dt, ...)`, and `_begin` for the state at the
+    start of a query.
+    """
+
+    @checked_query
+    def generate(
+        self,
+        *,
+        start: Target | None = None,
+        goal: Target | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+        via: Via = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
+        limits: tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> MotionT_co:
+        """A motion of the demonstrated type; parts that are left out are as demonstrated.
+
+        Args:
+            start: point or joints (d,); of poses a position (3,), or (position (3,), orientation
+                (4,) as w, x, y, z).
+            goal: likewise, at the end.
+            duration: s, > 0.
+            dt: s, > 0, upper bound of the sampling step.
+            obstacles: shapes to keep clear of; a drawing of two dimensions lies in the plane z = 0.
+                Of poses the position keeps clear of them, whatever the orientation.
+            via: (fraction of the duration in (0, 1), position (d,)), in order.
+            start_velocity: (d,) per second; of poses (3,) m/s.
+            final_velocity: as start_velocity.
+            limits: (lower (d,), upper (d,)), which the motion does not leave; not of poses.
+
+        Raises:
+            InvalidInput: if an argument is of another shape or range.
+            UnsupportedQuery: for a part that is not among `supports`.
+            NoPath: where steering does not clear the obstacles.
+        """
+        ends = via, start_velocity, final_velocity
+        return self._answer(CheckedQuery(start, goal, duration, dt, obstacles, *ends, limits))
+
+    def begin(
+        self,
+        *,
+        start: Target | None = None,
+        goal: Target | None = None,
+        duration: float | None = None,
+        via: Via = (),
+        start_velocity: ArrayLike | None = None,
+        final_velocity: ArrayLike | None = None,
+    ) -> Any:
+        """The state at the start, for `step`; arguments and errors as in `generate`."""
+        query = CheckedQuery(
+            start,
+            goal,
+            duration,
+            via=via,
+            start_velocity=start_velocity,
+            final_velocity=final_velocity,
+        )
+        return self._begin(query)
+
+    @abstractmethod
+    def _begin(self, query: CheckedQuery) -> Any:
+        """The state at the start of a query."""
 
 
 def load_skill(path: StrPath) -> Skill:

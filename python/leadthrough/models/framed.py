@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Generic, TypedDict, cast
+from typing import Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,42 +17,24 @@ from numpy.typing import ArrayLike
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput, UnsupportedQuery
-from leadthrough.models.archive import Arrays, FittedSkill
+from leadthrough.models.archive import Arrays, SteppedSkill
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.frame import Frame
 from leadthrough.models.protocol import (
     Conditioned,
     Guided,
-    Limited,
     Model,
-    Parameter,
     Skill,
-    Stepped,
     Unfitted,
 )
+from leadthrough.models.queries import CheckedQuery, Via
 from leadthrough.models.registry import entry_of_skill
 from leadthrough.models.targets import Target
-from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
+from leadthrough.motion import MotionT, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape, check_shapes
-
-Via = Sequence[tuple[float, ArrayLike]]
 
 # Largest difference of an axis from an axis of the base frame that passes for rounding.
 _ALIGNED = 1e-9
-
-
-class _EndsAndVia(TypedDict, total=False):
-    """Parts of a query that only some skills take."""
-
-    via: Via
-    start_velocity: ArrayLike
-    final_velocity: ArrayLike
-
-
-class _Limits(TypedDict, total=False):
-    """Part of a query that only skills with limits take."""
-
-    limits: tuple[ArrayLike, ArrayLike]
 
 
 @dataclass(frozen=True)
@@ -96,8 +78,11 @@ class Framed(Unfitted):
 
 
 @dataclass(frozen=True, eq=False)
-class FramedSkill(FittedSkill, Generic[MotionT_co]):
+class FramedSkill(SteppedSkill[MotionT_co]):
     """A skill in the frame of its task; made by `Framed.fit`.
+
+    Queries are in the base frame, and so are motions; parts left out are as demonstrated, seen from
+    the frame. Limits need a frame whose axes are those of the base frame, in any order.
 
     Attributes:
         model: the settings that it was fitted with.
@@ -112,6 +97,7 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
     poses: bool
 
     kind: ClassVar[str] = "framed"
+    _own_motion: ClassVar[None] = None  # the skill inside compares queries with its own
 
     @property
     def supports(self) -> frozenset[str]:
@@ -129,83 +115,14 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
         """
         return replace(self, frame=_the_frame(frames, len(self.frame.origin), self.poses))
 
-    def generate(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        dt: float = 0.01,
-        obstacles: Sequence[Shape] = (),
-        via: Via = (),
-        start_velocity: ArrayLike | None = None,
-        final_velocity: ArrayLike | None = None,
-        limits: tuple[ArrayLike, ArrayLike] | None = None,
-    ) -> MotionT_co:
-        """A motion in the base frame; parts left out are as demonstrated, seen from the frame.
+    def _answer(self, query: CheckedQuery) -> MotionT_co:
+        return self.frame.base(self.skill.generate(**self._seen(query).given()))
 
-        Args:
-            start: in the base frame.
-            goal: in the base frame.
-            duration: s, > 0.
-            dt: s, > 0, upper bound of the sampling step.
-            obstacles: shapes to keep clear of, in the base frame.
-            via: (fraction of the duration in (0, 1), point (d,) in the base frame), in order.
-            start_velocity: (d,) per second, in the base frame.
-            final_velocity: as start_velocity.
-            limits: (lower (d,), upper (d,)) in the base frame, which the motion does not leave.
-
-        Raises:
-            InvalidInput: if an argument is wrong.
-            UnsupportedQuery: for a part that is not among `supports`, and for limits in a frame
-                whose axes are not those of the base frame, in any order.
-            NoPath: where obstacles leave no way.
-        """
-        start, goal = self._local(start, "start"), self._local(goal, "goal")
-        shapes = self._local_shapes(obstacles)
-        beyond, inside = self._beyond(via, start_velocity, final_velocity), self._limits(limits)
-        if not beyond and not inside:
-            made = self.skill.generate(
-                start=start, goal=goal, duration=duration, dt=dt, obstacles=shapes
-            )
-            return self.frame.base(made)
-        moved = cast(Limited, self._stepped()).generate(
-            start=start, goal=goal, duration=duration, dt=dt, obstacles=shapes, **beyond, **inside
-        )
-        return cast(MotionT_co, self.frame.base(moved))  # of the demonstrated type
-
-    def begin(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        via: Via = (),
-        start_velocity: ArrayLike | None = None,
-        final_velocity: ArrayLike | None = None,
-    ) -> FramedState:
-        """The state at the start, for `step`.
-
-        Args:
-            start: as in `generate`.
-            goal: as in `generate`.
-            duration: as in `generate`.
-            via: as in `generate`.
-            start_velocity: as in `generate`.
-            final_velocity: as in `generate`.
-
-        Raises:
-            InvalidInput: if an argument is wrong.
-            UnsupportedQuery: for a part that is not among `supports`, and for a skill that does not
-                go on step by step.
-        """
-        state = self._stepped().begin(
-            start=self._local(start, "start"),
-            goal=self._local(goal, "goal"),
-            duration=duration,
-            **self._beyond(via, start_velocity, final_velocity),
-        )
-        return FramedState(state, self.frame)
+    def _begin(self, query: CheckedQuery) -> FramedState:
+        skill = self._stepped()
+        seen = self._seen(query).given()
+        del seen["dt"]
+        return FramedState(skill.begin(**seen), self.frame)
 
     def step(
         self,
@@ -223,15 +140,8 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
 
         The frame may have moved since the last step, as by `at`: the motion goes on in it.
 
-        Args:
-            state: from `begin` or the last step.
-            dt: s, > 0.
-            goal: moves the goal, in the base frame.
-            coupling: (d,) acceleration in the base frame, or of poses (6,) with an angular one.
-            lag: >= 0; this step runs 1 / (1 + lag) as fast.
-            measured: in the base frame, where the motion goes on from.
-            obstacles: to keep clear of in this step, in the base frame.
-            limits: as in `generate`, of this step.
+        Arguments are those of `DMPSkill.step` in the base frame; a coupling of poses (6,) has an
+        angular part.
 
         Raises:
             InvalidInput: if an argument is wrong.
@@ -245,7 +155,7 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
             if len(given) not in ((width, 2 * width) if self.poses else (width,)):
                 raise InvalidInput(f"coupling: expected shape ({width},), got {given.shape}")
             push = (given.reshape(-1, width) @ self.frame.axes).ravel()
-        after = cast(Limited, self._stepped()).step(
+        after = self._stepped().step(
             state.inside,
             dt,
             goal=self._local(goal, "goal"),
@@ -253,7 +163,7 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
             lag=lag,
             measured=self._local(measured, "measured"),
             obstacles=self._local_shapes(obstacles),
-            **self._limits(limits),
+            limits=self._limits(limits),
         )
         return FramedState(after, self.frame)
 
@@ -310,17 +220,6 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
         ) @ self.frame.axes
         return np.asarray(self.skill.policy(seen) @ self.frame.axes.T)
 
-    def parameters(
-        self,
-        demonstrations: Demonstrations[Motion] = (),  # noqa: ARG002 (there is no new fit)
-    ) -> Sequence[Parameter[MotionT_co]]:
-        """None: the frames of the demonstrations are not known.
-
-        Args:
-            demonstrations: those that it was fitted to.
-        """
-        return []
-
     # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays that `from_archive` puts together again."""
@@ -329,20 +228,29 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
         frame = {"origin": self.frame.origin, "axes": self.frame.axes}
         return {"kind": self.skill.kind, "skill": settings, "poses": self.poses}, inside | frame
 
-    def _stepped(self) -> Stepped:
+    def _stepped(self) -> Any:  # Any: a SteppedSkill, whose `step` a derived class has
         """The skill, which goes on step by step. Raises UnsupportedQuery."""
-        if not isinstance(self.skill, Stepped) or "via" not in self.skill.supports:
+        if not isinstance(self.skill, SteppedSkill) or "via" not in self.skill.supports:
             raise UnsupportedQuery(
                 f"step: a skill of kind {self.skill.kind!r} does not go on step by step from start "
                 "to goal; in Python, fit Framed(DMP())"
             )
         return self.skill
 
-    def _beyond(
-        self, via: Via, start_velocity: ArrayLike | None, final_velocity: ArrayLike | None
-    ) -> _EndsAndVia:
-        """Parts of a query that only some skills take. Raises InvalidInput, UnsupportedQuery."""
-        parts = _beyond_seen(self.frame, via, start_velocity, final_velocity)
+    def _seen(self, query: CheckedQuery) -> CheckedQuery:
+        """A query seen from the frame."""
+        return replace(
+            query,
+            start=self._local(query.start, "start"),
+            goal=self._local(query.goal, "goal"),
+            obstacles=self._local_shapes(query.obstacles),
+            limits=self._limits(query.limits),
+            **self._beyond(query),
+        )
+
+    def _beyond(self, query: CheckedQuery) -> dict[str, Any]:
+        """Via points and velocities, which only some skills take, seen from the frame."""
+        parts = _beyond_seen(self.frame, query.via, query.start_velocity, query.final_velocity)
         for name in parts:
             if name not in self.supports:
                 raise UnsupportedQuery(
@@ -351,16 +259,18 @@ class FramedSkill(FittedSkill, Generic[MotionT_co]):
                 )
         return parts
 
-    def _limits(self, limits: tuple[ArrayLike, ArrayLike] | None) -> _Limits:
-        """_Limits seen from the frame. Raises InvalidInput and UnsupportedQuery."""
+    def _limits(
+        self, limits: tuple[ArrayLike, ArrayLike] | None
+    ) -> tuple[Float64Array, Float64Array] | None:
+        """Limits seen from the frame; None for None."""
         if limits is None:
-            return _Limits()
+            return None
         if "limits" not in self.supports:
             raise UnsupportedQuery(
                 f"limits: a skill of kind {self.skill.kind!r} takes none; in Python, fit "
                 "Framed(DMP())"
             )
-        return _Limits(limits=_limits_seen(self.frame, limits))
+        return _limits_seen(self.frame, limits)
 
     def _local_shapes(self, obstacles: Sequence[Shape]) -> list[Shape]:
         return [_shape_seen(self.frame, shape) for shape in check_shapes(obstacles)]
@@ -508,9 +418,9 @@ def _beyond_seen(
     via: Via,
     start_velocity: ArrayLike | None,
     final_velocity: ArrayLike | None,
-) -> _EndsAndVia:
+) -> dict[str, Any]:
     """Via points and velocities, those that are given."""
-    parts = _EndsAndVia()
+    parts: dict[str, Any] = {}
     if not isinstance(via, Sequence):
         raise InvalidInput(f"via: expected a sequence of (phase, point), got {via!r}")
     if len(via) > 0:

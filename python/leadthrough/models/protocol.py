@@ -26,14 +26,11 @@ __all__ = [
     "Distributed",
     "Generator",
     "Guided",
-    "Limited",
     "Mapped",
     "Model",
     "Previewed",
     "Relearned",
     "Skill",
-    "State",
-    "Stepped",
     "Target",
 ]
 
@@ -65,20 +62,7 @@ class Generator(Protocol[MotionT_co]):
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
     ) -> MotionT_co:
-        """A motion of the demonstrated type; omitted arguments are taken from the demonstrations.
-
-        Args:
-            start: where it starts.
-            goal: where it ends; of a rhythm, its centre.
-            duration: s, > 0.
-            dt: s, > 0, upper bound of the sampling step.
-            obstacles: shapes to keep clear of, in the demonstrations' frame.
-
-        Raises:
-            InvalidInput: if an argument is wrong.
-            UnsupportedQuery: for a part that it does not support.
-            NoPath: where obstacles leave no path.
-        """
+        """A motion of the demonstrated type, as by `FittedSkill.generate`."""
 
 
 class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
@@ -95,8 +79,8 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
     def supports(self) -> frozenset[str]:
         """Parts of a query that it honours.
 
-        Of "start", "goal", "duration" and "obstacles"; of a `Stepped` skill also of "via",
-        "start_velocity" and "final_velocity", and of a `Limited` one of "limits".
+        Of "start", "goal", "duration" and "obstacles"; of a `SteppedSkill` also of "via",
+        "start_velocity", "final_velocity" and "limits".
         """
 
     @property
@@ -108,28 +92,15 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
         """The result of its validation; None before one, and after a change."""
 
     def certified(self, certificate: Certificate | None) -> Skill[MotionT_co]:
-        """The same skill with a certificate, which its file keeps too.
-
-        Args:
-            certificate: of a validation; None removes it.
-        """
+        """The same skill with a certificate, which its file keeps too; None removes it."""
 
     def parameters(
         self, demonstrations: Demonstrations[Motion] = ()
     ) -> Sequence[Parameter[MotionT_co]]:
-        """The few numbers of its model that a person may drag.
-
-        Args:
-            demonstrations: those that it was fitted to; without them there are only the parameters
-                that need no new fit.
-        """
+        """The few numbers of its model that a person may drag, as `FittedSkill.parameters`."""
 
     def save(self, path: StrPath) -> None:
-        """Writes the skill to a .npz file that `load_skill` reads.
-
-        Raises:
-            InvalidInput: if the file cannot be written.
-        """
+        """Writes the skill to a .npz file that `load_skill` reads."""
 
     def to_archive(self) -> tuple[dict[str, Any], Mapping[str, Any]]:
         """Settings and arrays, for a file."""
@@ -149,100 +120,6 @@ class Distributed(Protocol):
 
     def distribution(self, times: ArrayLike) -> tuple[Float64Array, Float64Array]:
         """Mean (n, d) and covariance (n, d, d) of the columns at times (n,), s."""
-
-
-@runtime_checkable
-class State(Protocol):
-    """State of a motion between steps; of poses also with .orientation and its rate."""
-
-    @property
-    def phase(self) -> float:
-        """From 0 at the start on; 1 is the end."""
-
-    @property
-    def position(self) -> Float64Array:
-        """Of shape (d,)."""
-
-    @property
-    def velocity(self) -> Float64Array:
-        """Of shape (d,), per second."""
-
-
-@runtime_checkable
-class Stepped(Protocol):
-    """A skill whose motions pass via points, and go on step by step in a control loop."""
-
-    def begin(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        via: Sequence[tuple[float, ArrayLike]] = (),
-        start_velocity: ArrayLike | None = None,
-        final_velocity: ArrayLike | None = None,
-    ) -> Any:
-        """The state at the start, for `step`."""
-
-    def step(
-        self,
-        state: Any,
-        dt: float,
-        *,
-        goal: Target | None = None,
-        coupling: ArrayLike | None = None,
-        lag: float = 0.0,
-        measured: Target | None = None,
-        obstacles: Sequence[Shape] = (),
-    ) -> Any:
-        """The state dt s later."""
-
-    def generate(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        dt: float = 0.01,
-        obstacles: Sequence[Shape] = (),
-        via: Sequence[tuple[float, ArrayLike]] = (),
-        start_velocity: ArrayLike | None = None,
-        final_velocity: ArrayLike | None = None,
-    ) -> Motion:
-        """A motion, as by any skill, through via points and with velocities at its ends."""
-
-
-class Limited(Stepped, Protocol):
-    """A skill whose motions satisfy limits (lower (d,), upper (d,))."""
-
-    def step(
-        self,
-        state: Any,
-        dt: float,
-        *,
-        goal: Target | None = None,
-        coupling: ArrayLike | None = None,
-        lag: float = 0.0,
-        measured: Target | None = None,
-        obstacles: Sequence[Shape] = (),
-        limits: tuple[ArrayLike, ArrayLike] = ...,
-    ) -> Any:
-        """The state dt s later, inside the limits."""
-
-    def generate(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        dt: float = 0.01,
-        obstacles: Sequence[Shape] = (),
-        via: Sequence[tuple[float, ArrayLike]] = (),
-        start_velocity: ArrayLike | None = None,
-        final_velocity: ArrayLike | None = None,
-        limits: tuple[ArrayLike, ArrayLike] = ...,
-    ) -> Motion:
-        """A motion, as by any stepped skill, inside the limits."""
 
 
 @runtime_checkable

@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import wraps
 from typing import Any, TypeVar
 
@@ -16,8 +17,9 @@ from leadthrough import check, sanity
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
 from leadthrough.models.protocol import Generator
+from leadthrough.models.targets import Target
 from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, Trajectory
-from leadthrough.shapes import Shape
+from leadthrough.shapes import Shape, check_shapes
 
 _Generate = TypeVar("_Generate", bound=Callable[..., Any])
 _Value = TypeVar("_Value")
@@ -33,6 +35,45 @@ _MAX_TIMES = 1_000_000
 _MAX_THREADS = 256
 # Factor by which a moved end moves the motion at any phase, at most.
 MAX_GAIN = 1.45
+
+
+Via = Sequence[tuple[float, ArrayLike]]
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedQuery:
+    """Parts of a query as `generate` takes them; None and () are as demonstrated.
+
+    Step, duration and obstacles are checked here; ends and velocities depend on the skill.
+    """
+
+    start: Target | None = None
+    goal: Target | None = None
+    duration: float | None = None
+    dt: float = 0.01
+    obstacles: Sequence[Shape] = ()
+    via: Via = ()
+    start_velocity: ArrayLike | None = None
+    final_velocity: ArrayLike | None = None
+    limits: tuple[ArrayLike, ArrayLike] | None = None
+
+    def __post_init__(self) -> None:
+        check.number(self.dt, "dt", above=0.0)
+        if self.duration is not None:
+            check.number(self.duration, "duration", above=0.0)
+        object.__setattr__(self, "obstacles", check_shapes(self.obstacles))
+
+    def given(self) -> dict[str, Any]:
+        """The parts that differ from the defaults, by name."""
+        return {
+            name: value
+            for name, value in vars(self).items()
+            if value is not None and not (name in ("obstacles", "via") and len(value) == 0)
+        }
+
+    def end(self, nominal: float) -> float:
+        """The duration, s, by default the nominal one."""
+        return nominal if self.duration is None else self.duration
 
 
 def checked_query(generate: _Generate) -> _Generate:

@@ -27,8 +27,9 @@ from leadthrough.models.dmp.progress import (
     progress_of,
     speeds_of,
 )
-from leadthrough.models.dmp.query import Query, check_channels, course_through
+from leadthrough.models.dmp.query import check_channels, course_through, ends_of
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
+from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target
 from leadthrough.motion import JointTrajectory, Motion, Trajectory, computed, with_derivatives
 from leadthrough.shapes import Shape
@@ -61,7 +62,7 @@ class Channels(Generic[StateT]):
         """The state at the start of the demonstrated motion."""
 
     @abstractmethod
-    def begin(self, query: Query, duration: float) -> StateT:
+    def begin(self, query: CheckedQuery, duration: float) -> StateT:
         """The state at the start of a motion of a duration, s."""
 
     @abstractmethod
@@ -121,7 +122,7 @@ class Channels(Generic[StateT]):
         """Values and slopes (n, channels) from a state on, at phases (n,)."""
         return _core.dmp_rollout(self.system.forces, state.course, state.value, state.slope, phases)
 
-    def course(self, ends: Ends, query: Query, *, count: int) -> _core.DmpCourse:
+    def course(self, ends: Ends, query: CheckedQuery, *, count: int) -> _core.DmpCourse:
         """The course between ends, through the query's via points of the first channels."""
         learned = self.system
         if ends.equal(learned.ends):
@@ -211,9 +212,9 @@ class PointChannels(Channels[_core.PointState]):
         course = self.system.demonstrated_course
         return _core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
 
-    def begin(self, query: Query, duration: float) -> _core.PointState:
+    def begin(self, query: CheckedQuery, duration: float) -> _core.PointState:
         """The state at the start of a motion of a duration, s."""
-        ends = query.ends(self.system.ends, query.start, query.goal, duration)
+        ends = ends_of(query, self.system.ends, duration)
         course = self.course(ends, query, count=len(ends.start))
         return _core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
 

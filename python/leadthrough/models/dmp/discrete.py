@@ -18,21 +18,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, events
-from leadthrough.models.archive import Arrays
+from leadthrough.models.archive import Arrays, SteppedSkill
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp.channels import Channels
 from leadthrough.models.dmp.learning import check_choices, check_weights, learn_motion
 from leadthrough.models.dmp.poses import channels_of
 from leadthrough.models.dmp.primitive import Primitive, take_parts
-from leadthrough.models.dmp.query import (
-    Query,
-    Via,
-    check_duration,
-    check_final_velocity,
-    check_step,
-)
+from leadthrough.models.dmp.query import check_final_velocity, check_step
 from leadthrough.models.protocol import Skill, Target, Unfitted
-from leadthrough.models.queries import checked_query, even_phases
+from leadthrough.models.queries import CheckedQuery, even_phases
 from leadthrough.motion import Motion, MotionT, MotionT_co
 from leadthrough.shapes import Shape
 
@@ -64,6 +58,8 @@ class DMP(Unfitted):
     form: str = "blended"
     regression: str = "replay"
     orientation: str = "anchored"
+
+    slider: ClassVar[tuple[str, int, int]] = ("weights", 5, 100)
 
     def __post_init__(self) -> None:
         if self.weights is not None:
@@ -112,8 +108,11 @@ class DMP(Unfitted):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class DMPSkill(Primitive[MotionT_co]):
+class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
     """A learned primitive; made by `DMP.fit`.
+
+    A motion lasts `default_duration` by default: as demonstrated, or longer where a moved start or
+    goal would make it more than 1.3 times as fast. It does not depend on the sampling step.
 
     Attributes:
         model: the settings that it was fitted with, with the number of weights that was used.
@@ -148,54 +147,10 @@ class DMPSkill(Primitive[MotionT_co]):
         }
         return frozenset(known | {name for name, honoured in optional.items() if honoured})
 
-    @checked_query
-    def generate(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        dt: float = 0.01,
-        obstacles: Sequence[Shape] = (),
-        via: Via = (),
-        start_velocity: ArrayLike | None = None,
-        final_velocity: ArrayLike | None = None,
-        limits: tuple[ArrayLike, ArrayLike] | None = None,
-    ) -> MotionT_co:
-        """A motion of the demonstrated type.
-
-        Args:
-            start: (d,), or of poses a position (3,) or (position (3,), orientation (4,)); parts
-                that are left out are as demonstrated.
-            goal: as start.
-            duration: s, > 0, by default `default_duration`: the demonstrations', or longer where a
-                moved start or goal would make the motion more than 1.3 times as fast.
-            dt: s, > 0, upper bound of the sampling step; the motion does not depend on it.
-            obstacles: in the demonstrations' frame; a drawing of two dimensions lies in the plane
-                z = 0. Of poses the position keeps clear of them, whatever the orientation.
-            via: (fraction of the duration in (0, 1), position (d,)), in order.
-            start_velocity: (d,) per second, by default as demonstrated, at that duration; of poses
-                (3,) m/s.
-            final_velocity: as start_velocity; only with the form "blended".
-            limits: (lower (d,), upper (d,)), which the motion does not leave; not of poses.
-
-        Raises:
-            InvalidInput: if an argument is of another shape or range.
-            UnsupportedQuery: for a part that is not among `supports`, and where the orientation
-                "lifted" would spin.
-            NoPath: where steering does not clear the obstacles.
-        """
-        step = check.number(dt, "dt", above=0.0)
-        constraints = self._channels.constraints(obstacles, limits)
-        state = self.begin(
-            start=start,
-            goal=goal,
-            duration=duration,
-            via=via,
-            start_velocity=start_velocity,
-            final_velocity=final_velocity,
-        )
-        phases = even_phases(state.duration, step)
+    def _answer(self, query: CheckedQuery) -> MotionT_co:
+        constraints = self._channels.constraints(query.obstacles, query.limits)
+        state = self._begin(query)
+        phases = even_phases(state.duration, query.dt)
         posture, times = self.posture, state.duration * phases
         made = self._channels.motion(
             state,
@@ -206,28 +161,18 @@ class DMPSkill(Primitive[MotionT_co]):
         )
         return cast(MotionT_co, made)  # of the demonstrated type
 
-    def begin(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        via: Via = (),
-        start_velocity: ArrayLike | None = None,
-        final_velocity: ArrayLike | None = None,
-    ) -> Any:
-        """The state at the start, for `step`; arguments and errors as in `generate`."""
-        check_final_velocity(final_velocity, self.system.form)
-        query = Query(start, goal, via, start_velocity, final_velocity)
-        if duration is None and query.as_demonstrated_velocities and via == ():
+    def _begin(self, query: CheckedQuery) -> Any:
+        check_final_velocity(query.final_velocity, self.system.form)
+        own_velocities = query.start_velocity is None and query.final_velocity is None
+        if query.duration is None and own_velocities and query.via == ():
             return self._begin_at_own_pace(query)
-        if duration is None:
-            total = self.default_duration(start=start, goal=goal)
+        if query.duration is None:
+            total = self.default_duration(start=query.start, goal=query.goal)
         else:
-            total = check_duration(duration, self.duration)
+            total = query.duration
         return self._channels.begin(query, total)
 
-    def _begin_at_own_pace(self, query: Query) -> Any:
+    def _begin_at_own_pace(self, query: CheckedQuery) -> Any:
         """The state of a motion of the default duration, which follows from the state itself."""
         if query.start is None and query.goal is None:
             return self._channels.as_demonstrated(self.duration)
@@ -314,7 +259,7 @@ class DMPSkill(Primitive[MotionT_co]):
         """
         if (start is None and goal is None) or self.system.form != "blended":
             return self.duration
-        state = self._channels.begin(Query(start, goal), self.duration)
+        state = self._channels.begin(CheckedQuery(start, goal), self.duration)
         return self.duration * self._channels.lengthening(state, self.duration)
 
     def replay(self, samples: int) -> MotionT_co:

@@ -31,8 +31,9 @@ from leadthrough.models.dmp.progress import (
     corrected_until,
     pose_progress,
 )
-from leadthrough.models.dmp.query import Query, as_pose, check_channels, pose_acceleration
+from leadthrough.models.dmp.query import as_pose, check_channels, ends_of, pose_acceleration
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem, end_of, scaled_by
+from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target
 from leadthrough.motion import JointTrajectory, PoseTrajectory, computed
 
@@ -84,13 +85,14 @@ class PoseChannels(Channels[_core.PoseState]):
             course, ends.start, ends.start_slope, 0.0, duration, curve, _core.DmpPath()
         )
 
-    def begin(self, query: Query, duration: float) -> _core.PoseState:
+    def begin(self, query: CheckedQuery, duration: float) -> _core.PoseState:
         """The state at the start of a motion of a duration, s."""
         first, first_q = as_pose(query.start, "start")
         last, last_q = as_pose(query.goal, "goal")
-        positions = query.ends(self.system.ends.part(_POSITION), first, last, duration)
+        asked = replace(query, start=first, goal=last)
+        positions = ends_of(asked, self.system.ends.part(_POSITION), duration)
         rotated, offset = self._rotated_ends(first_q, last_q)
-        if query.as_demonstrated_velocities:
+        if query.start_velocity is None and query.final_velocity is None:
             ends = self.system.ends.moved(
                 np.concatenate((positions.start, rotated.start)),
                 np.concatenate((positions.goal, rotated.goal)),

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, TypedDict, cast
+from typing import Any, TypedDict
 
 from leadthrough import events
 from leadthrough.events import Event
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp.orientation import OrientationCoordinates
 from leadthrough.models.dmp.transformation import RHYTHMIC, TransformationSystem
 from leadthrough.models.posture import Posture, arrays_of, settings_of
-from leadthrough.models.protocol import Parameter, Skill, fitted_again
-from leadthrough.motion import Motion, MotionT_co
+from leadthrough.motion import MotionT_co
 
 
 class Parts(TypedDict):
@@ -28,7 +25,7 @@ class Parts(TypedDict):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Primitive(FittedSkill, Generic[MotionT_co]):
+class Primitive(FittedSkill[MotionT_co]):
     """A learned primitive; its attributes are documented where they are public."""
 
     system: TransformationSystem
@@ -36,17 +33,6 @@ class Primitive(FittedSkill, Generic[MotionT_co]):
     joint_names: tuple[str, ...] | None = None
     orientation: OrientationCoordinates | None = None
     posture: Posture | None = None
-
-    def parameters(
-        self, demonstrations: Demonstrations[Motion] = ()
-    ) -> Sequence[Parameter[MotionT_co]]:
-        """Its number of weights, where there are demonstrations to fit again.
-
-        Args:
-            demonstrations: those that it was fitted to.
-        """
-        skill = cast(Skill[MotionT_co], self)
-        return fitted_again(skill, "weights", demonstrations, least=5, most=100)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays, for a file."""

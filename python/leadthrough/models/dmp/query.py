@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,17 +14,11 @@ from leadthrough.errors import InvalidInput, UnsupportedQuery
 from leadthrough.models.demonstrations import MAX_NUMBER
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
+from leadthrough.models.queries import CheckedQuery, Via
 from leadthrough.models.targets import Target
 
 # Steps this many durations long come from a wrong unit of dt.
 _MAX_STEP = 1000.0
-
-Via = Sequence[tuple[float, ArrayLike]]
-
-
-def check_duration(duration: float | None, nominal: float, name: str = "duration") -> float:
-    """The duration asked for, s, or the nominal one."""
-    return nominal if duration is None else check.number(duration, name, above=0.0)
 
 
 def check_step(dt: float, lag: float, duration: float) -> float:
@@ -66,37 +59,20 @@ def pose_acceleration(coupling: ArrayLike) -> Float64Array:
     return np.append(check_channels(given, "coupling", len(given)), np.zeros(6 - len(given)))
 
 
-@dataclass(frozen=True, eq=False)
-class Query:
-    """Ends and via points that a discrete primitive is asked for; None is as demonstrated."""
+def ends_of(query: CheckedQuery, learned: Ends, duration: float) -> Ends:
+    """Ends that a query asks for, with the velocities of a motion of a duration, s."""
 
-    start: Target | None = None
-    goal: Target | None = None
-    via: Via = ()
-    start_velocity: ArrayLike | None = None
-    final_velocity: ArrayLike | None = None
+    def slope(value: ArrayLike | None, name: str, nominal: Float64Array) -> Float64Array:
+        if value is None:
+            return nominal
+        return check_channels(value, name, len(nominal)) * min(duration, MAX_NUMBER)
 
-    @property
-    def as_demonstrated_velocities(self) -> bool:
-        """Whether the velocities at both ends are those of the demonstration."""
-        return self.start_velocity is None and self.final_velocity is None
-
-    def ends(
-        self, learned: Ends, start: Target | None, goal: Target | None, duration: float
-    ) -> Ends:
-        """Ends with another start and goal, and the velocities of a motion of a duration, s."""
-
-        def slope(value: ArrayLike | None, name: str, nominal: Float64Array) -> Float64Array:
-            if value is None:
-                return nominal
-            return check_channels(value, name, len(nominal)) * min(duration, MAX_NUMBER)
-
-        return Ends(
-            _or(start, "start", learned.start),
-            _or(goal, "goal", learned.goal),
-            slope(self.start_velocity, "start_velocity", learned.start_slope),
-            slope(self.final_velocity, "final_velocity", learned.goal_slope),
-        )
+    return Ends(
+        _or(query.start, "start", learned.start),
+        _or(query.goal, "goal", learned.goal),
+        slope(query.start_velocity, "start_velocity", learned.start_slope),
+        slope(query.final_velocity, "final_velocity", learned.goal_slope),
+    )
 
 
 def moved_ends(learned: Ends, start: Target | None, goal: Target | None) -> Ends:

@@ -26,14 +26,13 @@ from leadthrough.models.dmp.primitive import Primitive, take_parts
 from leadthrough.models.dmp.query import (
     as_pose,
     check_channels,
-    check_duration,
     check_step,
     moved_ends,
     pose_acceleration,
 )
 from leadthrough.models.dmp.transformation import RHYTHMIC, Ends
 from leadthrough.models.protocol import Target, Unfitted
-from leadthrough.models.queries import checked_query, even_times
+from leadthrough.models.queries import CheckedQuery, checked_query, even_times
 from leadthrough.motion import (
     JointTrajectory,
     MotionT,
@@ -42,7 +41,7 @@ from leadthrough.motion import (
     Trajectory,
     with_derivatives,
 )
-from leadthrough.shapes import Shape, check_shapes
+from leadthrough.shapes import Shape
 
 _MAX_PERIODS = 10_000  # in one query; more come from a wrong unit
 
@@ -61,6 +60,8 @@ class RhythmicDMP(Unfitted):
 
     weights: int = 25
     period: float | None = None
+
+    slider: ClassVar[tuple[str, int, int]] = ("weights", 5, 100)
 
     def __post_init__(self) -> None:
         check_weights(self.weights, at_least=3)
@@ -132,20 +133,25 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
             InvalidInput: if an argument is of another shape or range.
             UnsupportedQuery: for obstacles.
         """
-        if check_shapes(obstacles):
+        query = CheckedQuery(start, goal, duration, dt, obstacles)
+        if query.obstacles:
             raise UnsupportedQuery(
                 "obstacles: rhythmic DMPs do not avoid obstacles; in Python, pass a coupling term "
                 "to step()"
             )
-        state = self.begin(start=start, goal=goal, period=period, amplitude=amplitude)
-        step = check.number(dt, "dt", above=0.0)
-        total = check_duration(duration, state.duration)
+        return self._answer(query, period, amplitude)
+
+    def _answer(
+        self, query: CheckedQuery, period: float | None = None, amplitude: float = 1.0
+    ) -> MotionT_co:
+        state = self.begin(start=query.start, goal=query.goal, period=period, amplitude=amplitude)
+        total = query.end(state.duration)
         if not total / state.duration <= _MAX_PERIODS:
             raise InvalidInput(
                 f"period: expected at most {_MAX_PERIODS} periods in {total:.6g} s, "
                 f"got a period of {state.duration:.6g} s; check the units"
             )
-        return cast(MotionT_co, self._motion(state, even_times(total, step)))
+        return cast(MotionT_co, self._motion(state, even_times(total, query.dt)))
 
     def begin(
         self,
@@ -156,7 +162,7 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
         amplitude: float = 1.0,
     ) -> Any:
         """The state at phase 0, for `step`; arguments and errors as in `generate`."""
-        total = check_duration(period, self.period, "period")
+        total = self.period if period is None else check.number(period, "period", above=0.0)
         scale = check.number(amplitude, "amplitude", at_least=0.0)
         learned, known = self.system.ends, self.orientation
         if known is None:

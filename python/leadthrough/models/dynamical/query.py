@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic
 
@@ -10,11 +9,10 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.errors import InvalidInput
 from leadthrough.models.coordinates import NODES, Coordinates
 from leadthrough.models.targets import Target
 from leadthrough.motion import MotionT_co
-from leadthrough.shapes import Shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,11 +90,3 @@ def pose_of(place: Any) -> Target:
             "position: expected (position (3,), orientation (4,)) of a skill of poses"
         )
     return place[0], place[1]
-
-
-def refuse_obstacles(obstacles: Sequence[Shape]) -> None:
-    """Raises UnsupportedQuery for obstacles: a system does not avoid them."""
-    if len(obstacles) > 0:
-        raise UnsupportedQuery(
-            "obstacles: a dynamical system cannot avoid them; leave them out or use FastMarching"
-        )

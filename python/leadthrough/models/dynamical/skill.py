@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, Generic
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,22 +21,23 @@ from leadthrough.models.dynamical.field import (
 from leadthrough.models.dynamical.query import (
     Situation,
     pose_of,
-    refuse_obstacles,
     sheets,
     situation,
     twist,
 )
-from leadthrough.models.queries import checked_query, even_times
+from leadthrough.models.queries import CheckedQuery, even_times
 from leadthrough.models.targets import Target
 from leadthrough.motion import MotionT_co, normalised_times
-from leadthrough.shapes import Shape
 
 
 @dataclass(frozen=True, eq=False)
-class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
+class DynamicalSkill(FittedSkill[MotionT_co]):
     """A system x' = f(x) whose trajectories all end at the goal; made by `fit` of its model.
 
-    It has no clock: wherever a tool is pushed to, `policy` leads it on from there.
+    It has no clock: wherever a tool is pushed to, `policy` leads it on from there. `generate`
+    returns the trajectory from a start, continued to rest at the goal over its last 5 %; the whole
+    system moves with the goal. By default it lasts as long as the system takes, at most 100 times
+    the demonstrations' duration.
 
     Attributes:
         model: the settings that it was fitted with.
@@ -93,44 +93,11 @@ class DynamicalSkill(FittedSkill, Generic[MotionT_co]):
         rows = (np.atleast_2d(given) - there) / self.scale
         return self._velocities(rows).reshape(given.shape)
 
-    @checked_query
-    def generate(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        dt: float = 0.01,
-        obstacles: Sequence[Shape] = (),
-    ) -> MotionT_co:
-        """The system's trajectory from a start, continued to rest at the goal over the last 5 %.
-
-        Args:
-            start: columns (d,) at the start; for poses (position (3,), orientation (4,) as
-                w, x, y, z) or the position alone. By default the demonstrations' mean.
-            goal: the same at the end; the whole system moves with it.
-            duration: duration, s, > 0; by default as long as the system takes.
-            dt: largest time between samples, s, > 0.
-            obstacles: must be empty.
-
-        Returns:
-            A motion of the type that was demonstrated.
-
-        Raises:
-            InvalidInput: if an argument is wrong.
-            UnsupportedQuery: for obstacles.
-            NoPath: if the goal is not reached in 100 times the demonstrations' duration.
-        """
-        refuse_obstacles(obstacles)
-        check.number(dt, "dt", above=0.0)
-        if duration is not None:
-            check.number(duration, "duration", above=0.0)
-        here = self._situation(start, goal)
+    def _answer(self, query: CheckedQuery) -> MotionT_co:
+        """The system's trajectory, continued to rest at the goal."""
+        here = self._situation(query.start, query.goal)
         path = goal_trajectory(self.field, here.start)
-        total = (
-            path.duration * self.demonstrated_duration / self.pace if duration is None else duration
-        )
-        times = even_times(total, dt)
+        times = even_times(query.end(self._seconds(path.duration)), query.dt)
         phases = normalised_times(times)
         columns = here.columns(path.at(phases))
         return here.coordinates.motion(times, phases, columns)

@@ -35,7 +35,7 @@ from leadthrough.models.marching.policy import Policy, policy_to
 from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, split
 from leadthrough.models.marching.time_law import TIMINGS, timed
 from leadthrough.models.protocol import Parameter, Unfitted
-from leadthrough.models.queries import checked_query
+from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, Trajectory
 from leadthrough.planning import Grid
@@ -128,8 +128,12 @@ class FastMarching(Unfitted):
 
 
 @dataclass(frozen=True, eq=False)
-class FastMarchingSkill(FittedSkill, Generic[MotionT_co]):
+class FastMarchingSkill(FittedSkill[MotionT_co]):
     """A fitted Fast Marching model; made by `FastMarching.fit`.
+
+    `generate` starts and ends at rest, by default at the centroids of the demonstrations' starts
+    and goals and with their duration, adapted to the path's length. It raises NoPath if start or
+    goal lies in an obstacle, or obstacles separate them.
 
     Attributes:
         model: the settings that it was fitted with.
@@ -250,33 +254,12 @@ class FastMarchingSkill(FittedSkill, Generic[MotionT_co]):
             return self
         return self.with_experience(motion.positions, duration=motion.duration)
 
-    @checked_query
-    def generate(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        dt: float = 0.01,
-        obstacles: Sequence[Shape] = (),
-    ) -> MotionT_co:
-        """A motion of the type that was demonstrated, around obstacles; it starts and ends at rest.
-
-        Args:
-            start: (d,), by default the centroid of the demonstrations' starts; for poses also
-                (position (3,), orientation (4,)), by default the demonstrated one.
-            goal: as start, by default the centroid of the demonstrations' goals.
-            duration: s, > 0; by default the demonstrations', adapted to the path's length.
-            dt: s, > 0, upper bound of the sampling step.
-            obstacles: shapes in the demonstrations' frame; a drawing of two dimensions lies in the
-                plane z = 0.
-
-        Raises:
-            InvalidInput: if an argument is of another shape or range.
-            NoPath: if start or goal lies in an obstacle, or obstacles separate them.
-        """
-        route = self.plan(start=start, goal=goal, obstacles=obstacles)
-        return self.in_time(route, start=start, goal=goal, duration=duration, dt=dt)
+    def _answer(self, query: CheckedQuery) -> MotionT_co:
+        """A motion around obstacles that starts and ends at rest."""
+        route = self.plan(start=query.start, goal=query.goal, obstacles=query.obstacles)
+        return self.in_time(
+            route, start=query.start, goal=query.goal, duration=query.duration, dt=query.dt
+        )
 
     def in_time(
         self,

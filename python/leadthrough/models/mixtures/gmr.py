@@ -6,9 +6,8 @@ humanoid robot".
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, ClassVar, Generic
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,12 +30,10 @@ from leadthrough.models.mixtures.phases import (
     sampled,
     timed_columns,
 )
-from leadthrough.models.protocol import Parameter, Unfitted, fitted_again
-from leadthrough.models.queries import asked_times, checked_query, even_times
-from leadthrough.models.targets import Target
+from leadthrough.models.protocol import Unfitted
+from leadthrough.models.queries import CheckedQuery, asked_times, even_times
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 from leadthrough.preprocess.resample import arc_length
-from leadthrough.shapes import Shape
 
 
 @dataclass(frozen=True)
@@ -57,6 +54,8 @@ class GMR(Unfitted):
     components: int | None = 8
     seed: int = 0
     starts: int = 5
+
+    slider: ClassVar[tuple[str, int, int]] = ("components", 1, 20)
 
     def __post_init__(self) -> None:
         if self.components is not None:
@@ -110,12 +109,11 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:
     return GMRSkill(model, coordinates, mixture, duration, ends, int(settings["shown"]))
 
 
-MAX_COMPONENTS = 20  # worth trying on a slider
-
-
 @dataclass(frozen=True, eq=False)
-class GMRSkill(FittedSkill, Generic[MotionT_co]):
+class GMRSkill(FittedSkill[MotionT_co]):
     """A mixture over time and the columns of a motion; made by `GMR.fit`.
+
+    `generate` returns its mean, moved to a start and a goal: the offsets fade along the path.
 
     Attributes:
         model: the settings that it was fitted with; `components` is the number that was fitted.
@@ -164,47 +162,14 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
         """
         return self.regress(asked_times(times, "times"))
 
-    @checked_query
-    def generate(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        dt: float = 0.01,
-        obstacles: Sequence[Shape] = (),
-    ) -> MotionT_co:
-        """The mean motion, moved to a start and a goal where given.
-
-        The offsets at both ends fade along the path.
-
-        Args:
-            start: columns (d,) at the start; for poses (position (3,), orientation (4,) as
-                w, x, y, z) or the position alone. By default the demonstrations' mean.
-            goal: the same at the end.
-            duration: duration, s, > 0; by default the skill's own.
-            dt: largest time between samples, s, > 0.
-            obstacles: must be empty.
-
-        Returns:
-            A motion of the type that was demonstrated.
-
-        Raises:
-            InvalidInput: if an argument is wrong.
-            UnsupportedQuery: for obstacles.
-        """
-        if len(obstacles) > 0:
-            raise UnsupportedQuery(
-                "obstacles: a GMR cannot avoid them; leave them out or use FastMarching"
-            )
-        check.number(dt, "dt", above=0.0)
-        total = self.duration if duration is None else duration
-        times = even_times(check.number(total, "duration", above=0.0), dt)
+    def _answer(self, query: CheckedQuery) -> MotionT_co:
+        """The mean motion, shifted to a start and a goal."""
+        times = even_times(query.end(self.duration), query.dt)
         phases = normalised_times(times)
         columns, _ = self.regress(phases * self.duration)
         length = arc_length(columns[:, : self.coordinates.size])
         covered = length / length[-1] if length[-1] > 0.0 else phases
-        columns = shifted(columns, covered, wanted_ends(self.coordinates, self.ends, start, goal))
+        columns = shifted(columns, covered, wanted_ends(self.coordinates, self.ends, query))
         return self.coordinates.motion(times, phases, columns)
 
     def updated(self, demonstrations: Demonstrations[Motion]) -> GMRSkill[MotionT_co]:
@@ -255,16 +220,6 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
         result[order] = orientations
         return result
 
-    def parameters(
-        self, demonstrations: Demonstrations[Motion] = ()
-    ) -> Sequence[Parameter[MotionT_co]]:
-        """The number of components, if there are demonstrations to fit again.
-
-        Args:
-            demonstrations: the demonstrations that the skill was fitted to.
-        """
-        return fitted_again(self, "components", demonstrations, least=1, most=MAX_COMPONENTS)
-
     # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         """Settings and arrays that `gmr.from_archive` turns into the skill again."""
@@ -284,12 +239,10 @@ class GMRSkill(FittedSkill, Generic[MotionT_co]):
         return settings, arrays
 
 
-def wanted_ends(
-    coordinates: Coordinates, ends: Float64Array, start: Target | None, goal: Target | None
-) -> Float64Array:
+def wanted_ends(coordinates: Coordinates, ends: Float64Array, query: CheckedQuery) -> Float64Array:
     """Start and goal (2, d), where a query leaves them open those of the demonstrations."""
     wanted = ends.copy()
-    for row, (place, name) in enumerate(((start, "start"), (goal, "goal"))):
+    for row, (place, name) in enumerate(((query.start, "start"), (query.goal, "goal"))):
         if place is not None:
             given = coordinates.target(place, name, float(row))
             wanted[row, : len(given)] = given

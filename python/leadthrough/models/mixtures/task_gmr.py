@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, ClassVar, Generic
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.em import Blocks
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mean_orientation import middle_orientations
-from leadthrough.models.mixtures.gmr import GMR, MAX_COMPONENTS, GMRSkill, wanted_ends
+from leadthrough.models.mixtures.gmr import GMR, GMRSkill, wanted_ends
 from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns
 from leadthrough.models.mixtures.task_frames import (
     bounded,
@@ -37,11 +37,10 @@ from leadthrough.models.mixtures.task_frames import (
     placed,
     shrunk,
 )
-from leadthrough.models.protocol import Parameter, Unfitted, fitted_again
-from leadthrough.models.queries import checked_query
+from leadthrough.models.protocol import Parameter, Unfitted
+from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
-from leadthrough.shapes import Shape
 
 # A deviation of 5 % of a column's: frames are not weighed by finer agreement than that, which few
 # demonstrations show by chance.
@@ -65,6 +64,8 @@ class TaskGMR(Unfitted):
     components: int = 8
     seed: int = 0
     starts: int = 5
+
+    slider: ClassVar[tuple[str, int, int]] = ("components", 1, 20)
 
     def __post_init__(self) -> None:
         check.integer(self.components, "components", at_least=1, at_most=SAMPLES)
@@ -177,8 +178,13 @@ def _fitted(
 
 
 @dataclass(frozen=True, eq=False)
-class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
+class TaskGMRSkill(FittedSkill[MotionT_co]):
     """Components seen from the frames of a task; made by `TaskGMR.fit`.
+
+    `generate` returns the mean motion between a start and a goal, the present poses of the two
+    frames there. These carry it as far as the demonstrations support that, and no phase farther
+    than 1.45 times the move of the ends; a rotated end counts as the move of the motion's farthest
+    point about it. A skill with frames of its own needs those of the situation: `at`.
 
     Attributes:
         model: the settings that it was fitted with.
@@ -231,61 +237,28 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
         model = GMR(self.model.components, self.model.seed, self.model.starts)
         return GMRSkill(model, coordinates, mixture, self.duration, ends, 1)
 
-    @checked_query
-    def generate(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        dt: float = 0.01,
-        obstacles: Sequence[Shape] = (),
-    ) -> MotionT_co:
-        """The mean motion from a start to a goal.
-
-        The frames carry it as far as the demonstrations support that, and no phase farther than
-        1.45 times the move of the ends; a rotated end counts as the move of the motion's farthest
-        point about it.
-
-        Args:
-            start: present pose of the frame at the start: columns (d,); for poses (position (3,),
-                orientation (4,) as w, x, y, z), or the position alone to keep the mean
-                orientation. By default the demonstrations' mean.
-            goal: present pose of the frame at the goal, likewise.
-            duration: duration, s, > 0; by default the skill's own.
-            dt: largest time between samples, s, > 0.
-            obstacles: must be empty.
-
-        Returns:
-            A motion of the type that was demonstrated.
-
-        Raises:
-            InvalidInput: if an argument is wrong.
-            UnsupportedQuery: for obstacles, or if the skill was fitted with frames of its own.
-        """
+    def _answer(self, query: CheckedQuery) -> MotionT_co:
+        """The mean motion from a start to a goal."""
         if not self.at_ends:
             raise UnsupportedQuery(
                 "frames: this skill was fitted with frames of its own and needs those of the "
                 "situation, in Python skill.at(frames).generate()"
             )
-        nominal = self._between(self.ends, duration, dt, obstacles)
-        if start is None and goal is None:
+        nominal = self._between(self.ends, query)
+        if query.start is None and query.goal is None:
             return nominal
-        ends = wanted_ends(self.coordinates, self.ends, start, goal)
-        return bounded(self._between(ends, duration, dt, obstacles), nominal)
+        ends = wanted_ends(self.coordinates, self.ends, query)
+        return bounded(self._between(ends, query), nominal)
 
-    def _between(
-        self, ends: Float64Array, duration: float | None, dt: float, obstacles: Sequence[Shape]
-    ) -> MotionT_co:
+    def _between(self, ends: Float64Array, query: CheckedQuery) -> MotionT_co:
         """The motion between a start and a goal (2, d) in `coordinates`, by the frames."""
         placed_at = self.coordinates.motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]), ends)
         frames = [Frame.of_sample(placed_at, row) for row in (0, -1)]
         return self.at(frames).generate(
             start=_place(placed_at, 0),
             goal=_place(placed_at, -1),
-            duration=duration,
-            dt=dt,
-            obstacles=obstacles,
+            duration=query.duration,
+            dt=query.dt,
         )
 
     def parameters(
@@ -298,9 +271,7 @@ class TaskGMRSkill(FittedSkill, Generic[MotionT_co]):
         Args:
             demonstrations: the demonstrations that the skill was fitted to.
         """
-        if not self.at_ends:
-            return []
-        return fitted_again(self, "components", demonstrations, least=1, most=MAX_COMPONENTS)
+        return super().parameters(demonstrations) if self.at_ends else []
 
     # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:

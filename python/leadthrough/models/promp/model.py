@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Generic, Literal, TypeAlias, cast, get_args
+from typing import Any, ClassVar, Literal, TypeAlias, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,10 +38,9 @@ from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.limits import Truncated
 from leadthrough.models.promp.predictive import Experience
 from leadthrough.models.protocol import Parameter, Unfitted, whole_number
-from leadthrough.models.queries import checked_query, checked_threads, even_times
+from leadthrough.models.queries import CheckedQuery, checked_threads, even_times
 from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
-from leadthrough.shapes import Shape
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
 
@@ -154,8 +153,12 @@ class ProMP(Unfitted):
 
 
 @dataclass(frozen=True, eq=False)
-class ProMPSkill(FittedSkill, Generic[MotionT_co]):
+class ProMPSkill(FittedSkill[MotionT_co]):
     """A normal distribution of motions; made by `ProMP.fit`.
+
+    `generate` returns its mean, joints with velocities and accelerations. Inside the demonstrated
+    range it is conditioned on a start and a goal; farther off it is shifted, and no phase moves by
+    more than one and a half times the move of the ends. A rhythmic motion has no goal.
 
     Attributes:
         model: the settings that it was fitted with.
@@ -216,50 +219,16 @@ class ProMPSkill(FittedSkill, Generic[MotionT_co]):
         rows = self.basis(self._phases(times, "times", at_least=1), order) * self.duration**-order
         return self.weights.columns_at(rows)
 
-    @checked_query
-    def generate(
-        self,
-        *,
-        start: Target | None = None,
-        goal: Target | None = None,
-        duration: float | None = None,
-        dt: float = 0.01,
-        obstacles: Sequence[Shape] = (),
-    ) -> MotionT_co:
-        """The mean motion, or one between a start and a goal.
-
-        Within the demonstrations it is conditioned on them. Farther off it is shifted, and no phase
-        moves by more than one and a half times what the ends are moved by.
-
-        Args:
-            start: columns (d,) at the start; for poses (position (3,), orientation (4,) as
-                w, x, y, z) or the position alone. By default the mean.
-            goal: the same at the end; a rhythmic motion has none.
-            duration: duration, s, > 0; by default the skill's own.
-            dt: largest time between samples, s, > 0.
-            obstacles: must be empty.
-
-        Returns:
-            A motion of the type that was demonstrated; joints with velocities and accelerations.
-
-        Raises:
-            InvalidInput: if an argument is wrong, or if the motion is fixed to something else at
-                its start or its goal.
-            UnsupportedQuery: for obstacles, or a goal of a rhythmic motion.
-        """
-        if len(obstacles) > 0:
-            raise UnsupportedQuery(
-                "obstacles: a ProMP cannot avoid them; leave them out or use FastMarching"
-            )
-        if goal is not None and self.basis.is_rhythmic:
+    def _answer(self, query: CheckedQuery) -> MotionT_co:
+        """The mean motion, or one between a start and a goal."""
+        if query.goal is not None and self.basis.is_rhythmic:
             raise UnsupportedQuery(
                 "goal: a rhythmic motion has none, it ends where it starts; leave it out"
             )
-        check.number(dt, "dt", above=0.0)
-        skill = self if duration is None else self.lasting(duration)
-        asked = ends.asked(self.coordinates, start, goal)
+        skill = self if query.duration is None else self.lasting(query.duration)
+        asked = ends.asked(self.coordinates, query.start, query.goal)
         skill = ends.moved(skill, asked) if asked else skill
-        times = even_times(skill.duration, dt)
+        times = even_times(skill.duration, query.dt)
         return skill._motion(skill.weights.mean, times)
 
     def novelty(self, *, start: Target | None = None, goal: Target | None = None) -> float:

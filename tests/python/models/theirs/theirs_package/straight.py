@@ -34,11 +34,11 @@ class StraightSkill(FittedSkill):
     kind = "straight"
     supports = frozenset({"start", "goal", "duration"})
 
-    def generate(self, *, start=None, goal=None, duration=None, dt=0.01):
-        first = self.ends[0] if start is None else np.asarray(start)
-        last = self.ends[1] if goal is None else np.asarray(goal)
-        seconds = duration or self.duration
-        u = np.linspace(0.0, 1.0, 1 + round(seconds / dt))
+    def _answer(self, query):
+        first = self.ends[0] if query.start is None else np.asarray(query.start)
+        last = self.ends[1] if query.goal is None else np.asarray(query.goal)
+        seconds = query.duration or self.duration
+        u = np.linspace(0.0, 1.0, 1 + round(seconds / query.dt))
         return lt.Trajectory(seconds * u, first + np.outer(u, last - first))
 
     def to_archive(self):
