@@ -8,15 +8,15 @@ raises InvalidInput, with the argument's name, what is right and what came. Valu
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import _core
-from leadthrough.errors import InvalidInput
 
 Float64Array = NDArray[np.float64]
 Text = TypeVar("Text", bound=str)
@@ -26,6 +26,43 @@ UNIT_LENGTH_TOLERANCE = 1e-2
 MAX_NUMBERS = 10**8  # that one call makes, 0.75 GiB
 
 _FLOAT64 = np.dtype(np.float64)
+# How messages begin: "rate: ...", "frames[2]: ...", perhaps behind a file: "day.csv: rate: ...".
+_ARGUMENT = re.compile(r"(?:^|: )(?P<name>[a-z_]\w*(?:\[[^\]]*\])?): ")
+
+
+class LeadthroughError(Exception):
+    """Root of the package's errors; each can be pickled, so a worker process may raise it."""
+
+    @property
+    def argument(self) -> str | None:
+        """Name of the argument at fault, such as "rate"; None if the message names none."""
+        found = _ARGUMENT.search(str(self))
+        return found["name"] if found else None
+
+    def __reduce__(self) -> tuple[Any, ...]:  # Any: the type that Exception declares
+        # Exception's own version calls the class with the message alone; some need more.
+        return _restored, (type(self), self.args, self.__dict__)
+
+
+class InvalidInput(LeadthroughError, ValueError):
+    """An argument is wrong; the message names it, the expected and the given value.
+
+    Every function raises it for an argument that is not as documented: another type or shape, out
+    of the stated range, not finite. Under "Raises" stand only further causes.
+
+    Attributes:
+        argument: name of the argument, such as "rate"; None if no single one is at fault.
+        value: the given value, if it is a number or a text; else None.
+    """
+
+    def __init__(self, message: str, *, argument: str | None = None, value: object = None) -> None:
+        super().__init__(message)
+        self._argument = argument
+        self.value = value if isinstance(value, str | int | float) else None
+
+    @property
+    def argument(self) -> str | None:
+        return super().argument if self._argument is None else self._argument
 
 
 def array(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
@@ -250,3 +287,11 @@ def _short(value: object) -> str:
     """A value as a message shows it: a number of NumPy like any other, at most 60 characters."""
     text = repr(value.item() if isinstance(value, np.generic) else value)
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _restored(
+    kind: type[LeadthroughError], args: tuple[Any, ...], attributes: dict[str, Any]
+) -> LeadthroughError:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(attributes)
+    return error

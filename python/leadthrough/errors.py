@@ -1,52 +1,33 @@
-"""Every exception that leadthrough raises; each is a `LeadthroughError`."""
+"""Every exception that leadthrough raises; each is a `LeadthroughError`.
+
+The root and `InvalidInput` are defined beside the checks, which raise it.
+"""
 
 from __future__ import annotations
 
-import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from leadthrough.check import InvalidInput, LeadthroughError
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-
-# How messages begin: "rate: ...", "frames[2]: ...", perhaps behind a file: "day.csv: rate: ...".
-_ARGUMENT = re.compile(r"(?:^|: )(?P<name>[a-z_]\w*(?:\[[^\]]*\])?): ")
-
-
-class LeadthroughError(Exception):
-    """Root of the package's errors; each can be pickled, so a worker process may raise it."""
-
-    @property
-    def argument(self) -> str | None:
-        """Name of the argument at fault, such as "rate"; None if the message names none."""
-        found = _ARGUMENT.search(str(self))
-        return found["name"] if found else None
-
-    def __reduce__(self) -> tuple[Any, ...]:  # Any: the type that Exception declares
-        # Exception's own version calls the class with the message alone; some need more.
-        return _restored, (type(self), self.args, self.__dict__)
-
-
-class InvalidInput(LeadthroughError, ValueError):
-    """An argument is wrong; the message names it, the expected and the given value.
-
-    Every function raises it for an argument that is not as documented: another type or shape, out
-    of the stated range, not finite. Under "Raises" stand only further causes.
-
-    Attributes:
-        argument: name of the argument, such as "rate"; None if no single one is at fault.
-        value: the given value, if it is a number or a text; else None.
-    """
-
-    def __init__(self, message: str, *, argument: str | None = None, value: object = None) -> None:
-        super().__init__(message)
-        self._argument = argument
-        self.value = value if isinstance(value, str | int | float) else None
-
-    @property
-    def argument(self) -> str | None:
-        return super().argument if self._argument is None else self._argument
+__all__ = [
+    "CodeMismatch",
+    "FitError",
+    "IkFailure",
+    "InvalidInput",
+    "InvalidRobot",
+    "LeadthroughError",
+    "LimitsInfeasible",
+    "MissingDependency",
+    "NoContinuousLogarithm",
+    "NoPath",
+    "NotFitted",
+    "SchedulerUnreachable",
+    "UnsupportedQuery",
+]
 
 
 class UnsupportedQuery(InvalidInput):
@@ -162,11 +143,3 @@ class MissingDependency(LeadthroughError, ImportError):
         )
         self.package = package
         self.extra = extra
-
-
-def _restored(
-    kind: type[LeadthroughError], args: tuple[Any, ...], attributes: dict[str, Any]
-) -> LeadthroughError:
-    error = kind.__new__(kind, *args)
-    error.__dict__.update(attributes)
-    return error

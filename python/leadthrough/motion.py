@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, rotations
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import of_joints, of_points, of_poses
-from leadthrough.errors import InvalidInput
 from leadthrough.events import Event, Events, within
 from leadthrough.events import checked as checked_events
 from leadthrough.repr import numbers_text, one_line

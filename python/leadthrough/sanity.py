@@ -12,8 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import numbers_text
 from leadthrough.shapes import Shape
 

@@ -16,11 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import _core, check, sanity
 from leadthrough.arm.kinematics import joint_rows
 from leadthrough.arm.robot_files import hull_vertices
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing import palette
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Line, Panel
-from leadthrough.errors import InvalidInput, InvalidRobot
+from leadthrough.errors import InvalidRobot
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Box, SceneLike, Shape, as_scene, compiled

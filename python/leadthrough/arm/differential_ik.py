@@ -13,8 +13,7 @@ from leadthrough import _core, check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.limits import known_acceleration
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
 
 _FREE = np.empty(0)

@@ -32,8 +32,8 @@ from leadthrough.arm.tracking import (
     least_rotated,
     starts,
 )
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import LimitsInfeasible
 from leadthrough.motion import (
     JointTrajectory,
     Motion,

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 
 # A singular value below this fraction of the largest one is rounding.
 _SINGULAR = 6 * np.finfo(np.float64).eps

@@ -9,8 +9,8 @@ import numpy as np
 
 from leadthrough import _core, rotations
 from leadthrough.arm.robot_files import find_mesh, hull_vertices
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, MissingDependency
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import MissingDependency
 from leadthrough.shapes.primitives import PRIMITIVES
 from leadthrough.shapes.shape import ConvexPart, Primitive
 from leadthrough.shapes.surface import Surface

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 
 # m, rad, per s or s^2: beyond every arm, and the squares of products of such numbers are finite.
 _MAX = 1e6

@@ -14,9 +14,8 @@ from leadthrough.arm import dynamics, kinematics
 from leadthrough.arm.attachment import Attachment, Load
 from leadthrough.arm.collision import collision_model
 from leadthrough.arm.limits import JointLimits, checked_values, require_inside, require_unlocked
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing.drawn import Drawn
-from leadthrough.errors import InvalidInput
 from leadthrough.shapes import Shape, Solid
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0)

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from leadthrough import _core, sanity
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
     JointTrajectory,
     Motion,

@@ -20,8 +20,8 @@ import numpy as np
 
 from leadthrough import _core, check
 from leadthrough.arm.limits import JointLimits, read_limits
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, InvalidRobot
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import InvalidRobot
 
 # Bytes: above the core's own bound, which refuses the document with a reason.
 _MAX_FILE = 2**25

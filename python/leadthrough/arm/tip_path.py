@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check, rotations
 from leadthrough.arm.inverse_kinematics import Axis, IkOptions, compiled
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import PoseTrajectory, Trajectory
 
 

@@ -24,8 +24,8 @@ from leadthrough.arm.ik_failure import failure
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration, margins
 from leadthrough.arm.tip_path import TipPath, Track, solve_sample
-from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import IkFailure
 
 _SAMPLE_ITERATIONS = 60
 # Damping to try where the arm may leave the path, m^2 per rad^2: from none to (0.1 m per rad)^2,

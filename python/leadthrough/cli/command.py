@@ -19,8 +19,8 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+import leadthrough as lt
 from leadthrough.cli import errors
-from leadthrough.errors import InvalidInput, LeadthroughError
 
 # Typer's root of what is wrong with the words of a command line.
 _UsageError: Any = typer.BadParameter.__bases__[0]
@@ -84,7 +84,7 @@ class Command(TyperCommand):
                 return super().invoke(ctx)
         except BrokenPipeError:  # a reader such as `head` has seen enough
             raise
-        except (LeadthroughError, OSError) as error:
+        except (lt.errors.LeadthroughError, OSError) as error:
             if ctx.find_root().params.get("debug"):
                 raise
             raise errors.ending(error, words(ctx), as_json=_wants_json(ctx)) from None
@@ -141,10 +141,8 @@ def _name_values(parameters: list[Any]) -> None:
 def _usage_errors(ctx: Any) -> Iterator[None]:
     try:
         yield
-    except LeadthroughError as error:  # of the profile, or of a command with --debug
-        if ctx.params.get("debug"):
-            raise
-        raise errors.ending(error, {}, as_json=_wants_json(ctx)) from None
+    except typer.Exit:  # by --help, which needs none of the library
+        raise
     except _UsageError as error:
         if not _wants_json(ctx):
             raise
@@ -152,6 +150,10 @@ def _usage_errors(ctx: Any) -> Iterator[None]:
         argument = parameter.opts[0] if parameter else getattr(error, "option_name", None)
         errors.print_json("UsageError", error.format_message(), argument)
         raise typer.Exit(error.exit_code) from None
+    except lt.errors.LeadthroughError as error:  # of the profile, or of a command with --debug
+        if ctx.params.get("debug"):
+            raise
+        raise errors.ending(error, {}, as_json=_wants_json(ctx)) from None
 
 
 def _wants_json(ctx: Any) -> bool:
@@ -174,20 +176,24 @@ def read_profile() -> dict[str, str]:
     except FileNotFoundError:
         return {}
     except (OSError, UnicodeDecodeError) as error:
-        raise InvalidInput(f"{PROFILE}: cannot be read ({error})") from None
+        raise lt.errors.InvalidInput(f"{PROFILE}: cannot be read ({error})") from None
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InvalidInput(f"{PROFILE}: not a TOML document: {error}") from None
+        raise lt.errors.InvalidInput(f"{PROFILE}: not a TOML document: {error}") from None
     return _checked(document)
 
 
 def _checked(document: Mapping[str, Any]) -> dict[str, str]:
     for key, value in document.items():
         if key not in PROFILE_KEYS:
-            raise InvalidInput(
+            raise lt.errors.InvalidInput(
                 f"{PROFILE}: {key}: unknown key; the keys are {', '.join(PROFILE_KEYS)}"
             )
         if not isinstance(value, str) or not value:
-            raise InvalidInput(f"{PROFILE}: {key}: expected a text in quotes, got {value!r}")
+            raise lt.errors.InvalidInput(
+                f"{PROFILE}: {key}: expected a text in quotes, got {value!r}"
+            )
         if "robot" not in document:
-            raise InvalidInput(f"{PROFILE}: {key}: only used with robot; add robot or remove {key}")
+            raise lt.errors.InvalidInput(
+                f"{PROFILE}: {key}: only used with robot; add robot or remove {key}"
+            )
     return dict(document)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import typer
 
+import leadthrough as lt
 from leadthrough.cli.command import read_profile
-from leadthrough.errors import LeadthroughError
 
 STUDIES = (
     "agriculture",
@@ -91,7 +91,7 @@ def links(ctx: typer.Context, incomplete: str) -> list[str]:
     """The links of the robot that the command line or the profile names."""
     from leadthrough.arm.robot_files import find_robot
 
-    with suppress(LeadthroughError, OSError, UnicodeDecodeError):
+    with suppress(lt.errors.LeadthroughError, OSError, UnicodeDecodeError):
         files_named = (str(file) for file in ctx.params.get("files") or ())
         robot = ctx.params.get("robot") or next(files_named, None) or read_profile().get("robot")
         path = Path(robot or "")
@@ -113,7 +113,7 @@ def parameters(ctx: typer.Context, incomplete: str) -> list[str]:
 
     from leadthrough.models import model_entry
 
-    with suppress(LeadthroughError):
+    with suppress(lt.errors.LeadthroughError):
         known = fields(model_entry(ctx.params.get("model") or "dmp").load())
         return _beginning((f"{field.name}={field.default}" for field in known), incomplete)
     return []

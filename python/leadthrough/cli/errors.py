@@ -15,25 +15,8 @@ from contextlib import contextmanager
 
 import typer
 
-from leadthrough.errors import (
-    FitError,
-    IkFailure,
-    LeadthroughError,
-    LimitsInfeasible,
-    NoContinuousLogarithm,
-    NoPath,
-    SchedulerUnreachable,
-)
+import leadthrough as lt
 
-# The input was valid, and no such motion was found.
-_INFEASIBLE = (
-    SchedulerUnreachable,
-    FitError,
-    IkFailure,
-    LimitsInfeasible,
-    NoContinuousLogarithm,
-    NoPath,
-)
 _STOPPED = 130  # as shells have it for Ctrl-C
 # The last words of some messages, for those who program: "; in Python, Arm.joints_of picks ...".
 _IN_PYTHON = re.compile(r"[,;:]?\s+in\s+Python\b.*", re.DOTALL)
@@ -45,7 +28,7 @@ def naming(**words: str) -> Iterator[None]:
     """Tells the errors of a block in words of the command line."""
     try:
         yield
-    except LeadthroughError as error:
+    except lt.errors.LeadthroughError as error:
         error.args = (in_words(str(error), words), *error.args[1:])
         raise
 
@@ -107,7 +90,20 @@ def ending(error: Exception, words: Mapping[str, str], *, as_json: bool) -> type
         print_json(type(error).__name__, message, _argument(error, message, words))
     else:
         print(f"leadthrough: {message}", file=sys.stderr)
-    return typer.Exit(1 if isinstance(error, _INFEASIBLE) else 2)
+    return typer.Exit(1 if _is_infeasible(error) else 2)
+
+
+def _is_infeasible(error: Exception) -> bool:
+    """Whether the input was valid, and no such motion was found."""
+    infeasible = (
+        lt.errors.SchedulerUnreachable,
+        lt.errors.FitError,
+        lt.errors.IkFailure,
+        lt.errors.LimitsInfeasible,
+        lt.errors.NoContinuousLogarithm,
+        lt.errors.NoPath,
+    )
+    return isinstance(error, infeasible)
 
 
 def print_json(kind: str, message: str, argument: str | None) -> None:
@@ -117,7 +113,11 @@ def print_json(kind: str, message: str, argument: str | None) -> None:
 
 
 def _text(error: Exception) -> str:
-    if isinstance(error, OSError) and error.strerror and not isinstance(error, LeadthroughError):
+    if (
+        isinstance(error, OSError)
+        and error.strerror
+        and not isinstance(error, lt.errors.LeadthroughError)
+    ):
         return f"{error.filename or 'input or output'}: {error.strerror}"
     return str(error)
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.targets import Target, TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import RandomObstacle, Shape

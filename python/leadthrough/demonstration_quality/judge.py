@@ -18,10 +18,9 @@ from typing import Literal
 import numpy as np
 
 from leadthrough import check
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.demonstration_quality.left_out import LeftOut, Material
 from leadthrough.demonstration_quality.traits import TRAITS, Trait, peculiarities, shares_its_path
-from leadthrough.errors import InvalidInput
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.promp.model import ProMP
 from leadthrough.models.protocol import Model

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import tasks
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, LeadthroughError
+from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.io.atomic import replacing
 from leadthrough.models.protocol import Model, Skill
 from leadthrough.models.targets import Target, TargetRegion

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from leadthrough.errors import LeadthroughError
+from leadthrough.check import LeadthroughError
 from leadthrough.repr import ShortRepr
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, LimitsInfeasible, NoPath
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import LimitsInfeasible, NoPath
 from leadthrough.guard.admission import CommandedState, chunk_of, from_state
 from leadthrough.guard.rules import HISTORY, Contact, Rules, history_of, rules_for
 from leadthrough.motion import JointTrajectory

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event
 from leadthrough.guard.admission import (
     KINDS,

@@ -8,8 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard.admission import Admission
 from leadthrough.guard.guard import Guard
 

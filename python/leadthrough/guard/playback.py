@@ -14,8 +14,7 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import JointLimits
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.filters import FilterState, JerkFilter

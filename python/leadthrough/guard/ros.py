@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard.admission import Admission
 from leadthrough.guard.guard import Guard
 from leadthrough.io.joint_trajectory import NANOSECONDS, stamp_nanoseconds, to_stamp

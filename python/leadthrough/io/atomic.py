@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 
 StrPath = str | os.PathLike[str]
 

@@ -16,8 +16,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import headers
 from leadthrough.io.headers import AngleUnit, Columns
 from leadthrough.io.joint_trajectory import checked_joint_names

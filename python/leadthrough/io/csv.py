@@ -19,8 +19,7 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event, Events
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.columns import demonstrated_columns

@@ -17,8 +17,7 @@ from typing import Any, NotRequired, TypedDict
 
 import numpy as np
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import optional
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event
 from leadthrough.io import headers
 from leadthrough.io.columns import is_gripper

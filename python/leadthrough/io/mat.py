@@ -22,7 +22,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.io.read_limits import MAX_BYTES, ReadLimits, read_bytes, refusing_damage
 from leadthrough.io.table import ArrayTable
 

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check, optional
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import reader_process
 from leadthrough.io.atomic import StrPath
 from leadthrough.io.read_limits import ReadLimits, read_bytes, refusing_damage

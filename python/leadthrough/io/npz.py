@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.events import Event, Events
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.columns import demonstrated_columns

@@ -15,7 +15,7 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
-from leadthrough.errors import InvalidInput, LeadthroughError
+from leadthrough.check import InvalidInput, LeadthroughError
 
 MAX_BYTES = 2**28  # of a file, once all of it is inflated
 MAX_NUMBERS = 2**25  # eleven hours of seven joints at 100 Hz; several copies are made of them

@@ -27,7 +27,8 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.errors import InvalidInput, LeadthroughError, MissingDependency
+from leadthrough.check import InvalidInput, LeadthroughError
+from leadthrough.errors import MissingDependency
 from leadthrough.events import Event
 from leadthrough.io.table import ArrayTable, Request
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.io import formats, lerobot, reader_process, robomimic
 from leadthrough.io.atomic import StrPath
 from leadthrough.io.columns import check_complete, recording

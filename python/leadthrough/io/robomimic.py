@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import optional
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.io.read_limits import MAX_WIDTH, ReadLimits, refusing_damage
 from leadthrough.io.table import ArrayTable, Request
 

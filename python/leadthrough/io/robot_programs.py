@@ -12,8 +12,7 @@ import math
 import numpy as np
 
 from leadthrough import check, events
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.csv import write_rows
 from leadthrough.io.joint_trajectory import checked_joint_names, resting_at_both_ends

@@ -22,8 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from leadthrough import optional
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event, Events
 from leadthrough.io import joint_trajectory
 from leadthrough.io.atomic import StrPath, making_folder, replacing

@@ -10,8 +10,7 @@ from typing import get_args
 import numpy as np
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Events
 from leadthrough.io.headers import AngleUnit, Columns, QuaternionOrder
 

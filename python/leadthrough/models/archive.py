@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from leadthrough.check import InvalidInput
 from leadthrough.drawing.drawn import Drawn
-from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.errors import UnsupportedQuery
 from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.certificate import Certificate

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check, events, rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.posture import Posture, arrays_of, demonstrated_posture, settings_of

@@ -8,8 +8,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from leadthrough import sanity
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import FitError
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,

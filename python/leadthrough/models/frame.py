@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory
 from leadthrough.repr import ShortRepr
 

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, events
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import FitError, UnsupportedQuery
 from leadthrough.io.atomic import StrPath
 from leadthrough.models import archive
 from leadthrough.models.mean_orientation import mean_orientations

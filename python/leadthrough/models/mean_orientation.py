@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import FitError
 from leadthrough.preprocess.curve_distance import frechet_distance
 
 # For a middle without a quarter turn around it: how much more the rotations must agree on it than

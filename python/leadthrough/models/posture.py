@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import JointTrajectory, Motion, joints_with
 
 NODES = np.linspace(0.0, 1.0, 201)

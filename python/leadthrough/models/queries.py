@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, sanity
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.protocol import Generator
 from leadthrough.models.targets import Target
 from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, Trajectory

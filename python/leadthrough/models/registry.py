@@ -12,9 +12,8 @@ from functools import cache
 from importlib import import_module, metadata
 from typing import TYPE_CHECKING, Any
 
-from leadthrough.errors import InvalidInput
-
 if TYPE_CHECKING:
+    from leadthrough.check import InvalidInput
     from leadthrough.models.protocol import Skill
 
 GROUP = "leadthrough.models"
@@ -109,11 +108,11 @@ def model_entry(name: str) -> ModelEntry:
         if each.name == name:
             return each
     if name not in _others():
-        raise InvalidInput(f"name: expected one of {', '.join(model_names())}, got {name!r}")
+        raise _invalid(f"name: expected one of {', '.join(model_names())}, got {name!r}")
     try:
         entry: ModelEntry = _others()[name].load()
     except (ImportError, AttributeError) as error:
-        raise InvalidInput(f"name: {name}: its package cannot be imported ({error})") from error
+        raise _invalid(f"name: {name}: its package cannot be imported ({error})") from error
     return entry
 
 
@@ -122,7 +121,7 @@ def entry_of_class(name: str) -> ModelEntry:
     for each in _entries():
         if each.model.partition(":")[2] == name:
             return each
-    raise InvalidInput(f"model: {name} is not among {', '.join(model_names())}")
+    raise _invalid(f"model: {name} is not among {', '.join(model_names())}")
 
 
 def entry_of_skill(kind: str) -> ModelEntry:
@@ -132,17 +131,18 @@ def entry_of_skill(kind: str) -> ModelEntry:
         if kind in each.skills:
             return each
         known.update(each.skills)
-    raise InvalidInput(f"path: expected a skill of {sorted(known)}, got {kind!r}")
+    raise _invalid(f"path: expected a skill of {sorted(known)}, got {kind!r}")
 
 
 def _entries() -> Iterator[ModelEntry]:
     """All rows; packages that cannot be imported are left out, for a file of another."""
     yield from MODELS
-    for name in _others():
+    for point in _others().values():
         try:
-            yield model_entry(name)
-        except InvalidInput:
+            entry: ModelEntry = point.load()
+        except (ImportError, AttributeError):
             continue
+        yield entry
 
 
 @cache
@@ -157,3 +157,10 @@ def _imported(path: str) -> Any:
     """The object at "module:name"."""
     module, _, name = path.partition(":")
     return getattr(import_module(module), name)
+
+
+def _invalid(message: str) -> InvalidInput:
+    """The error of a name; imported here, as NumPy comes with it and --help does without."""
+    from leadthrough.check import InvalidInput
+
+    return InvalidInput(message)

@@ -23,8 +23,7 @@ from leadthrough import check, optional
 from leadthrough.arm import Arm
 from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.model import check_arm
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.shapes import SceneLike, as_scene
 
 # Between the configurations of an edge that are looked at, over the extent of the joints' space:

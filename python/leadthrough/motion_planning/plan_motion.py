@@ -13,7 +13,8 @@ from leadthrough import check
 from leadthrough.arm import Arm, FollowOptions
 from leadthrough.arm.inverse_kinematics import Axis
 from leadthrough.arm.model import check_arm
-from leadthrough.errors import IkFailure, InvalidInput
+from leadthrough.check import InvalidInput
+from leadthrough.errors import IkFailure
 from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times
 from leadthrough.motion_planning.blocked_segment import CollisionFreeIk

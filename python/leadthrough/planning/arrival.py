@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.planning.grid import MAX_CELLS, Grid, bounds_of, spacings
 from leadthrough.repr import ShortRepr
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, NoPath
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import NoPath
 from leadthrough.planning.arrival import FloatArray
 from leadthrough.planning.grid import Grid
 

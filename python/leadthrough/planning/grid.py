@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
 
 CellArray = NDArray[np.int64]

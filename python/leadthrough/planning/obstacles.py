@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.planning.grid import MAX_CELLS, CellNumbers, Grid, spacings
 from leadthrough.shapes import Shape, check_shapes, compiled
 

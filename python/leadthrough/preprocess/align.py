@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import _core, check, events, rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,

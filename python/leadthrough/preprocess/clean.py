@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check, events, rotations
-from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array, InvalidInput
 from leadthrough.io.recording import Recording, recording_of
 from leadthrough.motion import Demonstration, Motion, MotionT, fields_of, rows_of
 from leadthrough.preprocess.report import CleaningReport, RecordingSummary, Span

@@ -6,9 +6,9 @@ import textwrap
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from leadthrough.check import InvalidInput
 from leadthrough.drawing.drawn import Drawn
 from leadthrough.drawing.panels import Panel, spans_over_time
-from leadthrough.errors import InvalidInput
 from leadthrough.repr import ShortRepr
 
 Span = tuple[float, float]  # from and to, s

@@ -9,8 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event
 from leadthrough.motion import (
     Demonstration,

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,

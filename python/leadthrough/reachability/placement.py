@@ -8,8 +8,8 @@ import numpy as np
 
 from leadthrough import check, rotations
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import IkFailure
 from leadthrough.models.protocol import Skill
 from leadthrough.models.targets import TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory

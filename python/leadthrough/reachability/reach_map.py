@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from leadthrough import check
 from leadthrough.arm import Arm, IkOptions
 from leadthrough.arm.model import check_arm
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.targets import TargetRegion
 from leadthrough.repr import ShortRepr

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 
 # Within a quarter turn of one point there is only one mean (Afsari 2011); two rotations half a turn
 # apart have two. With the margin, rounding does not decide between them.

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 
 # A recording's rounding takes a matrix this far off; beyond, it is not a rotation.
 ROTATION_TOLERANCE = 1e-2

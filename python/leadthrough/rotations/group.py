@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, NoContinuousLogarithm
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import NoContinuousLogarithm
 
 
 def exp(rotation_vectors: ArrayLike) -> Float64Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from leadthrough import _core
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.shapes.cloud import PointCloud
 from leadthrough.shapes.mesh import Mesh
 from leadthrough.shapes.primitives import PRIMITIVES

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.shapes import surface
 from leadthrough.shapes.shape import IDENTITY, ConvexPart, Primitive, pose
 from leadthrough.shapes.surface import Surface

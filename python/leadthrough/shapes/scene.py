@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes.kinds import check_shapes
 from leadthrough.shapes.shape import Shape

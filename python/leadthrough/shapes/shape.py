@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes.surface import Surface
 

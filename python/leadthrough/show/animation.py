@@ -12,9 +12,8 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.arm import Arm
 from leadthrough.arm.link_poses import link_poses
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing.palette import Colour
-from leadthrough.errors import InvalidInput
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes.surface import Surface

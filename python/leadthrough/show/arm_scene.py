@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import Arm, link_geometry
 from leadthrough.arm.link_geometry import LinkSurface
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing import palette
 from leadthrough.drawing.palette import Colour
-from leadthrough.errors import InvalidInput
 from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Shape, check_shapes

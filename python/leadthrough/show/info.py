@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from leadthrough.arm import Arm
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.io import formats, reader_process, rosbag
 from leadthrough.io.atomic import StrPath
 from leadthrough.io.columns import recording

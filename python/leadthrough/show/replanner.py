@@ -16,8 +16,8 @@ from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.following import follow
 from leadthrough.arm.ik_failure import limiting_joints_text
 from leadthrough.arm.recorded_joints import warn_of_another_arm
-from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure, InvalidInput, LeadthroughError
+from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
+from leadthrough.errors import IkFailure
 from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill, Target
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.motion_planning import Query, plan_motion

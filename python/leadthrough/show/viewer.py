@@ -13,10 +13,9 @@ import numpy as np
 import viser
 
 from leadthrough import check
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, LeadthroughError
 from leadthrough.drawing import palette
 from leadthrough.drawing.palette import Colour
-from leadthrough.errors import LeadthroughError
 from leadthrough.models.protocol import Parameter
 from leadthrough.show.animation import GOAL, OBSTACLES, PATH, SPREAD, Animation, Item
 from leadthrough.show.arm_scene import goal_item, obstacle_item, path_item, spread_items

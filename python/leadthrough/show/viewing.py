@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.arm.model import check_arm
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models.protocol import Skill, Target
 from leadthrough.motion import Demonstration, JointTrajectory, Motion

@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard import CommandedState
 from leadthrough.models import stiffness_profile
 from leadthrough.models.protocol import Distributed, Skill

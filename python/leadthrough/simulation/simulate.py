@@ -12,8 +12,8 @@ from leadthrough.arm import Arm
 from leadthrough.arm.dynamics import GRAVITY
 from leadthrough.arm.limits import known_acceleration
 from leadthrough.arm.model import check_arm
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, LimitsInfeasible, NoPath
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import LimitsInfeasible, NoPath
 from leadthrough.events import Event
 from leadthrough.guard import CommandedState, connect
 from leadthrough.guard.admission import chunk_of

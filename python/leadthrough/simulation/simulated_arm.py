@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check, optional
 from leadthrough.arm import Arm
 from leadthrough.arm.dynamics import GRAVITY
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard import CommandedState
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import SceneLike, as_scene

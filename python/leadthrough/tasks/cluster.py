@@ -16,7 +16,8 @@ from typing import Any
 from weakref import WeakValueDictionary
 
 from leadthrough import optional
-from leadthrough.errors import CodeMismatch, InvalidInput, SchedulerUnreachable
+from leadthrough.check import InvalidInput
+from leadthrough.errors import CodeMismatch, SchedulerUnreachable
 from leadthrough.io.atomic import replacing
 from leadthrough.tasks import code
 from leadthrough.tasks.process import Process

@@ -23,7 +23,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.tasks.task import Job, Report, Row, Store
 
 # A process that ends by itself, or is ended by the machine for want of memory, is not to blame the

@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.io.atomic import replacing
 from leadthrough.tasks import code
 

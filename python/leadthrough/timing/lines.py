@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from leadthrough import _core
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import LimitsInfeasible
 from leadthrough.timing.samples import AT_REST, MAX_SAMPLES, Samples
 from leadthrough.timing.sections import Lines
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 
 Jacobian = Callable[[Float64Array], Float64Array]
 InverseDynamics = Callable[[Float64Array, Float64Array, Float64Array], Float64Array]

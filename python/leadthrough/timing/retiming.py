@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, events
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import LimitsInfeasible
 from leadthrough.motion import JointTrajectory, computed_joints
 from leadthrough.timing import request as checks
 from leadthrough.timing.limits_report import KINDS, ROUNDING, Kind, Peak, check_positions, judged

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from leadthrough import _core, check
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, LimitsInfeasible
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import LimitsInfeasible
 from leadthrough.timing.limits_report import check_positions
 from leadthrough.timing.request import InverseDynamics, Jacobian, Request
 from leadthrough.timing.samples import AT_REST, MAX_SAMPLES, Samples

@@ -17,8 +17,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import PoseTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.trajectories import curve

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, optional
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.bezier import Bezier

@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.trajectories.spline import Spline
 
 # A velocity is along a line if no more of it, relatively, points elsewhere.

@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check, rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import FitError
 from leadthrough.repr import ShortRepr
 from leadthrough.rotations.interpolation import squad_controls
 from leadthrough.trajectories import curve

@@ -13,8 +13,8 @@ import numpy as np
 from leadthrough import check, optional
 from leadthrough.arm import Arm
 from leadthrough.arm.model import check_arm
-from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible, NoPath
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import IkFailure, LimitsInfeasible, NoPath
 from leadthrough.models import load_skill
 from leadthrough.models.protocol import Skill
 from leadthrough.models.targets import Target, TargetRegion

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, NoPath, UnsupportedQuery
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import NoPath, UnsupportedQuery
 from leadthrough.models.dmp.transformation import TransformationSystem, end_of
 from leadthrough.shapes import Shape, check_shapes, compiled
 from leadthrough.trajectories.minimum_jerk import minimum_jerk_time_scaling

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from leadthrough import check
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp.mean_motion import MeanMotion, mean_cycle, mean_motion
 from leadthrough.models.dmp.orientation import (

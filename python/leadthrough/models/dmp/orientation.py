@@ -31,8 +31,8 @@ from typing import Any
 import numpy as np
 
 from leadthrough import _core, check, rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import FitError, NoContinuousLogarithm
 from leadthrough.models.dmp.progress import running_mean
 from leadthrough.repr import ShortRepr
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import UnsupportedQuery
 from leadthrough.models.demonstrations import MAX_NUMBER
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, events
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput, UnsupportedQuery
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import UnsupportedQuery
 from leadthrough.models.archive import Arrays
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp import transformation

@@ -8,8 +8,7 @@ from typing import Any, Generic
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import NODES, Coordinates
 from leadthrough.models.targets import Target
 from leadthrough.motion import MotionT_co

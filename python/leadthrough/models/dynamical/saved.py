@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from leadthrough import check
-from leadthrough.errors import InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.models.archive import Arrays
 from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.dynamical.skill import DynamicalSkill

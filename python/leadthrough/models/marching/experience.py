@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from leadthrough import check, events
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import FitError
 from leadthrough.events import Event
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of

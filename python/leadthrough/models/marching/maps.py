@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.planning import Grid
 from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (

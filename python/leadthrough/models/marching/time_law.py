@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from leadthrough import events
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience, nominal_duration
 from leadthrough.models.marching.route import Route

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 
 # No variance counts as less than this fraction of the largest; below zero by more than it, a
 # covariance is refused.

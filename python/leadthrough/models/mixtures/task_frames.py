@@ -30,8 +30,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput, NoContinuousLogarithm
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import FitError, NoContinuousLogarithm
 from leadthrough.models.coordinates import NODES, Coordinates, carried
 from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.em import Blocks

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import NODES, Coordinates, carried
 from leadthrough.models.promp.gaussian import Gaussian, product
 from leadthrough.models.promp.model import ProMPSkill

@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import _core, check
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.dense import log_determinant, product, solve_definite

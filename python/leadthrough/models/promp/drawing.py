@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, events, rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import Coordinates, rotated_by
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.queries import asked_times, checked_threads, mapped

@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import FitError
 from leadthrough.models.promp.basis import Basis, raised, shaped_prior, smooth_prior
 from leadthrough.models.promp.dense import (
     inverse_definite,

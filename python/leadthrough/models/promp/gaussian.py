@@ -8,8 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.promp.dense import product as matrix_product
 from leadthrough.models.promp.dense import root_of
 from leadthrough.repr import ShortRepr

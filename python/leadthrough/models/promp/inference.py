@@ -22,8 +22,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.combination import check_alike
 from leadthrough.models.promp.conditioning import check_seen

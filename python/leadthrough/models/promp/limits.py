@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidInput
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.dense import product, root_of, row_basis, solve_definite
 from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
