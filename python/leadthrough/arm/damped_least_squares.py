@@ -114,7 +114,6 @@ def damped_inverse_kinematics(
     and is faster. Each iteration is a step of one second.
 
     Args:
-        arm: the arm.
         positions: (m, 3) in m, base frame.
         orientations: (m, 4) w, x, y, z; None leaves them free.
         q0: configurations (m, joints) where the steps start, or (joints,) for all of them; by

@@ -126,7 +126,6 @@ class DifferentialIk(ShortRepr):
         """The state one interval later.
 
         Args:
-            state: the present state.
             position: of the target, (3,) in m, base frame.
             orientation: of the target, (4,) w, x, y, z; None leaves it free.
             twist: of the target itself, (6,) in m/s and rad/s, linear first, base frame; zero by

@@ -99,8 +99,6 @@ class PoseTask(ArmTask):
         orientation: (4,) w, x, y, z.
         twist: of the goal, (6,) in m/s and rad/s, linear first.
         link: name of the link; None is the arm's tip.
-        gain: rate at which the error decays, 1/s, > 0.
-        damping_ratio: of the decay where accelerations are commanded, > 0.
     """
 
     position: Float64Array
@@ -141,8 +139,6 @@ class PositionTask(ArmTask):
         velocity: of the goal, (3,) in m/s.
         link: name of the link; None is the arm's tip.
         point: (3,) in m, in the link's frame.
-        gain: rate at which the error decays, 1/s, > 0.
-        damping_ratio: of the decay where accelerations are commanded, > 0.
     """
 
     position: Float64Array
@@ -187,8 +183,6 @@ class DirectionTask(ArmTask):
             inside a cone.
         margin: angle in rad before the cone's edge at which the task begins to act.
         link: name of the link; None is the arm's tip.
-        gain: rate at which the error decays, 1/s, > 0.
-        damping_ratio: of the decay where accelerations are commanded, > 0.
     """
 
     axis: Float64Array
@@ -234,8 +228,6 @@ class PostureTask(ArmTask):
     Attributes:
         q: (joints,) in rad (m for prismatic joints).
         velocity: of the goal, (joints,) in rad/s (m/s).
-        gain: rate at which the error decays, 1/s, > 0.
-        damping_ratio: of the decay where accelerations are commanded, > 0.
     """
 
     q: Float64Array
@@ -268,8 +260,6 @@ class ElbowTask(ArmTask):
         direction: normal of the plane, (3,) in the base frame, whose length doesn't matter.
             (0, 0, 1), the default, sets the elbow's height; a horizontal direction swings it
             sideways.
-        gain: rate at which the error decays, 1/s, > 0.
-        damping_ratio: of the decay where accelerations are commanded, > 0.
     """
 
     link: str
@@ -305,7 +295,6 @@ class JointLimitTask(ArmTask):
         margin: distance from a limit in rad or m at which the task begins to act, > 0; at most a
             quarter of a joint's range counts.
         gain: fraction per second of what is left of the distance that it may shrink by, > 0.
-        damping_ratio: of the decay where accelerations are commanded, > 0.
     """
 
     margin: float
@@ -331,7 +320,6 @@ class ObstacleTask(ArmTask):
         link: name of the link; None is the arm's tip.
         point: (3,) in m, in the link's frame.
         gain: fraction per second of what is left of the distance that it may shrink by, > 0.
-        damping_ratio: of the decay where accelerations are commanded, > 0.
     """
 
     shape: Shape

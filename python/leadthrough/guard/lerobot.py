@@ -57,11 +57,7 @@ class GuardStep:
         self.answer = None
 
     def transform_features(self, features: dict[Any, Any]) -> dict[Any, Any]:
-        """The features as they are: the step changes numbers only.
-
-        Args:
-            features: of the pipeline.
-        """
+        """The features as they are: the step changes numbers only."""
         return features
 
     def get_config(self) -> dict[str, Any]:
@@ -73,11 +69,7 @@ class GuardStep:
         return {}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Takes no tensors.
-
-        Args:
-            state: ignored.
-        """
+        """Takes no tensors."""
 
     def _joints(self, values: object, name: str) -> Float64Array:
         """The arm's joints of an action or observation, rad."""

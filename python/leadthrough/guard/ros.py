@@ -26,11 +26,6 @@ def admit_message(guard: Guard, message: Any, state: Any = None) -> tuple[Any, A
     Its header and its joints are those of the message that came; joints that are not the arm's are
     left out.
 
-    Args:
-        guard: of the arm.
-        message: a trajectory_msgs/JointTrajectory.
-        state: as for `Guard.admit`.
-
     Raises:
         InvalidInput: if the message has no points or lacks a joint of the arm, and as `admit`.
         MissingDependency: if rosbags is not installed.
@@ -41,9 +36,6 @@ def admit_message(guard: Guard, message: Any, state: Any = None) -> tuple[Any, A
 
 def trajectory_of(message: Any) -> JointTrajectory:
     """The motion of a message, timed by `time_from_start`.
-
-    Args:
-        message: a trajectory_msgs/JointTrajectory.
 
     Raises:
         InvalidInput: if it has no points, or they do not fit its joints.

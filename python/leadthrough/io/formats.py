@@ -160,7 +160,6 @@ def write_motion(motion: Motion, path: StrPath, *, format: str | None = None) ->
 
     Args:
         motion: points, poses or joints, as far as the format has them.
-        path: file to write.
         format: "csv", "npz", "json", "yaml", "rosbag", "urscript" or "franka"; by default the one
             whose suffix the path has: .csv, .npz, .json, .yaml, .mcap, .db3 or .script.
 

@@ -92,7 +92,6 @@ def read_motion(
     Formats, names and columns are as for `read_demonstrations`.
 
     Args:
-        path: a file or folder.
         columns, rate, angles, quaternions, topic, frames, joints: as of `read_demonstrations`.
 
     Raises:

@@ -49,7 +49,6 @@ def connect_configurations(
     The way has been shortened, and is clear all along. Needs the extra `ompl`.
 
     Args:
-        arm: the arm.
         start: configuration (joints,).
         goals: configurations (k, joints), or (joints,) for one.
         scene: to keep clear of by its margins.

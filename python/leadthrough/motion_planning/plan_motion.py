@@ -53,7 +53,6 @@ def plan_motion(
 
     Args:
         skill: any skill of poses, of points in 3-D, or of the arm's joints.
-        arm: that is to move.
         scene: to keep clear of, by its margins and 0.2 mm more, so that the answer passes
             `arm.check` with the same scene. A skill that supports obstacles takes the tip around
             them. Without a scene nothing is kept clear of.

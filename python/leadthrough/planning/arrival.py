@@ -141,10 +141,6 @@ def arrival_times_batch(
     Args:
         speeds: maps of one shape; a single map serves all sources.
         sources: one entry per problem; a single entry serves all maps.
-        spacing: as in `arrival_times`.
-        order: as in `arrival_times`.
-        dtype: as in `arrival_times`.
-        source_radius: as in `arrival_times`.
         threads: at least 1; the bits of the result do not depend on it.
 
     Returns:
@@ -279,9 +275,6 @@ class ArrivalField:
 
     def update(self, speed: ArrayLike) -> FieldUpdate:
         """Replaces the whole speed map; the changed part is determined first.
-
-        Args:
-            speed: of grid.shape, as for `arrival_times`.
 
         Raises:
             InvalidInput: if the map is malformed or puts a source in a wall; nothing is changed

@@ -31,7 +31,6 @@ def descend(
     Args:
         arrival: times of grid.shape, from `arrival_times` with the goal's cell as source; inf in
             walls.
-        grid: of the arrival times.
         start: point (d,), in the grid's unit.
         goal: point (d,), in the grid's unit.
         step: longest step in cells (of the smallest spacing), below 1.
@@ -66,7 +65,6 @@ def direction(arrival: ArrayLike, grid: Grid, positions: ArrayLike) -> Float64Ar
     Args:
         arrival: as for `descend`; contiguous floats are not copied, so that a controller may ask
             in every cycle.
-        grid: of the arrival times.
         positions: points (n, d), in the grid's unit.
 
     Raises:

@@ -58,7 +58,6 @@ def fm2_speed(
     Exactly one of `saturation` and `area_of_influence` sets that distance.
 
     Args:
-        grid: of the map.
         walls: booleans of grid.shape, from `occupied`, `occupied_by_points` or a map.
         saturation: the distance as a fraction, 0 to 1, of the largest distance of any cell to a
             wall; 0 is FM alone, the shortest path.
@@ -93,8 +92,6 @@ def plan(speed: ArrayLike, grid: Grid, start: ArrayLike, goal: ArrayLike) -> Pla
     """The quickest path from a start to a goal.
 
     Args:
-        speed: as in `plan_many`.
-        grid: of the map.
         start: point (d,).
         goal: point (d,).
     """
@@ -106,7 +103,6 @@ def plan_many(speed: ArrayLike, grid: Grid, starts: ArrayLike, goal: ArrayLike) 
 
     Args:
         speed: of grid.shape, 0 in walls, from `fm2_speed` or any map.
-        grid: of the map.
         starts: points (k, d).
         goal: point (d,).
 

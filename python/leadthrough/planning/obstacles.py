@@ -34,7 +34,6 @@ def occupied_by_points(grid: Grid, points: ArrayLike, *, radius: float) -> NDArr
     """Mask, grid.shape, of the cells whose centre is within a radius of a point of a cloud.
 
     Args:
-        grid: the cells.
         points: (n, d), in the grid's unit; those outside the grid count as far as they reach into
             it.
         radius: in the grid's unit, > 0; below half a cell's diagonal a point may lie between all

@@ -73,11 +73,7 @@ class RandomObstacle(ShortRepr):
         return np.asarray(self.shape.position + np.asarray(self.reach))
 
     def draw(self, rng: np.random.Generator) -> Shape:
-        """The shape at a random position.
-
-        Args:
-            rng: source of the random numbers.
-        """
+        """The shape at a random position."""
         return self.shape.at(rng.uniform(self.lower, self.upper))
 
 
@@ -140,11 +136,7 @@ class Scene(ShortRepr):
         )
 
     def draw(self, rng: np.random.Generator) -> Scene:
-        """The scene with a position drawn for each `RandomObstacle`, in their order.
-
-        Args:
-            rng: source of the random numbers.
-        """
+        """The scene with a position drawn for each `RandomObstacle`, in their order."""
         drawn = (
             each.draw(rng) if isinstance(each, RandomObstacle) else each for each in self.obstacles
         )

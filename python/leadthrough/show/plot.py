@@ -129,11 +129,7 @@ _SIDES = ((0, 2, "x", "z"), (0, 1, "x", "y"))  # seen from the side, and from ab
 
 
 def reach_figure(reach_map: ReachMap) -> Figure:
-    """The best of each line of sight, from the side and from above: reach and manipulability.
-
-    Args:
-        reach_map: by `leadthrough.reachability.reach_map`.
-    """
+    """The best of each line of sight, from the side and from above: reach and manipulability."""
     with styled():
         figure = Figure(figsize=(8.5, 7.5))
         panels = figure.subplots(2, 2)
@@ -156,11 +152,7 @@ def reach_figure(reach_map: ReachMap) -> Figure:
 
 
 def placement_figure(placement: Placement) -> Figure:
-    """The best manipulability by where the base stands, over all heights and yaws.
-
-    Args:
-        placement: by `leadthrough.reachability.place_base`.
-    """
+    """The best manipulability by where the base stands, over all heights and yaws."""
     positions, where = np.unique(placement.bases[:, :2], axis=0, return_inverse=True)
     best, most = np.zeros(len(positions)), np.zeros(len(positions))
     np.maximum.at(best, where.ravel(), placement.manipulability)

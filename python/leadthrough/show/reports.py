@@ -27,7 +27,6 @@ def simulation_page(report: SimulationReport, html: StrPath, *, title: str = "")
     """Writes a page of a simulation: both arms, the verdict, figures and a table of the joints.
 
     Args:
-        report: of `lt.simulate`.
         html: file to write; it needs no server and no network.
         title: of the page, by default the robot's name.
 
@@ -38,11 +37,7 @@ def simulation_page(report: SimulationReport, html: StrPath, *, title: str = "")
 
 
 def simulation_parts(report: SimulationReport) -> list[str]:
-    """The parts of that page, for pages that show more.
-
-    Args:
-        report: of `lt.simulate`.
-    """
+    """The parts of that page, for pages that show more."""
     return [
         page.scene(simulation_scene(report), "The arm as simulated; transparent, as planned."),
         page.text(str(report)),

@@ -35,7 +35,6 @@ def view(
     """Shows an arm and its motion: as an HTML file, or live in a browser until interrupted.
 
     Args:
-        arm: the arm to show.
         motion: of the joints, or of the tip, which the arm then follows; without it the skill's
             own motion is planned and drawn.
         demonstrations: recordings to draw; in the live page also for model parameters that need a
@@ -81,15 +80,6 @@ def open_view(
 ) -> LiveView:
     """The live page of `view`, served in the background until it is closed.
 
-    Args:
-        arm: the arm to show.
-        motion: of the joints or of the tip.
-        demonstrations: recordings to draw, and for parameters that need a new fit.
-        skill: plans anew when something is dragged.
-        goal: first end of the skill's motion.
-        scene: obstacles in the arm's base frame, which can be dragged, and the margins.
-        port: port of the page; 0 picks a free one.
-
     Raises:
         InvalidInput: if an argument is wrong.
         IkFailure: if the arm cannot follow the motion of the tip that is given.
@@ -119,7 +109,6 @@ def inline(
     """The scene of `view` for a notebook, which shows it as the result of a cell.
 
     Args:
-        arm: the arm to show.
         motion: of the joints, or of the tip, which the arm then follows; without it the skill's
             own motion is planned and drawn.
         demonstrations: recordings to draw.

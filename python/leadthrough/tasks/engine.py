@@ -64,7 +64,6 @@ def run(
     If the caller stops early, running tasks are dropped.
 
     Args:
-        tasks: the tasks.
         store: takes the rows.
         on: "local:N" for N processes of this machine, the address of a Dask scheduler such as
             "tcp://host:8786" or the .json file that it wrote; None for this process, where a task
@@ -141,8 +140,6 @@ def with_progress(outcomes: Iterable[Outcome], total: int, label: str) -> Iterat
     """The same outcomes, shown on stderr with an estimate of the time that is left.
 
     Args:
-        outcomes: of a run.
-        total: number of its tasks.
         label: shown before the bar, such as "validating".
     """
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
@@ -167,7 +164,6 @@ def with_manifest(outcomes: Iterable[Outcome], folder: Path) -> Iterator[Outcome
     """The same outcomes; manifest.json is written when they end, however they end.
 
     Args:
-        outcomes: of a run.
         folder: folder of the manifest, made if missing.
 
     Raises:

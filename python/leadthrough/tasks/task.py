@@ -183,9 +183,6 @@ class Store:
     def write(self, report: Report) -> None:
         """Keep what a report says; rows replace an earlier failure.
 
-        Args:
-            report: with rows or a failure.
-
         Raises:
             InvalidInput: if the file cannot be written.
         """

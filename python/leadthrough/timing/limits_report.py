@@ -143,7 +143,6 @@ def check_limits(
         trajectory: the motion. Missing velocities are the slopes of the cubic spline through the
             positions that starts and ends at rest, missing accelerations those of the cubic spline
             through the velocities.
-        limits: limits of the same joints.
         linear_rate: rate in Hz of a receiver that runs the positions alone, straight from one to
             the next, such as a script of servoj commands. By default the quintics are judged that
             a controller runs which reads velocities and accelerations too.
@@ -166,10 +165,6 @@ def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Bin
     """The limit that is nearest in each stretch of a trajectory, in the order of time.
 
     A stretch in which the nearest limit binds is separate from one in which it does not.
-
-    Args:
-        trajectory: the motion, judged as by `check_limits`.
-        limits: limits of the same joints.
     """
     joints = _joint_names(trajectory, limits)
     if len(trajectory.times) == 1:

@@ -122,7 +122,6 @@ def keep_timing(
         path_tolerance: rad (m), how far a fitted path may lie off the samples.
         dwell_times: seconds that the motion rests in addition, by sample or knot.
         tip_speed: the largest speed of the tip.
-        inverse_dynamics: as of `retime`.
 
     Returns:
         Samples at `rate`, with their velocities and accelerations, as of `retime`.

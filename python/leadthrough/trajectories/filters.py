@@ -76,7 +76,6 @@ class LinearFilter(ShortRepr, ABC):
         """The state one period later.
 
         Args:
-            state: the present one.
             target: (d,), where the target is one period later.
             period: s, 1e-7 to 1e5.
             velocity: the target's, (d,) or one number; with it a moving target is followed without
@@ -189,7 +188,6 @@ class TimeOptimalFilter(ShortRepr):
         """The state one period later.
 
         Args:
-            state: the present one.
             target: (d,), where the target is one period later.
             period: s, 1e-7 to 1e5.
             velocity: the target's, (d,) or one number; a moving target within the limits is caught
@@ -305,7 +303,6 @@ class JerkFilter(ShortRepr):
         """The state one period later, each dimension on its own fastest way to the target.
 
         Args:
-            state: the present one.
             target: (d,).
             period: s, 1e-7 to 1e5.
         """
@@ -317,30 +314,16 @@ class JerkFilter(ShortRepr):
 
         The others keep a lower speed on their way. Only one whose hardest stop happens to end on
         its target cannot wait, and arrives earlier.
-
-        Args:
-            state: as for `step`.
-            target: as for `step`.
-            period: as for `step`.
         """
         states, limits, goal = self._checked(state, target)
         return _state(_core.step_together(states, limits, goal, check_period(period)))
 
     def durations(self, state: FilterState, target: ArrayLike) -> Float64Array:
-        """Times (d,), s, that `step` takes to rest at the target.
-
-        Args:
-            state: the present one.
-            target: (d,).
-        """
+        """Times (d,), s, that `step` takes to rest at the target."""
         return np.asarray(_core.times_to_rest(*self._checked(state, target)))
 
     def resting_place(self, state: FilterState) -> Float64Array:
-        """Positions (d,) at which the dimensions rest if they stop as fast as they may.
-
-        Args:
-            state: the present one.
-        """
+        """Positions (d,) at which the dimensions rest if they stop as fast as they may."""
         states, limits, _ = self._checked(state, getattr(state, "position", ()))
         return np.asarray(_core.resting_places(states, limits))
 

@@ -71,7 +71,6 @@ def validate(
 
     Args:
         skill: of poses, of points in 3-D, or of the arm's joints, fitted or loaded.
-        arm: that is to move.
         scene: of every query; the position of each `RandomObstacle` is drawn too.
         goals: region of the goals; by default the demonstrated goal.
         starts: region of the starts; by default the demonstrated start.
