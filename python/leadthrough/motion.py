@@ -131,14 +131,7 @@ class Trajectory(Sampled):
         )
 
     def at(self, time: ArrayLike) -> Float64Array:
-        """Position at a time, linear between samples.
-
-        Args:
-            time: s, or several times (m,), not before the first sample or after the last.
-
-        Returns:
-            Point (d,), or (m, d) for several times.
-        """
+        """Position (d,) at a time in s, or (m, d) at times (m,); linear between samples."""
         several, _, points = self._places(time)
         return points if several else points[0]
 
@@ -194,15 +187,10 @@ class PoseTrajectory(Sampled):
         )
 
     def at(self, time: ArrayLike) -> tuple[Float64Array, Float64Array]:
-        """Pose at a time, as skills take a start or goal.
+        """Position (3,) and orientation (4,) at a time in s, as skills take a start or goal.
 
-        Between samples it moves straight and turns at constant velocity.
-
-        Args:
-            time: s, or several times (m,), not before the first sample or after the last.
-
-        Returns:
-            Position (3,) and orientation (4,), or (m, 3) and (m, 4) for several times.
+        Between samples it moves straight and turns at constant velocity. Several times (m,) give
+        (m, 3) and (m, 4).
         """
         several, at, points = self._places(time)
         if len(self.times) == 1:
@@ -270,14 +258,7 @@ class JointTrajectory(Sampled):
         )
 
     def at(self, time: ArrayLike) -> Float64Array:
-        """The joints at a time; between samples they move straight.
-
-        Args:
-            time: s, or several times (m,), not before the first sample or after the last.
-
-        Returns:
-            Joint positions (joints,), or (m, joints) for several times.
-        """
+        """Joints (joints,) at a time in s, or (m, joints) at times (m,); linear between samples."""
         several, _, joints = self._places(time)
         return joints if several else joints[0]
 

@@ -37,6 +37,11 @@ class Arm(ArmModel):
     positions in m and orientations w, x, y, z of the tip in the base frame. An arm never changes:
     `lock_joints`, `with_tool`, `with_payload` and `with_attached` return new ones.
 
+    A configuration `q` is (joints,), its velocities `qd` and accelerations `qdd` likewise, and may
+    lie outside the limits. Of a batch, (m, joints) each, results have a first axis m. `threads`, 1 to 256, do not change an
+    answer. A scene is a `Scene`, or a list of shapes, which has the default margins. Distances and
+    checks raise InvalidRobot and MissingDependency as `collision_pairs` does.
+
     Attributes:
         document: the URDF as text.
         base: name of the link whose frame is the base frame.
@@ -173,9 +178,6 @@ class Arm(ArmModel):
             orientations: (m, 4) w, x, y, z; None leaves them free.
             q0: configurations (m, joints) where the searches start, or (joints,) for all of them;
                 by default the options' `posture`, else the middle of the joints' ranges.
-            threads: number of threads, 1 to 256; does not change the answer.
-            seed: seed of the random number generator of the restarts.
-            options: tolerances, free axes, preferred posture for all poses, and budget for each.
 
         Returns:
             One row per pose.
@@ -204,14 +206,11 @@ class Arm(ArmModel):
         `posture`, by default `q0`, as the task lets them. The search uses its whole budget.
 
         Args:
-            position: (3,) in m, base frame.
-            orientation: (4,) w, x, y, z; None leaves it free.
             count: number of configurations to return at most, 1 to 64.
             separation: two configurations are distinct if a joint differs by more than this, in
                 rad (whole turns left out) or m, > 0.
             q0: configuration (joints,) where the search starts; by default the options' `posture`,
                 else the middle of the joints' ranges.
-            seed: seed of the random number generator of the restarts.
             options: tolerances, free axes, posture and budget of the whole search; its `mode` does
                 not count.
 
@@ -367,20 +366,7 @@ class Arm(ArmModel):
         """Minimum distance, m, between obstacles and the arm's moving links.
 
         Where they overlap it is the depth of the overlap, negative; without obstacles it is
-        infinite.
-
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-            scene: the obstacles, as a `Scene` or a list of shapes; the margins are not used.
-            threads: number of threads, 1 to 256; does not change the answer.
-
-        Returns:
-            A number, or (m,) for a batch.
-
-        Raises:
-            InvalidInput: if q has another shape or is not finite, or an obstacle is not a shape.
-            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-            MissingDependency: if a mesh's format needs a package that is not installed.
+        infinite. The scene's margins are not used.
         """
         return collision.distance(self._collision, self._chain, q, scene, threads)
 
@@ -394,18 +380,6 @@ class Arm(ArmModel):
         """Smallest distance in m between parts of the arm, or of the robot; see `distance`.
 
         `collision_pairs` lists the parts that are compared.
-
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-            threads: number of threads, 1 to 256; does not change the answer.
-
-        Returns:
-            A number, or (m,) for a batch.
-
-        Raises:
-            InvalidInput: if q has another shape or is not finite.
-            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-            MissingDependency: if a mesh's format needs a package that is not installed.
         """
         return collision.self_distance(self._collision, self._chain, q, threads)
 
@@ -414,20 +388,7 @@ class Arm(ArmModel):
     @overload
     def is_clear(self, q: ArrayLike, scene: SceneLike = ...) -> bool | NDArray[np.bool_]: ...
     def is_clear(self, q: ArrayLike, scene: SceneLike = ()) -> bool | NDArray[np.bool_]:
-        """Whether the whole arm keeps the margins of a scene; quicker than distances.
-
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-            scene: the obstacles and margins; a list of shapes has the default margins.
-
-        Returns:
-            One answer, or (m,) for a batch.
-
-        Raises:
-            InvalidInput: if q has another shape or is not finite, or the scene is malformed.
-            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-            MissingDependency: if a mesh's format needs a package that is not installed.
-        """
+        """Whether the whole arm keeps the margins of a scene; quicker than distances."""
         return collision.is_clear(self._collision, self._chain, q, scene)
 
     def check(
@@ -445,15 +406,11 @@ class Arm(ArmModel):
 
         Args:
             trajectory: joints, or configurations (m, joints), m > 0.
-            scene: the obstacles and margins; a list of shapes has the default margins.
             tolerance: in m, >= 1e-6; a hit between samples that is deeper than this isn't missed.
-            threads: number of threads, 1 to 256; does not change the answer.
 
         Raises:
             InvalidInput: if the joints are not the arm's, the scene is malformed, a number is out
                 of its range, or two samples are too far apart to be checked to the tolerance.
-            InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
-            MissingDependency: if a mesh's format needs a package that is not installed.
 
         Source: Mirtich 1996.
         """

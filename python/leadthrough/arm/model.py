@@ -148,55 +148,26 @@ class ArmModel(Drawn):
         return replace(self, attachment=self.attachment.with_shape(shape, mass))
 
     def forward_kinematics(self, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
-        """Position in m and orientation w, x, y, z of the tip in the base frame.
-
-        Args:
-            q: configuration (joints,) or a batch (m, joints); may lie outside the limits.
-
-        Returns:
-            Position (3,) and orientation (4,), or (m, 3) and (m, 4) for a batch.
-        """
+        """Position (3,) in m and orientation (4,) w, x, y, z of the tip in the base frame."""
         return kinematics.forward_kinematics(self._chain, q)
 
     def jacobian(self, q: ArrayLike) -> Float64Array:
-        """Geometric Jacobian J of the tip: linear rows first, in the base frame.
-
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-
-        Returns:
-            (6, joints), or (m, 6, joints) for a batch.
-        """
+        """Geometric Jacobian J, (6, joints), of the tip: linear rows first, in the base frame."""
         return kinematics.jacobian(self._chain, q)
 
     def jacobian_derivative(self, q: ArrayLike, qd: ArrayLike) -> Float64Array:
-        """Time derivative J' of the Jacobian while the joints move; qdd below is acceleration.
+        """Time derivative J', (6, joints), of the Jacobian while the joints move.
 
         The tip's acceleration is J qdd + J' qd.
-
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-            qd: joint velocities, shape of q, rad/s (m/s).
-
-        Returns:
-            (6, joints), or (m, 6, joints) for a batch.
         """
         return kinematics.matrices(_core.jacobian_derivative, self._chain, q=q, qd=qd)
 
     def jacobian_second_derivative(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike
     ) -> Float64Array:
-        """Second time derivative J'' of the Jacobian while the joints move.
+        """Second time derivative J'', (6, joints), of the Jacobian while the joints move.
 
         The tip's jerk is J qddd + 2 J' qdd + J'' qd.
-
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-            qd: joint velocities, shape of q, rad/s (m/s).
-            qdd: joint accelerations, shape of q, rad/s^2 (m/s^2).
-
-        Returns:
-            (6, joints), or (m, 6, joints) for a batch.
         """
         kernel = _core.jacobian_second_derivative
         return kinematics.matrices(kernel, self._chain, q=q, qd=qd, qdd=qdd)
@@ -208,12 +179,6 @@ class ArmModel(Drawn):
         different arms. For an arm of fewer than six joints it is sqrt(det(J^T J)), which measures
         the directions in which the arm can move.
 
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-
-        Returns:
-            (), or (m,) for a batch.
-
         Source: Yoshikawa 1985.
         """
         return kinematics.manipulability(self.jacobian(q))
@@ -224,14 +189,10 @@ class ArmModel(Drawn):
         """Largest singular value of the Jacobian over its smallest; infinite at a singularity.
 
         Args:
-            q: configuration (joints,) or a batch (m, joints).
             rotation_weight: weight of the rotation rows in m per rad, > 0. The Jacobian mixes m
                 and rad, so without a weight the number would change with the unit of length. A
                 rotation counts as the path of a point this far from the tip: 0.3 is about the
                 reach of an arm's wrist, 1.0 gives the plain SI number.
-
-        Returns:
-            (), or (m,) for a batch.
         """
         weight = check.number(rotation_weight, "rotation_weight", above=0.0)
         return kinematics.condition_number(self.jacobian(q), weight)
@@ -239,23 +200,16 @@ class ArmModel(Drawn):
     def inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike = dynamics.GRAVITY
     ) -> Float64Array:
-        """Joint torques in N m (forces in N for prismatic joints) that produce a motion.
+        """Joint torques (joints,) in N m (forces in N for prismatic joints) that produce a motion.
 
         The model has the links that the arm moves, those on side branches fixed to them, and the
         payloads. It has no friction, no motor inertia and nothing that hangs from joints outside
         the arm, unless these are locked.
 
         Args:
-            q: configuration (joints,) or a batch (m, joints).
-            qd: joint velocities, shape of q, rad/s (m/s).
-            qdd: joint accelerations, shape of q, rad/s^2 (m/s^2).
             gravity: acceleration (3,) of gravity in the base frame, m/s^2.
 
-        Returns:
-            (joints,), or (m, joints) for a batch.
-
         Raises:
-            InvalidInput: if the shapes differ, or a number is not finite or too large.
             InvalidRobot: if the URDF states no masses.
         """
         return dynamics.inverse_dynamics(self._chain, q, qd, qdd, gravity)
@@ -263,33 +217,24 @@ class ArmModel(Drawn):
     def gravity_torques(
         self, q: ArrayLike, *, gravity: ArrayLike = dynamics.GRAVITY
     ) -> Float64Array:
-        """Joint torques in N m (N) that hold the arm still against gravity.
+        """Joint torques (joints,) in N m (N) that hold the arm still against gravity.
+
+        They are of the links as in `inverse_dynamics`.
 
         Args:
-            q: configuration (joints,) or a batch (m, joints).
             gravity: acceleration (3,) of gravity in the base frame, m/s^2.
 
-        Returns:
-            (joints,), or (m, joints) for a batch; of the links as in `inverse_dynamics`.
-
         Raises:
-            InvalidInput: if q has another shape, or a number is not finite or too large.
             InvalidRobot: if the URDF states no masses.
         """
         return dynamics.gravity_torques(self._chain, q, gravity)
 
     def mass_matrix(self, q: ArrayLike) -> Float64Array:
-        """Joint-space mass matrix M: M qdd is the torque that the accelerations qdd need.
+        """Joint-space mass matrix M (joints, joints): accelerations qdd need the torques M qdd.
 
-        Args:
-            q: configuration (joints,) or a batch (m, joints).
-
-        Returns:
-            (joints, joints), or (m, joints, joints) for a batch; of the links as in
-            `inverse_dynamics`.
+        It is of the links as in `inverse_dynamics`.
 
         Raises:
-            InvalidInput: if q has another shape, or a number is not finite or too large.
             InvalidRobot: if the URDF states no masses.
         """
         return dynamics.mass_matrix(self._chain, q)

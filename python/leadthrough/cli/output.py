@@ -40,7 +40,7 @@ def advise(text: str) -> None:
 
 
 def arm_words(ctx: typer.Context) -> tuple[str, ...]:
-    """The options that name the arm, as they were typed; those of the profile need no repetition."""
+    """The options that name the arm, as typed; those of the profile need no repetition."""
     return typed(ctx, *_ARM)
 
 
