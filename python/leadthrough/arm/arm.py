@@ -37,10 +37,11 @@ class Arm(ArmModel):
     positions in m and orientations w, x, y, z of the tip in the base frame. An arm never changes:
     `lock_joints`, `with_tool`, `with_payload` and `with_attached` return new ones.
 
-    A configuration `q` is (joints,), its velocities `qd` and accelerations `qdd` likewise, and may
-    lie outside the limits. Of a batch, (m, joints) each, results have a first axis m. `threads`, 1 to 256, do not change an
-    answer. A scene is a `Scene`, or a list of shapes, which has the default margins. Distances and
-    checks raise InvalidRobot and MissingDependency as `collision_pairs` does.
+    A configuration `q` is (joints,) and may lie outside the limits; its velocities `qd`, rad/s, and
+    accelerations `qdd`, rad/s^2, have its shape. Of a batch, (m, joints) each, the results have a
+    first axis m. `threads`, 1 to 256, do not change an answer. A scene is a `Scene`, or a list of
+    shapes, which has the default margins. Distances and checks raise InvalidRobot and
+    MissingDependency as `collision_pairs` does.
 
     Attributes:
         document: the URDF as text.

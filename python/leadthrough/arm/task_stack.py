@@ -83,11 +83,7 @@ class TaskStack(ShortRepr):
         return TaskStack, (self.arm, self.tasks, self.scheme, self.rest_damping)
 
     def with_tasks(self, tasks: Sequence[ArmTask]) -> TaskStack:
-        """The same stack with other tasks.
-
-        Args:
-            tasks: in the order of their priority, the highest first; at most 12.
-        """
+        """The same stack with other tasks."""
         # Spelled out, as loops change tasks in every step: unchanged parts are reused.
         made = object.__new__(TaskStack)
         vars(made).update(vars(self))

@@ -58,7 +58,6 @@ def tube_map(
     In the overlap of tubes the faster one counts.
 
     Args:
-        grid: covers the paths.
         paths: each (n, d), in the grid's unit.
         weights: of each path, in [0, 1].
         area_of_influence: radius of the tubes, in the grid's unit.
@@ -84,12 +83,6 @@ def add_obstacles(
 
     The product with the obstacles' own map: the speed grows from 0 at an obstacle to its own value
     one area of influence away, so that a path keeps that distance wherever there is room.
-
-    Args:
-        speed: the map without obstacles, of grid.shape.
-        grid: of the map.
-        obstacles: in the grid's unit.
-        area_of_influence: in the grid's unit.
     """
     part, beside = _beside(grid, obstacles, area_of_influence)
     if part is None:
@@ -136,9 +129,6 @@ def add_saturated_obstacles(
     unchanged elsewhere. The step in the speed between them may show in a path as a corner.
 
     Args:
-        speed: the map without obstacles, of grid.shape.
-        grid: of the map.
-        obstacles: in the grid's unit.
         area_of_influence: distance over which the obstacles' own map grows from 0 to 1, in the
             grid's unit.
         saturation: in (0, 1].

@@ -106,11 +106,7 @@ def align_by_arc_length(
     """The demonstrations at constant speed, all at the same 1000 times.
 
     All take the median of their durations. Pauses and trembling vanish. Velocities and
-    accelerations of joints are left out.
-
-    Args:
-        demonstrations: at least one, all of one type and size, two samples or more each; a motion
-            stands for a demonstration of it.
+    accelerations of joints are left out. Demonstrations are as for `align_by_time_warping`.
 
     Raises:
         InvalidInput: if the demonstrations don't fit, or one does not move.

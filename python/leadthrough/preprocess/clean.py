@@ -156,7 +156,6 @@ def cut_at_gaps(
     Samples without a time are left out, the others sorted by time.
 
     Args:
-        recording: with or without faults.
         longest_gap: longest time without a sample, > 0, s; times shorter than five usual steps are
             no gap.
     """

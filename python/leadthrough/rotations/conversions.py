@@ -18,11 +18,7 @@ CONVENTIONS = (*_INTRINSIC, *(convention.lower() for convention in _INTRINSIC))
 
 
 def to_matrix(quaternions: ArrayLike) -> Float64Array:
-    """Rotation matrices (n, 3, 3).
-
-    Args:
-        quaternions: unit quaternions (n, 4).
-    """
+    """Rotation matrices (n, 3, 3)."""
     q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
     return np.asarray(_core.so3_to_matrix(q).reshape(-1, 3, 3))
 

@@ -33,32 +33,18 @@ def log(quaternions: ArrayLike) -> Float64Array:
 
 
 def compose(a: ArrayLike, b: ArrayLike) -> Float64Array:
-    """Quaternions (n, 4) of the rotations that turn by b first, then by a.
-
-    Args:
-        a: unit quaternions (n, 4).
-        b: unit quaternions (n, 4).
-    """
+    """Quaternions (n, 4) of the rotations that turn by b first, then by a."""
     return _core.so3_compose(*pair(a, b))
 
 
 def inverse(quaternions: ArrayLike) -> Float64Array:
-    """Quaternions (n, 4) of the opposite rotations.
-
-    Args:
-        quaternions: unit quaternions (n, 4).
-    """
+    """Quaternions (n, 4) of the opposite rotations."""
     q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
     return np.asarray(q * [1.0, -1.0, -1.0, -1.0])
 
 
 def distance(a: ArrayLike, b: ArrayLike) -> Float64Array:
-    """Geodesic distances (n,) between rotations, from 0 to pi rad, whatever the signs.
-
-    Args:
-        a: unit quaternions (n, 4).
-        b: unit quaternions (n, 4).
-    """
+    """Geodesic distances (n,) between rotations, from 0 to pi rad, whatever the signs."""
     return _core.so3_distance(*pair(a, b))
 
 
@@ -112,7 +98,6 @@ def lift(quaternions: ArrayLike, *, anchor: Literal["start", "goal"] = "start") 
             continues its neighbour's along the shortest turn between the two rows.
 
     Raises:
-        InvalidInput: if they are not unit quaternions of that shape.
         NoContinuousLogarithm: if neighbours are half a turn apart, or the vector steps by more than
             ten times the angle turned; with the row as `index`.
 

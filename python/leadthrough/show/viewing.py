@@ -109,11 +109,6 @@ def inline(
     """The scene of `view` for a notebook, which shows it as the result of a cell.
 
     Args:
-        motion: of the joints, or of the tip, which the arm then follows; without it the skill's
-            own motion is planned and drawn.
-        demonstrations: recordings to draw.
-        skill: its uncertainty is drawn as a tube.
-        goal: of the skill, as `view` takes it.
         scene: obstacles in the arm's base frame, and the margins of what is planned.
         title: of the scene, by default the robot's name.
         height: px, >= 100.

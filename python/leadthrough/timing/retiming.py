@@ -113,15 +113,11 @@ def keep_timing(
 
     No sample, or knot of a curve, is reached earlier than it was given. Where limits have made the
     motion late by half a percent of its duration or more, it is faster than given only until it is
-    on time again.
+    on time again. Arguments that are not listed are as of `retime`.
 
     Args:
         motion: a JointTrajectory, or a curve whose parameter is the time in s.
-        limits: velocity, acceleration and jerk limits of the joints.
-        rate: samples per second.
-        path_tolerance: rad (m), how far a fitted path may lie off the samples.
         dwell_times: seconds that the motion rests in addition, by sample or knot.
-        tip_speed: the largest speed of the tip.
 
     Returns:
         Samples at `rate`, with their velocities and accelerations, as of `retime`.

@@ -1,6 +1,7 @@
 """Filters that lead a reference to targets as these arrive, one step a sample.
 
-A filter is frozen; what changes is its FilterState, which goes into `step` and comes out of it.
+A filter is frozen; what changes is its FilterState, which goes into `step` and comes out of it. A
+target (d,) is where it is one period later; a period is 1e-7 to 1e5 s.
 Linear filters are stepped exactly, whatever the period. Every dimension is filtered by itself, but
 for the StraightFilter, which leads all of them along a line.
 
@@ -76,8 +77,6 @@ class LinearFilter(ShortRepr, ABC):
         """The state one period later.
 
         Args:
-            target: (d,), where the target is one period later.
-            period: s, 1e-7 to 1e5.
             velocity: the target's, (d,) or one number; with it a moving target is followed without
                 lag.
         """
@@ -188,8 +187,6 @@ class TimeOptimalFilter(ShortRepr):
         """The state one period later.
 
         Args:
-            target: (d,), where the target is one period later.
-            period: s, 1e-7 to 1e5.
             velocity: the target's, (d,) or one number; a moving target within the limits is caught
                 and then followed without lag.
         """
@@ -300,12 +297,7 @@ class JerkFilter(ShortRepr):
         vars(self).update(limits, _limits=_table(limits))
 
     def step(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
-        """The state one period later, each dimension on its own fastest way to the target.
-
-        Args:
-            target: (d,).
-            period: s, 1e-7 to 1e5.
-        """
+        """The state one period later, each dimension on its own fastest way to the target."""
         states, limits, goal = self._checked(state, target)
         return _state(_core.step_each(states, limits, goal, check_period(period)))
 
@@ -430,8 +422,6 @@ class StraightFilter(ShortRepr):
 
         Args:
             state: at rest, or one that this method returned.
-            target: (d,).
-            period: s, 1e-7 to 1e5.
 
         Raises:
             InvalidInput: if the state moves and is not on a line, the shapes do not fit or a number

@@ -1,4 +1,6 @@
-"""Splines through points at given times.
+"""Splines through points (n, d) at given times (n,), which increase strictly.
+
+A condition at an end is (d,), or one number for all dimensions.
 
 Source: Grioli 2023, section 2.2; de Boor 2001, "A practical guide to splines".
 """
@@ -27,25 +29,14 @@ ENDS = ("rest", "natural")
 
 
 def linear(times: ArrayLike, points: ArrayLike) -> Spline:
-    """Straight lines between points.
-
-    Args:
-        times: strictly increasing, (n,).
-        points: (n, d).
-    """
+    """Straight lines between points."""
     t, x = _through(times, points)
     slopes = np.diff(x, axis=0) / np.diff(t)[:, None]
     return Spline(t, np.stack([x[:-1], slopes], axis=1))
 
 
 def hermite(times: ArrayLike, points: ArrayLike, velocities: ArrayLike) -> Spline:
-    """Cubic pieces through points with given velocities.
-
-    Args:
-        times: strictly increasing, (n,).
-        points: (n, d).
-        velocities: (n, d).
-    """
+    """Cubic pieces through points with given velocities (n, d)."""
     from scipy.interpolate import CubicHermiteSpline
 
     t, x = _through(times, points)
@@ -60,14 +51,7 @@ def clamped_cubic(
     start_velocity: ArrayLike = 0.0,
     end_velocity: ArrayLike = 0.0,
 ) -> Spline:
-    """The C2 cubic spline through points with given velocities at both ends.
-
-    Args:
-        times: strictly increasing, (n,).
-        points: (n, d).
-        start_velocity: (d,), or one number for all dimensions.
-        end_velocity: (d,), or one number for all dimensions.
-    """
+    """The C2 cubic spline through points with given velocities at both ends."""
     from scipy.interpolate import CubicSpline
 
     t, x = _through(times, points)
@@ -86,12 +70,6 @@ def natural_cubic(
 
     With none, it is the natural spline: of all C2 curves through the points the one with the least
     integral of the squared acceleration.
-
-    Args:
-        times: strictly increasing, (n,).
-        points: (n, d).
-        start_acceleration: (d,), or one number for all dimensions.
-        end_acceleration: (d,), or one number for all dimensions.
     """
     from scipy.interpolate import CubicSpline
 
@@ -131,8 +109,6 @@ def smooth(
     eq. 2.12), split between them, the start first.
 
     Args:
-        times: strictly increasing, (n,).
-        points: (n, d).
         continuity: number of continuous derivatives, 0 to 10.
         ends: which derivatives are zero there: "rest" those from the first up, "natural" those
             from the highest down.

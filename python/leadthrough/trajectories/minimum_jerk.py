@@ -113,11 +113,9 @@ def minimum_jerk_through(
     start: State | None = None,
     end: State | None = None,
 ) -> Spline:
-    """The least jerk through points: quintic pieces with four continuous derivatives.
+    """The least jerk through points (n, d) at times (n,): quintic pieces that join in C4.
 
     Args:
-        times: strictly increasing, (n,).
-        points: (n, d).
         start: velocity and acceleration at the first point, instead of rest; its position is not
             read.
         end: velocity and acceleration at the last point, likewise.

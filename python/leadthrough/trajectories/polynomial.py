@@ -105,12 +105,7 @@ def chebyshev_nodes(count: int, domain: tuple[float, float] = (-1.0, 1.0)) -> Fl
 
 
 def osculating(times: ArrayLike, points: ArrayLike, velocities: ArrayLike) -> Lagrange:
-    """The polynomial of degree 2n - 1 through points with given velocities.
-
-    Args:
-        times: strictly increasing, (n,).
-        points: (n, d).
-        velocities: (n, d).
+    """The polynomial of degree 2n - 1 through points (n, d) at rising times, with their velocities.
 
     Source: Grioli 2023, eqs. 2.6, 2.7.
     """

@@ -93,20 +93,7 @@ def double_s(
 ) -> Spline:
     """The fastest straight move inside limits of velocity, acceleration and jerk: seven phases.
 
-    It begins and ends without acceleration.
-
-    Args:
-        start: (d,).
-        end: (d,).
-        velocity: limit > 0, (d,) or one number for all dimensions.
-        acceleration: limit > 0, (d,) or one number for all dimensions.
-        jerk: limit > 0, (d,) or one number for all dimensions.
-        start_velocity: (d,) along the line from start to end, or one number for one dimension.
-        end_velocity: the same at the end.
-
-    Raises:
-        InvalidInput: if nothing is to move, the shapes do not fit, a limit is not > 0, or a
-            velocity is not along the line or not within its limit.
+    It begins and ends without acceleration. Arguments and errors are as of `trapezoid`.
     """
     x, way, length = _move(start, end, start_velocity, end_velocity)
     v, a = _scalar(velocity, "velocity", way), _scalar(acceleration, "acceleration", way)
