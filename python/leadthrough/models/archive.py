@@ -79,7 +79,6 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
                 dimensions lies in the plane z = 0.
 
         Raises:
-            InvalidInput: if an argument is of another shape or range.
             UnsupportedQuery: for a part that is not among `supports`.
             NoPath: where obstacles leave no path, or the goal is not reached.
         """
@@ -201,7 +200,6 @@ class SteppedSkill(FittedSkill[MotionT_co]):
             limits: (lower (d,), upper (d,)), which the motion does not leave; not of poses.
 
         Raises:
-            InvalidInput: if an argument is of another shape or range.
             UnsupportedQuery: for a part that is not among `supports`.
             NoPath: where steering does not clear the obstacles.
         """

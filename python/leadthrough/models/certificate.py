@@ -156,9 +156,6 @@ class Certificate(ShortRepr):
 
         Args:
             settings: as `to_settings` made them.
-
-        Raises:
-            InvalidInput: if one is missing or wrong.
         """
         try:
             holds = settings["holds"]

@@ -24,9 +24,6 @@ class Frame(ShortRepr):
         origin: origin (d,) in the base frame, m; for joints a configuration, rad.
         axes: orthonormal axes (d, d) as columns, by default those of the base frame. For poses
             (3, 3) and right-handed.
-
-    Raises:
-        InvalidInput: if the shapes do not fit or the axes are not orthonormal.
     """
 
     origin: Float64Array
@@ -52,9 +49,6 @@ class Frame(ShortRepr):
         Args:
             position: position (3,) of the tool in the base frame, m.
             orientation: orientation (4,) of the tool, w, x, y, z.
-
-        Raises:
-            InvalidInput: if the shapes differ or the quaternion is not of length one.
         """
         given = check.array(orientation, "orientation", shape=(4,))
         return Frame(position, rotations.to_matrix(given[None])[0])

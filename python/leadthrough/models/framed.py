@@ -109,9 +109,6 @@ class FramedSkill(SteppedSkill[MotionT_co]):
 
         Args:
             frames: the frame of the situation, one in a sequence as for `TaskGMR`.
-
-        Raises:
-            InvalidInput: if it is not one frame, or of other dimensions.
         """
         return replace(self, frame=_the_frame(frames, len(self.frame.origin), self.poses))
 
@@ -144,7 +141,6 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         angular part.
 
         Raises:
-            InvalidInput: if an argument is wrong.
             UnsupportedQuery: for a skill that does not go on step by step, and for limits as in
                 `generate`.
         """
@@ -206,7 +202,6 @@ class FramedSkill(SteppedSkill[MotionT_co]):
             position: (d,).
 
         Raises:
-            InvalidInput: if the position is of another shape.
             UnsupportedQuery: for a skill without a policy.
             NoPath: far outside the demonstrations.
         """

@@ -78,9 +78,6 @@ class SkillLibrary(ShortRepr):
             subtask: name of the part of the task.
             target: (d,), its demonstrated target, with as many coordinates as the others
                 of the subtask.
-
-        Raises:
-            InvalidInput: if the target is of another shape, or an argument of another type.
         """
         if not hasattr(skill, "to_archive"):
             raise InvalidInput(f"skill: expected a fitted skill, got {type(skill).__name__}")
@@ -99,9 +96,6 @@ class SkillLibrary(ShortRepr):
 
         Args:
             task: name of the task.
-
-        Raises:
-            InvalidInput: if it is no name.
         """
         _check_names(task, "")
         return tuple(dict.fromkeys(e.subtask for e in self.entries if e.task == task))

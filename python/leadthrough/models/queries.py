@@ -177,7 +177,6 @@ def generate_all(
         threads: number of threads, 1 to 256; does not change the answers.
 
     Raises:
-        InvalidInput: if a query is wrong or no mapping.
         UnsupportedQuery: for a part of a query that the skill does not support.
         NoPath: where obstacles leave no path. The first query without an answer raises.
     """

@@ -57,9 +57,6 @@ class TargetRegion(ShortRepr):
             position: (d,) its middle, m (rad).
             reach: (d,) or one number, its extent to each side along each axis, m (rad), >= 0.
             turn: as the attribute.
-
-        Raises:
-            InvalidInput: if an argument is malformed.
         """
         middle = check.array(position, "position", shape=("d",))
         given = np.broadcast_to(np.asarray(reach, dtype=np.float64), middle.shape)
@@ -134,7 +131,6 @@ class TargetRegion(ShortRepr):
 
         Raises:
             KeyError: if one is missing.
-            InvalidInput: if one is wrong.
         """
         names = ("lower", "upper", "turn", "orientation")
         return TargetRegion(**{name: settings[name] for name in names})

@@ -49,9 +49,6 @@ class DMP(Unfitted):
             rotation; "lifted" (Lauretti et al. 2023), up to about 220 degrees; "log" and "euler"
             (ZYZ), which break where they jump. The form "ijspeert" scales the orientation's forces
             by these coordinates at the start, seen from the goal; "anchored" has none.
-
-    Raises:
-        InvalidInput: if a setting is outside its range.
     """
 
     weights: int | None = 50
@@ -83,9 +80,6 @@ class DMP(Unfitted):
 
         Args:
             weights: as the attribute.
-
-        Raises:
-            InvalidInput: if weights is outside its range.
         """
         return DMP(weights, form="ijspeert", regression="lwr", orientation="lifted")
 
@@ -218,7 +212,6 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
             orientation in a row.
 
         Raises:
-            InvalidInput: if an argument is of another shape or range.
             UnsupportedQuery: for obstacles or limits that are not among `supports`, and where the
                 orientation "lifted" would spin on the way to a new goal, or from a new pose.
         """
@@ -253,9 +246,6 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
         Args:
             start: as in `generate`.
             goal: as in `generate`.
-
-        Raises:
-            InvalidInput: if one is of another shape or range.
         """
         if (start is None and goal is None) or self.system.form != "blended":
             return self.duration
@@ -277,7 +267,6 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
             motion: of the demonstrated type.
 
         Raises:
-            InvalidInput: for a motion of another type.
             FitError: for one that does not move.
         """
         return self.model.fit([motion])

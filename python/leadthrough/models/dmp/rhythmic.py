@@ -53,9 +53,6 @@ class RhythmicDMP(Unfitted):
     Attributes:
         weights: number of kernels per channel, 3 to 1000.
         period: s, > 0, of the demonstrated motion; None: each demonstration is one period.
-
-    Raises:
-        InvalidInput: if a setting is outside its range.
     """
 
     weights: int = 25
@@ -75,7 +72,6 @@ class RhythmicDMP(Unfitted):
             demonstrations: all of points, all of joints or all of poses.
 
         Raises:
-            InvalidInput: for other motions.
             FitError: for one that does not move or is shorter than a period.
         """
         mean, parts = learn_rhythm(demonstrations, self.weights, self.period)
@@ -130,7 +126,6 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
             amplitude: >= 0, multiplies the positions' distance from the centre.
 
         Raises:
-            InvalidInput: if an argument is of another shape or range.
             UnsupportedQuery: for obstacles.
         """
         query = CheckedQuery(start, goal, duration, dt, obstacles)
@@ -198,9 +193,6 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
             dt: s, > 0.
             goal: (d,), of poses (3,), moves the centre.
             coupling: as in `DMPSkill.step`.
-
-        Raises:
-            InvalidInput: if an argument is of another shape or range.
         """
         span = check_step(dt, 0.0, state.duration)
         if goal is not None:

@@ -105,9 +105,6 @@ class CLFDM(DynamicalModel):
         quadratics: number of asymmetric quadratic functions of the Lyapunov function, 0 to 20.
         slowest: least speed down the Lyapunov function, in sizes of the motion per duration, > 0.
         seed: seed of the random number generator that draws all starts, >= 0.
-
-    Raises:
-        InvalidInput: if a setting is out of range.
     """
 
     components: int = 8

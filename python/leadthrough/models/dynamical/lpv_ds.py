@@ -48,9 +48,6 @@ class LPVDS(DynamicalModel):
         components: number of components, 1 to 50; None for the number from 1 to 10 with the least
             Bayesian information criterion.
         seed: seed of the random number generator that draws the starts of EM, >= 0.
-
-    Raises:
-        InvalidInput: if a setting is out of range.
     """
 
     components: int | None = None

@@ -40,7 +40,6 @@ class DynamicalModel(Unfitted, ABC):
                 joints or all of poses.
 
         Raises:
-            InvalidInput: if the demonstrations differ in type.
             FitError: if there is none, one does not move, orientations have no mean at the goal or
                 turn by a full turn or more, or the goal is reached from no start.
             MissingDependency: if the model needs the extra `stable` and it is not installed.

@@ -127,9 +127,6 @@ class ModifiedDS(DynamicalModel):
         energy_units: number of hidden units of the Lyapunov function, 1 to 200.
         slowest: least speed down the Lyapunov function, in sizes of the motion per duration, > 0.
         seed: seed of the random number generator that draws the hidden units, >= 0.
-
-    Raises:
-        InvalidInput: if a setting is out of range.
     """
 
     units: int = 100

@@ -57,9 +57,6 @@ class SEDS(DynamicalModel):
         objective: "likelihood" of positions and velocities, or "mse", the mean squared error of the
             velocities.
         seed: seed of the random number generator that draws the starts of EM, >= 0.
-
-    Raises:
-        InvalidInput: if a setting is out of range.
     """
 
     components: int = 6

@@ -75,9 +75,6 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
         Returns:
             Velocity (d,), or (n, d), per second; of a pose (6,): linear and angular, in the base
             frame, m/s and rad/s.
-
-        Raises:
-            InvalidInput: if an argument is of another shape.
         """
         if self.coordinates.kind == "poses":
             here = self._situation(pose_of(position), goal)
@@ -118,9 +115,6 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
                 half about their samples.
             around: enlargement of the box on each side, in extents of the demonstrations.
             seed: seed of the random number generator that draws the starts.
-
-        Raises:
-            InvalidInput: if an argument is out of range.
         """
         check.affordable_count(starts, "starts", each=8 * self.coordinates.width)
         check.number(around, "around", at_least=0.0)

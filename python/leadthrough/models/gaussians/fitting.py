@@ -60,8 +60,6 @@ def fit_mixture(
             many; 1 for a single one from k-means, which is several times faster.
 
     Raises:
-        InvalidInput: if points is not a finite (n, d) array, components < 1, seed < 0 or
-            starts < 1.
         FitError: if there are fewer points than components.
     """
     data, count = _checked(points, components, seed)
@@ -87,9 +85,6 @@ def choose_components(
         at_most: largest number of components to try, >= 1.
         seed: seed of the random number generator that draws the starts.
         starts: number of starts for each number of components, as in `fit_mixture`.
-
-    Raises:
-        InvalidInput: if points is not a finite (n, d) array, at_most < 1, seed < 0 or starts < 1.
 
     Source: Schwarz 1978, "Estimating the dimension of a model".
     """
@@ -131,8 +126,6 @@ def trace_mixture(
         Mixtures, one more than iterations.
 
     Raises:
-        InvalidInput: if points is not a finite (n, d) array, or not of the mixture's d, components
-            < 1, iterations < 0 or seed < 0.
         FitError: if there are fewer points than components.
     """
     given = components if isinstance(components, Mixture) else None

@@ -56,10 +56,6 @@ def kmeans(
         seed: seed of the random number generator, or a generator.
         seeding: "plus_plus", points far from those drawn before are likelier; "random", all points
             are as likely, as in Lloyd's algorithm by itself.
-
-    Raises:
-        InvalidInput: if points is not a finite (n, d) array, count is not in 1 to n, seed < 0 or
-            seeding is no such word.
     """
     data = check.array(points, "points", shape=("n", "d"))
     size = check.integer(count, "count", at_least=1)

@@ -68,9 +68,6 @@ class Mixture(ShortRepr):
 
         Returns:
             Logarithms (n,).
-
-        Raises:
-            InvalidInput: if points is not a finite (n, d) array.
         """
         data = check.array(points, "points", shape=("n", self.size))
         return _log_sum(self._joint(data))
@@ -83,9 +80,6 @@ class Mixture(ShortRepr):
 
         Returns:
             Probabilities (n, k).
-
-        Raises:
-            InvalidInput: if points is not a finite (n, d) array.
         """
         joint = self._joint(check.array(points, "points", shape=("n", self.size)))
         return np.asarray(np.exp(joint - _log_sum(joint)[:, None]))
@@ -96,9 +90,6 @@ class Mixture(ShortRepr):
         Args:
             count: number of points, >= 1.
             seed: seed of the random number generator, >= 0.
-
-        Raises:
-            InvalidInput: if count or seed is out of range.
         """
         size = check.affordable_count(count, "count", each=self.size**2)
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
@@ -121,10 +112,6 @@ class Mixture(ShortRepr):
 
         Returns:
             Mean (n, p) and covariance (n, p, p) of the outputs.
-
-        Raises:
-            InvalidInput: if a column is out of range, given twice or both input and output, or if
-                values is not a finite (n, m) array.
         """
         given = self._columns(inputs, "inputs")
         rest = [column for column in range(self.size) if column not in given]

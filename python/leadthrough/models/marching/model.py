@@ -78,9 +78,6 @@ class FastMarching(Unfitted):
             of influence away ("mean_path": a whole one, as its detours have room); "minimum",
             eq. 7 of the paper, slows the wave down only below the saturation, so that paths come
             nearer to obstacles.
-
-    Raises:
-        InvalidInput: if a setting is outside its range.
     """
 
     area_of_influence: float | None = None
@@ -116,7 +113,6 @@ class FastMarching(Unfitted):
                 the skill takes the shortest path.
 
         Raises:
-            InvalidInput: for other motions.
             FitError: for a demonstration of a single sample, or whose position does not move, and
                 for demonstrations of one path whose orientations along it have no mean.
         """
@@ -172,9 +168,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
 
         Args:
             obstacles: shapes in the demonstrations' frame.
-
-        Raises:
-            InvalidInput: if one is no shape.
         """
         grid, speed = self._map
         return with_obstacles(speed, grid, check_shapes(obstacles), self._map_scales)
@@ -187,9 +180,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
 
         Args:
             path: (n, d), n >= 1.
-
-        Raises:
-            InvalidInput: if the path is empty or has another number of columns.
 
         Source: Prados et al. 2023, eq. 6.
         """
@@ -206,9 +196,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         Args:
             path: (n, d), at least two different points.
             duration: s, > 0; by default the demonstrations', adapted to the path's length.
-
-        Raises:
-            InvalidInput: if the path does not move, or an argument is of another shape or range.
         """
         points = check.frozen(path, "path", shape=("n", self._dimensions()))
         if len(points) < 2 or not np.ptp(points, axis=0).any():
@@ -241,9 +228,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         Args:
             motion: such as one that the skill has generated.
             threshold: of `kappa`.
-
-        Raises:
-            InvalidInput: if the motion is of another type, or does not move.
         """
         check.number(threshold, "threshold")
         if not isinstance(motion, Trajectory | PoseTrajectory):
@@ -277,9 +261,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             goal: the query's; only its orientation counts here.
             duration: s, > 0; by default the demonstrations', adapted to the path's length.
             dt: s, > 0, upper bound of the sampling step.
-
-        Raises:
-            InvalidInput: if an argument is of another shape or range.
         """
         check.number(dt, "dt", above=0.0)
         wanted = None if duration is None else check.number(duration, "duration", above=0.0)
@@ -313,7 +294,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             obstacles: as in `generate`.
 
         Raises:
-            InvalidInput: as `generate`.
             NoPath: as `generate`.
         """
         query = self.query(start=start, goal=goal, obstacles=obstacles)
@@ -337,9 +317,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             start: as in `generate`.
             goal: as in `generate`.
             obstacles: as in `generate`.
-
-        Raises:
-            InvalidInput: as `generate`.
         """
         return query_of(self.demonstrated, start, goal, check_shapes(obstacles))
 
@@ -352,10 +329,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             workspace: (lower, upper) corners (d,) each, around the demonstrations and all that
                 moves.
             cells: into about how many it is divided, at least 1000.
-
-        Raises:
-            InvalidInput: if the corners leave a demonstration outside, or an argument is of another
-                shape or range.
         """
         corners = check.array(workspace, "workspace", shape=(2, self._dimensions()))
         count = check.integer(cells, "cells", at_least=1000)
@@ -381,7 +354,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             Velocity (d,), in the unit of the data per second.
 
         Raises:
-            InvalidInput: if the position is of another shape.
             NoPath: far outside the demonstrations.
         """
         return self._policy(position)

@@ -46,9 +46,6 @@ class GMR(Unfitted):
         seed: seed of the random number generator that draws the starts of EM, >= 0.
         starts: number of starts of EM that are followed to the end, >= 1; the most likely result
             is taken. 1 is several times faster.
-
-    Raises:
-        InvalidInput: if a setting is out of range.
     """
 
     components: int | None = 8
@@ -72,7 +69,6 @@ class GMR(Unfitted):
                 joints or all of poses.
 
         Raises:
-            InvalidInput: if the demonstrations differ in type.
             FitError: if there is none, one does not move, or the orientations of poses have no
                 mean.
         """
@@ -144,9 +140,6 @@ class GMRSkill(FittedSkill[MotionT_co]):
 
         Returns:
             Mean (n, d) and covariance (n, d, d).
-
-        Raises:
-            InvalidInput: if times is not a finite (n,) array.
         """
         given = check.array(times, "times", shape=("n",))
         return self.mixture.regress(given[:, None], inputs=[0])
@@ -156,9 +149,6 @@ class GMRSkill(FittedSkill[MotionT_co]):
 
         Args:
             times: times (n,) of the motion, s.
-
-        Raises:
-            InvalidInput: if times is not a finite (n,) array, there is none, or there are too many.
         """
         return self.regress(asked_times(times, "times"))
 
@@ -181,7 +171,6 @@ class GMRSkill(FittedSkill[MotionT_co]):
             demonstrations: one or more demonstrations of the skill's type of motion.
 
         Raises:
-            InvalidInput: if the demonstrations are of another type.
             FitError: if there is none, or one does not move.
         """
         motions, before = motions_of(demonstrations), self.demonstration_count

@@ -56,9 +56,6 @@ class TaskGMR(Unfitted):
         seed: seed of the random number generator that draws the starts of EM, >= 0.
         starts: number of starts of EM that are followed to the end, >= 1; the most likely result
             is taken. 1 is several times faster.
-
-    Raises:
-        InvalidInput: if a setting is out of range.
     """
 
     components: int = 8
@@ -88,7 +85,6 @@ class TaskGMR(Unfitted):
                 its start and at its goal; for poses with the tool's axes there.
 
         Raises:
-            InvalidInput: if the demonstrations differ in type or the frames do not fit them.
             FitError: if there is no demonstration, one does not move, or the orientations of poses
                 fall into two groups.
         """
@@ -216,9 +212,6 @@ class TaskGMRSkill(FittedSkill[MotionT_co]):
 
         Args:
             frames: the frames of the situation, in the order of those that it was fitted with.
-
-        Raises:
-            InvalidInput: if their number or dimensions differ from those that it was fitted with.
         """
         (given,) = checked_frames([frames], 1, self.coordinates)
         if len(given) != len(self.components.means):

@@ -78,9 +78,6 @@ class Region(ShortRepr):
 
         Args:
             columns: points (n, d); for poses as `Coordinates.columns` gives them.
-
-        Raises:
-            InvalidInput: if there is not one point per ellipsoid.
         """
         away = check.array(columns, "columns", shape=self.mean.shape) - self.mean
         solved = np.linalg.solve(self.shape, away[:, :, None])[:, :, 0]
@@ -125,9 +122,6 @@ class Inference(ShortRepr, Generic[MotionT_co]):
             times: times (n,) since the start of the motion, s, in [0, duration].
             skill: index of the skill; by default the most probable one.
             probability: probability that a region holds, in (0, 1).
-
-        Raises:
-            InvalidInput: if an argument is out of range.
         """
         check.number(probability, "probability", above=0.0, below=1.0)
         chosen = self.best if skill is None else skill

@@ -70,9 +70,6 @@ class ProMP(Unfitted):
             spacings of the centres, 0 to 1. The less, the finer is the detail that as many
             functions resolve; the more, the smoother is the motion at its ends. By default 1, and
             0.25 for fewer than 15 functions.
-
-    Raises:
-        InvalidInput: if a setting is out of range.
     """
 
     weights: int = 20
@@ -107,7 +104,6 @@ class ProMP(Unfitted):
                 of a part of the motion covers a part of [0, 1], which needs estimator="em".
 
         Raises:
-            InvalidInput: if the demonstrations differ in type or the phases do not fit them.
             FitError: if there is no demonstration, one does not move, one shows too small a part
                 for its estimator, or none shows some part of the motion.
 
@@ -211,9 +207,6 @@ class ProMPSkill(FittedSkill[MotionT_co]):
 
         Returns:
             Mean (n, d) and covariance (n, d, d).
-
-        Raises:
-            InvalidInput: if there is no time, one lies outside the motion or order is not 0, 1, 2.
         """
         check.integer(order, "order", at_least=0, at_most=2)
         rows = self.basis(self._phases(times, "times", at_least=1), order) * self.duration**-order
@@ -243,9 +236,6 @@ class ProMPSkill(FittedSkill[MotionT_co]):
 
         Returns:
             0 for the mean ends; infinite where the motion is fixed to something else.
-
-        Raises:
-            InvalidInput: if an argument is wrong.
         """
         asked = ends.asked(self.coordinates, start, goal)
         return ends.novelty(self, asked) if asked else 0.0
@@ -372,9 +362,6 @@ class ProMPSkill(FittedSkill[MotionT_co]):
             seed: seed of the random number generator, >= 0.
             dt: largest time between samples, s, > 0.
             threads: number of threads, 1 to 256; does not change the motions.
-
-        Raises:
-            InvalidInput: if an argument is out of range.
         """
         times = even_times(self.duration, check.number(dt, "dt", above=0.0))
         check.affordable_count(count, "count", each=len(times) * self.coordinates.width)
@@ -391,9 +378,6 @@ class ProMPSkill(FittedSkill[MotionT_co]):
 
         Returns:
             Weights (count, d k), one column after the other.
-
-        Raises:
-            InvalidInput: if an argument is out of range.
         """
         size = check.affordable_count(count, "count", each=len(self.free.mean))
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
@@ -405,9 +389,6 @@ class ProMPSkill(FittedSkill[MotionT_co]):
         Args:
             trajectory: a motion of the type that was demonstrated, at least two samples. Its
                 duration does not matter: it is compared over normalised time.
-
-        Raises:
-            InvalidInput: if the motion has another type or fewer than two samples.
         """
         conditioning.check_seen(trajectory, "trajectory")
         phases = normalised_times(trajectory.times)
