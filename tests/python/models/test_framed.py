@@ -98,7 +98,7 @@ def test_frames_that_do_not_fit_are_refused(case):
         skill.model.fit([lt.Demonstration(shown)], frames=[])
 
 
-# What only some models take
+# Queries of single families
 
 
 def test_via_points_and_velocities_are_in_the_base_frame():

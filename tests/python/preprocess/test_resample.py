@@ -1,3 +1,7 @@
+"""Arc length, resampling, and distances of curves."""
+
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -5,9 +9,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from leadthrough.errors import InvalidInput
-from leadthrough.preprocess import resample
+from leadthrough.preprocess import dtw_distance, frechet_distance, resample
 
-curves = arrays(float, st.tuples(st.integers(1, 12), st.integers(1, 3)), elements=st.floats(-9, 9))
+few_points = arrays(
+    float, st.tuples(st.integers(1, 12), st.integers(1, 3)), elements=st.floats(-9, 9)
+)
 
 
 def test_arc_length_is_the_length_walked_so_far():
@@ -31,7 +37,7 @@ def test_a_semicircle_is_walked_at_even_angles():
     )
 
 
-@given(curves, st.integers(2, 30))
+@given(few_points, st.integers(2, 30))
 def test_the_ends_stay_and_the_spacing_is_never_exceeded(curve, count):
     resampled = resample.by_arc_length(curve, count)
     assert resampled.shape == (count, curve.shape[1])
@@ -40,7 +46,7 @@ def test_the_ends_stay_and_the_spacing_is_never_exceeded(curve, count):
     assert (np.linalg.norm(np.diff(resampled, axis=0), axis=1) <= spacing + 1e-12).all()
 
 
-@given(curves, st.lists(st.integers(1, 4), min_size=12, max_size=12), st.integers(2, 30))
+@given(few_points, st.lists(st.integers(1, 4), min_size=12, max_size=12), st.integers(2, 30))
 def test_pauses_do_not_matter(curve, repeats, count):
     paused = np.repeat(curve, repeats[: len(curve)], axis=0)
     np.testing.assert_allclose(
@@ -48,7 +54,7 @@ def test_pauses_do_not_matter(curve, repeats, count):
     )
 
 
-@given(curves, arrays(float, (8,), elements=st.floats(0, 1)))
+@given(few_points, arrays(float, (8,), elements=st.floats(0, 1)))
 def test_more_samples_of_the_same_polygon_do_not_matter(curve, parts):
     segments = np.arange(len(curve) - 1) if len(curve) > 1 else np.zeros(0, int)
     dense = [curve[:1]]
@@ -93,3 +99,45 @@ def test_bad_points_are_refused(points):
 def test_a_bad_count_is_refused(count):
     with pytest.raises(InvalidInput, match="count: expected an integer"):
         resample.by_arc_length([[0.0], [1.0]], count)
+
+
+# Dynamic time warping and Frechet distances, against their definitions
+
+
+DISTANCES = [dtw_distance, frechet_distance]
+
+
+def curves(at_least=1, at_most=6):
+    shapes = st.tuples(st.integers(at_least, at_most), st.just(2))
+    return arrays(float, shapes, elements=st.floats(-9, 9))
+
+
+def by_recursion(a, b, combine):
+    @cache
+    def best(i, j):
+        distance = np.linalg.norm(a[i] - b[j])
+        before = [(i - 1, j), (i, j - 1), (i - 1, j - 1)]
+        costs = [best(k, m) for k, m in before if k >= 0 and m >= 0]
+        return combine(distance, min(costs)) if costs else distance
+
+    return best(len(a) - 1, len(b) - 1)
+
+
+@given(curves(), curves())
+def test_dtw_and_frechet_agree_with_their_definitions(a, b):
+    assert dtw_distance(a, b) == pytest.approx(by_recursion(a, b, lambda d, c: d + c))
+    assert frechet_distance(a, b) == pytest.approx(by_recursion(a, b, max))
+
+
+@pytest.mark.parametrize("distance", DISTANCES)
+@given(a=curves(), b=curves())
+def test_distances_are_symmetric_and_zero_only_for_the_same_curve(distance, a, b):
+    assert distance(a, b) == distance(b, a)
+    assert distance(a, a) == 0
+    assert distance(a, np.repeat(a, 3, axis=0)) == 0
+    assert distance(a, b) >= np.linalg.norm(a[-1] - b[-1]) * (1 - 1e-15)
+
+
+@given(curves(), curves(), curves())
+def test_frechet_keeps_the_triangle_inequality(a, b, c):
+    assert frechet_distance(a, c) <= frechet_distance(a, b) + frechet_distance(b, c) + 1e-12

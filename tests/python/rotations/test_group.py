@@ -1,4 +1,6 @@
-"""Against SciPy, at 0, at pi and between."""
+"""Group operations, conversions and means of rotations, against SciPy."""
+
+import warnings
 
 import numpy as np
 import pytest
@@ -8,6 +10,8 @@ from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
 from leadthrough import rotations
+from leadthrough.errors import InvalidInput
+from leadthrough.rotations.conversions import CONVENTIONS
 
 ANGLES = [0.0, 1e-300, 1e-12, 1e-8, 1e-4, 0.5, 3.0, np.pi - 1e-8, np.pi - 1e-13, np.pi]
 
@@ -109,3 +113,202 @@ def test_empty_batches_stay_empty():
     assert rotations.distance(none, none).shape == (0,)
     assert rotations.to_matrix(none).shape == (0, 3, 3)
     assert rotations.align_signs(none).shape == (0, 4)
+
+
+# Rotation matrices, and Euler angles in all twelve conventions
+
+
+unit_quaternions = (
+    arrays(float, (4,), elements=st.floats(-1, 1))
+    .filter(lambda q: np.linalg.norm(q) > 0.1)
+    .map(lambda q: q / np.linalg.norm(q))
+)
+
+
+@given(unit_quaternions)
+def test_matrices_agree_with_scipy_both_ways(quaternion):
+    matrix = Rotation.from_quat(quaternion[[1, 2, 3, 0]]).as_matrix()
+    np.testing.assert_allclose(rotations.to_matrix([quaternion])[0], matrix, atol=1e-15)
+    back = rotations.from_matrix([matrix])
+    assert rotations.distance(back, [quaternion])[0] < 1e-15
+    assert back[0, 0] >= 0
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, np.pi - 1e-9, np.pi])
+@pytest.mark.parametrize("axis", [*np.eye(3), [0.6, 0, -0.8], [1e-9, 1, 1e-9]])
+def test_matrices_near_the_identity_and_half_turns_are_read(angle, axis):
+    q = rotations.exp([angle * np.array(axis) / np.linalg.norm(axis)])
+    assert rotations.distance(rotations.from_matrix(rotations.to_matrix(q)), q)[0] < 1e-15
+
+
+@given(unit_quaternions, arrays(float, (3, 3), elements=st.floats(-1e-3, 1e-3)))
+def test_of_a_rounded_matrix_the_nearest_rotation_is_taken(quaternion, noise):
+    rounded = rotations.to_matrix([quaternion])[0] + noise
+    left, _, right = np.linalg.svd(rounded)
+    nearest = rotations.from_matrix([left @ right])
+    assert rotations.distance(rotations.from_matrix([rounded]), nearest)[0] < 1e-14
+
+
+def test_no_matrices_are_no_rotations():
+    assert rotations.from_matrix(np.zeros((0, 3, 3))).shape == (0, 4)
+
+
+angles = arrays(float, (3,), elements=st.floats(-7, 7))
+
+
+def in_turn(values, convention):
+    """The moving axes' turns follow from the left to the right, the fixed axes' the other way."""
+    turns = [
+        rotations.exp([v * np.eye(3)["XYZ".index(a.upper())]])
+        for v, a in zip(values, convention, strict=True)
+    ]
+    if convention.islower():
+        turns.reverse()
+    return rotations.compose(rotations.compose(turns[0], turns[1]), turns[2])
+
+
+def test_there_are_twelve_conventions_about_moving_and_as_many_about_fixed_axes():
+    assert len(set(CONVENTIONS)) == 24
+    assert {"ZYZ", "xyz", "ZYX"} <= {*CONVENTIONS}
+
+
+@given(angles, st.sampled_from(CONVENTIONS))
+def test_angles_are_turns_one_after_the_other(values, convention):
+    ours = rotations.from_euler([values], convention=convention)
+    assert rotations.distance(ours, in_turn(values, convention))[0] < 1e-14
+
+
+@given(unit_quaternions, st.sampled_from(CONVENTIONS))
+def test_angles_give_the_rotation_back(quaternion, convention):
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Gimbal lock")
+        values = rotations.to_euler([quaternion], convention=convention)
+    back = rotations.from_euler(values, convention=convention)
+    assert rotations.distance(back, [quaternion])[0] < 1e-6  # next to gimbal lock; else 1e-14
+
+
+@pytest.mark.parametrize(("convention", "locked"), [("ZYZ", 0.0), ("xyz", np.pi / 2)])
+def test_gimbal_lock_is_warned_of_and_keeps_the_rotation(convention, locked):
+    q = rotations.from_euler([[0.3, locked, 0.5]], convention=convention)
+    with pytest.warns(UserWarning, match="Gimbal lock"):
+        values = rotations.to_euler(q, convention=convention)
+    assert values[0, 2] == 0.0
+    back = rotations.from_euler(values, convention=convention)
+    assert rotations.distance(back, q)[0] < 1e-7
+
+
+def test_empty_batches_of_angles_stay_empty():
+    assert rotations.from_euler(np.zeros((0, 3)), convention="ZYZ").shape == (0, 4)
+    assert rotations.to_euler(np.zeros((0, 4)), convention="ZYZ").shape == (0, 3)
+
+
+# Against SciPy, against slerp, and by the laws of a mean
+
+
+# At most 69 degrees from the identity.
+near_identity = arrays(float, (5, 3), elements=st.floats(-0.7, 0.7)).map(rotations.exp)
+weights = arrays(float, (5,), elements=st.floats(0.01, 1))
+
+
+def pull(mean, quaternions, weights):
+    """The weighted sum of the logarithms towards the rotations: zero at a Karcher mean."""
+    back = np.tile(rotations.inverse([mean]), (len(quaternions), 1))
+    return weights @ rotations.log(rotations.compose(back, quaternions))
+
+
+@given(near_identity, weights)
+def test_mean_is_where_the_pulls_cancel(quaternions, weights):
+    mean = rotations.mean(quaternions, weights=weights)
+    assert np.linalg.norm(pull(mean, quaternions, weights)) < 1e-14
+
+
+@given(arrays(float, (5, 3), elements=st.floats(-2, 2)).map(rotations.exp), weights)
+def test_wide_spreads_have_an_exact_mean_or_are_refused(quaternions, weights):
+    try:
+        mean = rotations.mean(quaternions, weights=weights)
+    except InvalidInput:
+        return
+    assert np.linalg.norm(pull(mean, quaternions, weights)) < 1e-13
+
+
+@given(near_identity, weights, unit_quaternions)
+def test_mean_moves_with_the_rotations(quaternions, weights, turn):
+    mean = rotations.mean(quaternions, weights=weights)
+    turns = np.tile(turn, (5, 1))
+    from_left = rotations.mean(rotations.compose(turns, quaternions), weights=weights)
+    from_right = rotations.mean(rotations.compose(quaternions, turns), weights=weights)
+    assert rotations.distance([from_left], rotations.compose([turn], [mean]))[0] < 1e-13
+    assert rotations.distance([from_right], rotations.compose([mean], [turn]))[0] < 1e-13
+
+
+@given(near_identity, weights, arrays(bool, (5,)))
+def test_mean_is_blind_to_signs_but_for_its_own(quaternions, weights, flips):
+    flipped = np.where(flips[:, None], -quaternions, quaternions)
+    mean = rotations.mean(quaternions, weights=weights)
+    expected = -mean if flips[0] else mean
+    np.testing.assert_allclose(rotations.mean(flipped, weights=weights), expected, atol=1e-13)
+    assert quaternions[0] @ mean > 0
+
+
+@given(unit_quaternions, unit_quaternions, st.floats(0, 1))
+def test_weighted_mean_of_two_is_slerp(a, b, fraction):
+    if rotations.distance([a], [b])[0] > np.pi - 0.01:
+        return
+    mean = rotations.mean([a, b], weights=[1 - fraction, fraction])
+    assert rotations.distance([mean], rotations.slerp([a], [b], [fraction]))[0] < 1e-13
+
+
+@pytest.mark.parametrize("gap", [1e-3, 1e-5])
+@pytest.mark.parametrize("weight", [0.5, 0.1])
+def test_rotations_almost_half_a_turn_apart_have_a_mean(gap, weight):
+    pair = rotations.exp([[0, 0, 0], [0, 0, np.pi - gap]])
+    expected = rotations.slerp(pair[:1], pair[1:], [weight])[0]
+    mean = rotations.mean(pair, weights=[1 - weight, weight])
+    np.testing.assert_allclose(mean, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("gap", [1e-7, 1e-9, 0.0])
+@pytest.mark.parametrize("weight", [0.5, 0.1])
+def test_rotations_half_a_turn_apart_have_no_mean(gap, weight):
+    pair = rotations.exp([[0, 0, 0], [0, 0, np.pi - gap]])
+    with pytest.raises(InvalidInput, match="within a quarter turn of their middle"):
+        rotations.mean(pair, weights=[1 - weight, weight])
+
+
+def test_mean_of_small_spreads_is_close_to_scipys_chordal_mean():
+    vectors = np.random.default_rng(0).normal(size=(20, 3)) * 1e-4
+    turn = Rotation.from_rotvec([1.0, 2.0, -0.5])
+    theirs = (turn * Rotation.from_rotvec(vectors)).mean()
+    quaternions = (turn * Rotation.from_rotvec(vectors)).as_quat()[:, [3, 0, 1, 2]]
+    ours = rotations.mean(quaternions)
+    assert rotations.distance([ours], theirs.as_quat()[None, [3, 0, 1, 2]])[0] < 1e-11
+
+
+def test_many_means_at_once_equal_one_by_one_bit_for_bit():
+    rng = np.random.default_rng(1)
+    base = rotations.exp(rng.normal(size=(30, 3)))
+    layers = [rotations.compose(base, rotations.exp(rng.normal(size=(30, 3)) / 4)) for _ in "abcd"]
+    means = rotations.mean(layers, weights=[1, 2, 3, 4])
+    singles = [rotations.mean(column, weights=[1, 2, 3, 4]) for column in np.swapaxes(layers, 0, 1)]
+    assert np.array_equal(means, singles)
+
+
+@given(near_identity)
+def test_a_rotation_of_weight_zero_does_not_count(quaternions):
+    quaternions[0] = [0, 1, 0, 0]
+    mean = rotations.mean(quaternions, weights=[0, 1, 1, 1, 1])
+    assert np.array_equal(mean, rotations.mean(quaternions[1:]))
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e300])
+def test_only_the_ratio_of_weights_counts(scale):
+    quaternions = rotations.exp([[0.1, 0, 0], [0, 0.2, 0]])
+    expected = rotations.mean(quaternions, weights=[1, 2])
+    scaled = rotations.mean(quaternions, weights=[scale, 2 * scale])
+    np.testing.assert_allclose(scaled, expected, atol=1e-15)
+
+
+def test_one_rotation_is_its_own_mean_and_no_columns_give_no_means():
+    q = rotations.exp([[0.3, -2.0, 0.1]])
+    np.testing.assert_allclose(rotations.mean(q), q[0], atol=1e-15)
+    assert rotations.mean(np.zeros((3, 0, 4))).shape == (0, 4)

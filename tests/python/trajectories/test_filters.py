@@ -1,4 +1,4 @@
-"""Filters: limits are kept, targets reached, nothing chatters."""
+"""Filters, also with bounded jerk: limits kept, targets reached, nothing chatters."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from leadthrough.errors import InvalidInput
 CASES = 100_000  # of one dimension each, filtered side by side
 
 
-def state(x, v):
+def unaccelerated(x, v):
     return tr.FilterState(np.array(x), np.array(v), np.zeros_like(np.array(x)))
 
 
@@ -32,7 +32,7 @@ def test_a_still_target_is_approached_as_the_differential_equation_says():
 
 @pytest.mark.parametrize("made", [tr.FirstOrderFilter(5.0), tr.SecondOrderFilter(25.0, 10.0)])
 def test_with_its_velocity_a_moving_target_is_followed_without_lag(made):
-    now = state([2.0, 0.0], [1.5, -0.5])
+    now = unaccelerated([2.0, 0.0], [1.5, -0.5])
     for k in range(1, 50):
         target = np.array([2.0, 0.0]) + 0.01 * k * np.array([1.5, -0.5])
         now = made.step(now, target, 0.01, velocity=[1.5, -0.5])
@@ -51,7 +51,7 @@ def test_linear_filters_are_stable_at_any_period(period):
 def test_a_hundred_thousand_random_moves_keep_their_limits_and_come_to_rest():
     rng = np.random.default_rng(0)
     limits, period = 10.0 ** rng.uniform(0, 1.3, (2, CASES)), 0.05
-    now = state(rng.normal(size=CASES), rng.uniform(-1.0, 1.0, CASES) * limits[0])
+    now = unaccelerated(rng.normal(size=CASES), rng.uniform(-1.0, 1.0, CASES) * limits[0])
     for change in range(4):
         target = rng.uniform(-1.0, 1.0, CASES) * 10.0 ** rng.uniform(-3, 0.7, CASES)
         for _ in range(15 if change < 3 else 2000):
@@ -69,7 +69,7 @@ def test_a_hundred_thousand_random_moves_keep_their_limits_and_come_to_rest():
             assert not again.velocity.any()
             assert not again.acceleration.any()
             limits, target = limits[:, ~done], target[~done]
-            now = state(now.position[~done], now.velocity[~done])
+            now = unaccelerated(now.position[~done], now.velocity[~done])
             if done.all():
                 return
     pytest.fail(f"{len(target)} never came to rest")
@@ -101,7 +101,7 @@ def test_the_time_is_nearly_that_of_the_bang_bang_law():
 
 
 def test_a_speed_above_a_lowered_limit_falls_to_it():
-    now, made = state([0.0], [5.0]), tr.TimeOptimalFilter(1.0, 2.0)
+    now, made = unaccelerated([0.0], [5.0]), tr.TimeOptimalFilter(1.0, 2.0)
     speeds = []
     for _ in range(60):
         now = made.step(now, [100.0], 0.1)
@@ -127,5 +127,334 @@ def test_a_speed_above_a_lowered_limit_falls_to_it():
     ],
 )
 def test_wrong_input_is_refused(wrong):
+    with pytest.raises(InvalidInput):
+        wrong()
+
+
+# Filters with bounded jerk: limits kept from any state, the least time, rest without chatter
+
+
+LIMITS = [
+    f"{rate}{side}" for side in ("", "_down") for rate in ("velocity", "acceleration", "jerk")
+]
+
+
+def state(x, v, a):
+    return tr.FilterState(np.array(x), np.array(v), np.array(a))
+
+
+def random_filter(rng, count):
+    """Limits that are six different numbers in every dimension."""
+    spans = [(0.0, 0.7), (0.3, 1.0), (1.0, 2.0)]
+    up, down = ([10.0 ** rng.uniform(*span, count) for span in spans] for _ in range(2))
+    return tr.JerkFilter(*up, *down)
+
+
+def random_start(rng, made, count, *, beyond=1.0):
+    """Moving states, up to `beyond` times the limits."""
+    rates = []
+    for up, down in (
+        (made.velocity, made.velocity_down),
+        (made.acceleration, made.acceleration_down),
+    ):
+        share = rng.uniform(-beyond, beyond, count)
+        rates.append(share * np.where(share > 0.0, up, down))
+    return state(rng.normal(size=count), *rates)
+
+
+def released(made, now):
+    """The velocity that is left when the acceleration is released as fast as it may."""
+    jerk = np.where(now.acceleration > 0.0, made.jerk_down, -made.jerk)
+    return now.velocity + 0.5 * now.acceleration**2 / jerk
+
+
+def inside(made, now, slack=1e-9):
+    """Where limits are kept and will be: also by the velocity that the acceleration leads to."""
+    kept = np.ones(len(now.position), dtype=bool)
+    for rate, up, down in (
+        (now.velocity, made.velocity, made.velocity_down),
+        (released(made, now), made.velocity, made.velocity_down),
+        (now.acceleration, made.acceleration, made.acceleration_down),
+    ):
+        kept &= (rate <= up + slack) & (rate >= -down - slack)
+    return kept
+
+
+def keeps_its_jerk(made, before, now, period):
+    jerk = (now.acceleration - before.acceleration) / period
+    return ((jerk <= made.jerk + 1e-9) & (jerk >= -made.jerk_down - 1e-9)).all()
+
+
+def rests(now, target):
+    return (now.position == target) & (now.velocity == 0.0) & (now.acceleration == 0.0)
+
+
+def of(made, rows):
+    """The filter of some of the dimensions."""
+    return tr.JerkFilter(*(getattr(made, name)[rows] for name in LIMITS))
+
+
+def still_moving(made, now, target, period):
+    """Filter, state and target of the dimensions that move; those at rest stay, as a step shows."""
+    done = rests(now, target)
+    again = of(made, done).step(tr.FilterState.at_rest(target[done]), target[done], period)
+    assert rests(again, target[done]).all()
+    moving = (x[~done] for x in vars(now).values())
+    return of(made, ~done), state(*moving), target[~done]
+
+
+def test_a_hundred_thousand_random_moves_keep_six_limits_and_come_to_rest():
+    rng = np.random.default_rng(0)
+    made, period = random_filter(rng, CASES), 0.1
+    now = random_start(rng, made, CASES)
+    now = state(now.position, now.velocity, np.where(inside(made, now), now.acceleration, 0.0))
+    for change in range(4):
+        target = rng.normal(size=CASES) * 10.0 ** rng.uniform(-3.0, 0.3, CASES)
+        for _ in range(5 if change < 3 else 400):
+            before, now = now, made.step(now, target, period)
+            assert inside(made, now).all()
+            assert keeps_its_jerk(made, before, now, period)
+            if change == 3:
+                made, now, target = still_moving(made, now, target, period)
+            if not len(target):
+                return
+    pytest.fail(f"{len(target)} never came to rest")
+
+
+def test_states_outside_of_the_limits_come_back_and_stay():
+    rng = np.random.default_rng(1)
+    made, period = random_filter(rng, 20_000), 0.1
+    now, target = random_start(rng, made, 20_000, beyond=2.0), rng.normal(size=20_000)
+    kept = inside(made, now)
+    assert kept.mean() < 0.4
+    for _ in range(1000):
+        before, now = now, made.step(now, target, period)
+        assert keeps_its_jerk(made, before, now, period)
+        still = inside(made, now)
+        assert still[kept].all()
+        too_large = before.acceleration > made.acceleration + made.jerk_down * period
+        fall = made.jerk_down * period
+        np.testing.assert_allclose(
+            (before.acceleration - now.acceleration)[too_large], fall[too_large], atol=1e-9
+        )
+        kept = still[~rests(now, target)]
+        made, now, target = still_moving(made, now, target, period)
+        if not len(target):
+            return
+    pytest.fail(f"{len(target)} never came to rest")
+
+
+def test_the_time_is_ruckig_s():
+    ruckig = pytest.importorskip("ruckig")
+    rng = np.random.default_rng(2)
+    made = random_filter(rng, 500)
+    made = tr.JerkFilter(
+        made.velocity, made.acceleration, made.jerk, made.velocity_down, made.acceleration_down
+    )
+    now, target = random_start(rng, made, 500), rng.normal(size=500)
+    now = state(now.position, now.velocity, np.where(inside(made, now), now.acceleration, 0.0))
+    solver, found = ruckig.Ruckig(1), []
+    for i in range(500):
+        problem, answer = ruckig.InputParameter(1), ruckig.Trajectory(1)
+        problem.current_position = [now.position[i]]
+        problem.current_velocity = [now.velocity[i]]
+        problem.current_acceleration = [now.acceleration[i]]
+        problem.target_position = [target[i]]
+        problem.max_velocity = [made.velocity[i]]
+        problem.min_velocity = [-made.velocity_down[i]]
+        problem.max_acceleration = [made.acceleration[i]]
+        problem.min_acceleration = [-made.acceleration_down[i]]
+        problem.max_jerk = [made.jerk[i]]
+        solver.calculate(problem, answer)
+        found.append(answer.duration)
+    durations = made.durations(now, target)
+    np.testing.assert_allclose(durations, found, rtol=1e-9, atol=1e-9)
+    for steps in range(1, 5000):
+        now = made.step(now, target, 0.02)
+        late, early = steps * 0.02 > durations + 1e-3, steps * 0.02 < durations - 1e-3
+        assert rests(now, target)[late].all()
+        assert not rests(now, target)[early].any()
+        if late.all():
+            break
+
+
+def test_two_half_periods_lead_to_where_one_does():
+    rng = np.random.default_rng(3)
+    made = random_filter(rng, 2000)
+    now, target = random_start(rng, made, 2000, beyond=1.5), rng.normal(size=2000)
+    for _ in range(40):
+        once = made.step(now, target, 0.1)
+        twice = made.step(made.step(now, target, 0.05), target, 0.05)
+        np.testing.assert_allclose(once.position, twice.position, atol=1e-9)
+        np.testing.assert_allclose(once.velocity, twice.velocity, atol=1e-7)
+        now = once
+
+
+def test_from_rest_no_jerk_limited_move_passes_its_target_or_changes_its_mind():
+    rng = np.random.default_rng(4)
+    made, target = random_filter(rng, 5000), rng.normal(size=5000)
+    now, signs, last = tr.FilterState.at_rest(np.zeros(5000)), np.zeros(5000), np.zeros(5000)
+    for _ in range(150):
+        now = made.step(now, target, 0.05)
+        assert ((target - now.position) * np.sign(target) >= -1e-12).all()
+        moving = np.abs(now.acceleration) > 1e-6
+        signs += moving & (np.sign(now.acceleration) * last < 0.0)
+        last = np.where(moving, np.sign(now.acceleration), last)
+    assert signs.max() <= 1
+
+
+def test_a_mirror_image_moves_as_one():
+    rng = np.random.default_rng(5)
+    made = random_filter(rng, 500)
+    other = tr.JerkFilter(
+        made.velocity_down,
+        made.acceleration_down,
+        made.jerk_down,
+        made.velocity,
+        made.acceleration,
+        made.jerk,
+    )
+    now, target = random_start(rng, made, 500), rng.normal(size=500)
+    mirror = state(-now.position, -now.velocity, -now.acceleration)
+    for _ in range(60):
+        now, mirror = made.step(now, target, 0.05), other.step(mirror, -target, 0.05)
+        np.testing.assert_allclose(mirror.position, -now.position, atol=1e-12)
+
+
+def test_a_period_that_is_longer_than_the_way_ends_on_the_target():
+    now = tr.JerkFilter(1.0, 2.0, 10.0).step(tr.FilterState.at_rest([0.3, -1.0]), [1.0, 2.0], 100.0)
+    assert rests(now, [1.0, 2.0]).all()
+
+
+def test_a_moving_target_is_followed():
+    made, now = tr.JerkFilter(2.0, 8.0, 100.0), tr.FilterState.at_rest([0.0])
+    misses = []
+    for k in range(2000):
+        target = np.array([np.sin(0.002 * k)])
+        now = made.step(now, target, 0.002)
+        misses.append(abs(now.position[0] - target[0]))
+    assert max(misses) < 0.3
+    assert max(misses[1500:]) < 0.3
+
+
+def test_a_stop_is_where_it_was_said_to_be():
+    made, now = tr.JerkFilter(1.0, 2.0, 10.0), state([0.0, 1.0], [0.8, -0.5], [0.4, 1.0])
+    place = made.resting_place(now)
+    for _ in range(100):
+        now = made.step(now, place, 0.02)
+    assert rests(now, place).all()
+
+
+def test_dimensions_that_go_together_arrive_together_when_the_slowest_can():
+    rng = np.random.default_rng(6)
+    for _ in range(60):
+        made, period = random_filter(rng, 7), 0.05
+        now, target = random_start(rng, made, 7), rng.normal(size=7)
+        kept = inside(made, now)
+        now = state(now.position, now.velocity, np.where(kept, now.acceleration, 0.0))
+        slowest = made.durations(now, target).max()
+        step = 0
+        while not rests(now, target).any():
+            step += 1
+            before, now = now, made.step_together(now, target, period)
+            assert inside(made, now)[kept].all()
+            assert keeps_its_jerk(made, before, now, period)
+        assert rests(now, target).all()
+        assert slowest / period - 0.1 <= step <= slowest / period + 1.1
+
+
+def test_targets_changed_in_flight_are_reached_together_too():
+    rng = np.random.default_rng(7)
+    made, now = random_filter(rng, 6), tr.FilterState.at_rest(np.zeros(6))
+    for _ in range(20):
+        target = rng.normal(size=6)
+        for _ in range(15):
+            now = made.step_together(now, target, 0.02)
+            assert inside(made, now).all()
+    for _ in range(2000):
+        now = made.step_together(now, target, 0.02)
+        if rests(now, target).any():
+            break
+    assert rests(now, target).all()
+
+
+def test_a_straight_way_is_straight_and_keeps_every_dimension_s_limits():
+    rng = np.random.default_rng(8)
+    for _ in range(20):
+        made, period = random_filter(rng, 5), 0.02
+        straight, start, target = tr.StraightFilter(made), rng.normal(size=5), rng.normal(size=5)
+        unit = (target - start) / np.linalg.norm(target - start)
+        now = tr.FilterState.at_rest(start)
+        for _ in range(2000):
+            before, now = now, straight.step(now, target, period)
+            way = now.position - start
+            assert np.abs(way - (way @ unit) * unit).max() < 1e-12
+            assert inside(made, now).all()
+            assert keeps_its_jerk(made, before, now, period)
+            if rests(now, target).all():
+                break
+        assert rests(now, target).all()
+    still = straight.step(now, target, period)
+    assert rests(still, target).all()
+
+
+def test_a_straight_way_bends_only_where_it_rests():
+    straight = tr.StraightFilter(tr.JerkFilter([1.0, 2.0], 4.0, 40.0))
+    now, period, way, bends = tr.FilterState.at_rest([0.0, 0.0]), 0.01, None, 0
+    targets = [[1.0, 1.0]] * 40 + [[2.0, 2.0]] * 40 + [[-1.0, -1.0]] * 60 + [[0.0, 3.0]] * 600
+    for target in targets:
+        before, now = now, straight.step(now, target, period)
+        if now.velocity.any():
+            unit = now.velocity / np.linalg.norm(now.velocity)
+            if way is not None and abs(unit @ way) < 1.0 - 1e-9:
+                bends += 1
+                assert not before.velocity.any()
+            way = unit
+    assert bends == 1
+    assert rests(now, [0.0, 3.0]).all()
+
+
+def test_limits_lowered_in_flight_are_come_back_to():
+    fast, slow = tr.JerkFilter(2.0, 8.0, 80.0), tr.JerkFilter([0.5, 0.25], 8.0, 80.0)
+    steps = ((fast.step, slow.step), (tr.StraightFilter(fast).step, tr.StraightFilter(slow).step))
+    for before, after in steps:
+        now = tr.FilterState.at_rest([0.0, 0.0])
+        for _ in range(40):
+            now = before(now, [3.0, 3.0], 0.01)
+        assert now.velocity.max() > 1.0
+        for _ in range(60):
+            now = after(now, [3.0, 3.0], 0.01)
+        assert (now.velocity <= np.array([0.5, 0.25]) + 1e-12).all()
+        for _ in range(1200):
+            now = after(now, [3.0, 3.0], 0.01)
+        assert rests(now, [3.0, 3.0]).all()
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda: tr.JerkFilter(1.0, 1.0, 0.0),
+        lambda: tr.JerkFilter(1.0, 1.0, 1.0, -1.0),
+        lambda: tr.JerkFilter(1.0, np.nan, 1.0),
+        lambda: tr.JerkFilter(1.0, 1.0, 1.0, jerk_down=[[1.0]]),
+        lambda: tr.JerkFilter(1.0, 1.0, [1.0, 1.0]).step(tr.FilterState.at_rest([0.0]), [1.0], 0.1),
+        lambda: tr.JerkFilter(1.0, 1.0, 1.0).step(tr.FilterState.at_rest([0.0]), [np.inf], 0.1),
+        lambda: tr.JerkFilter(1.0, 1.0, 1.0).step(tr.FilterState.at_rest([0.0]), [1.0, 2.0], 0.1),
+        lambda: tr.JerkFilter(1.0, 1.0, 1.0).step(tr.FilterState.at_rest([0.0]), [1e300], 0.1),
+        lambda: tr.JerkFilter(1.0, 1.0, 1.0).step(tr.FilterState.at_rest([0.0]), [1.0], -0.1),
+        lambda: tr.JerkFilter(1.0, 1.0, 1.0).step("state", [1.0], 0.1),
+        lambda: tr.JerkFilter(1.0, 1.0, 1.0).step_together(None, [1.0], 0.1),
+        lambda: tr.JerkFilter(1.0, 1.0, 1.0).durations(tr.FilterState.at_rest([0.0]), "there"),
+        lambda: tr.JerkFilter(1.0, 1.0, 1.0).resting_place(3.0),
+        lambda: tr.JerkFilter([1.0, 2.0], [1.0, 2.0, 3.0], 1.0),
+        lambda: tr.JerkFilter(1.0, 1.0, 1e300),
+        lambda: tr.StraightFilter("limits"),
+        lambda: tr.StraightFilter(tr.JerkFilter(1.0, 1.0, 1.0)).step(
+            state([0.0], [1.0], [0.0]), [1.0], 0.1
+        ),
+        lambda: tr.StraightFilter(tr.JerkFilter(1.0, 1.0, 1.0)).step(None, [1.0], 0.1),
+    ],
+)
+def test_wrong_input_of_jerk_filters_is_refused(wrong):
     with pytest.raises(InvalidInput):
         wrong()

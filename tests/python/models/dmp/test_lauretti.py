@@ -141,7 +141,7 @@ def test_a_goal_on_the_other_side_turns_the_motion_around():
     assert below.positions[:, 1].min() < -0.09
 
 
-# What a pose primitive has beside `generate`
+# Steps, moved goals, refusals
 
 
 def test_steps_are_those_of_the_whole_motion_and_a_moved_goal_is_reached():

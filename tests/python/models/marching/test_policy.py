@@ -1,9 +1,10 @@
-"""State-by-state policies from fast marching."""
+"""State-by-state policies from fast marching, live maps and previews."""
 
 import numpy as np
 import pytest
 from models.marching.paths import gaps_to
 from motions import minimum_jerk
+from scipy.spatial import cKDTree
 
 import leadthrough as lt
 
@@ -153,3 +154,106 @@ def test_taught_speed_holds_beside_an_obstacle(skill):
     policy = skill.policy_to(obstacles=[lt.Sphere(0.02, (0.2, 0.14, 0.0))])
     free, beside = (np.linalg.norm(each((0.2, 0.1))) for each in (skill.policy, policy))
     assert beside == pytest.approx(free, rel=0.01)
+
+
+# Routes in a map that is kept for a workspace
+
+
+WORKSPACE = ((-0.1, -0.5, -0.1), (0.7, 0.5, 0.6))
+START, GOAL = np.array([0.1, -0.3, 0.1]), np.array([0.5, 0.3, 0.1])
+
+
+@pytest.fixture(scope="module")
+def map_skill():
+    rng = np.random.default_rng(2)
+    share = np.linspace(0.0, 1.0, 120)
+    shown = []
+    for _ in range(4):
+        path = START + np.outer(share, GOAL - START) + rng.normal(0.0, 0.005, 3)
+        path[:, 2] += 0.2 * np.sin(np.pi * share)
+        shown.append(lt.Demonstration(lt.Trajectory(2.0 * share, path)))
+    return lt.FastMarching(method="map", resolution=0.01, workspace=WORKSPACE).fit(shown)
+
+
+@pytest.fixture(scope="module")
+def live(map_skill):
+    return map_skill.live_map(WORKSPACE, cells=560_000)
+
+
+def test_map_has_about_the_cells_asked_for(live):
+    assert np.prod(live.grid.shape) == pytest.approx(560_000, rel=0.1)
+
+
+@pytest.mark.parametrize("obstacles", [(), (lt.Box((0.1, 0.1, 0.2), (0.3, 0.0, 0.3)),)])
+def test_route_is_the_one_of_the_skill(obstacles, map_skill, live):
+    wanted = map_skill.plan(start=START, goal=GOAL, obstacles=obstacles)
+    found = live.route(START, GOAL, obstacles)
+    # First order against second: they agree to a cell or two.
+    assert cKDTree(wanted.path).query(found.path)[0].max() < 0.025
+    assert np.array_equal(found.path[[0, -1]], [START, GOAL])
+
+
+def test_moved_obstacle_is_the_only_one_that_counts(live):
+    here, there = (lt.Sphere(0.08, (0.3, y, 0.3)) for y in (0.0, 0.2))
+    live.route(START, GOAL, [here])
+    path = live.route(START, GOAL, [there]).path
+    assert there.distance(path).min() > 0.0
+    assert np.array_equal(path, live.route(START, GOAL, [there]).path)
+
+
+def test_route_becomes_a_motion(map_skill, live):
+    motion = map_skill.in_time(live.route(START, GOAL, ()), duration=3.0, dt=0.05)
+    assert motion.duration == pytest.approx(3.0)
+    assert np.allclose(motion.positions[-1], GOAL)
+
+
+# Previews
+
+
+U = np.linspace(0.0, 1.0, 100)
+ARCHES = [
+    lt.Trajectory(2.0 * U, np.column_stack([0.4 * U, 0.1 * np.sin(np.pi * U) + shift]))
+    for shift in (-0.01, 0.0, 0.01)
+]
+
+
+@pytest.mark.parametrize("method", ["auto", "map", "start", "mean_path"])
+def test_preview_keeps_clear_and_ends_at_the_goal_as_the_skill_does(method):
+    preview = lt.FastMarching(method=method).fit(ARCHES).preview()
+    disc = lt.Sphere(0.02, (0.2, 0.1, 0.0))
+    for height in (0.0, 0.02):
+        motion = preview.generate(goal=(0.4, height), duration=3.0, obstacles=[disc])
+        assert motion.positions[-1] == pytest.approx((0.4, height))
+        assert motion.duration == pytest.approx(3.0)
+        assert disc.distance(np.pad(motion.positions, ((0, 0), (0, 1)))).min() > 0.0
+
+
+@pytest.mark.parametrize("method", ["auto", "start", "mean_path"])
+def test_preview_is_the_plan(method):
+    skill = lt.FastMarching(method=method).fit(ARCHES)
+    preview = skill.preview()
+    for height in (0.0, 0.02):
+        query = {"goal": (0.4, height), "obstacles": [lt.Sphere(0.02, (0.2, 0.1, 0.0))], "dt": 0.04}
+        np.testing.assert_array_equal(
+            preview.generate(**query).positions, skill.generate(**query).positions
+        )
+
+
+def test_a_map_is_kept_until_the_goal_leaves_it():
+    preview = lt.FastMarching(method="map").fit(ARCHES).preview()
+    preview.generate(goal=(0.4, 0.01))
+    kept = preview.live_map
+    preview.generate(goal=(0.4, 0.05))
+    assert preview.live_map is kept
+    assert preview.generate(goal=(1.4, 0.0)).positions[-1] == pytest.approx((1.4, 0.0))
+    assert preview.live_map is not kept
+
+
+def test_a_pose_may_be_asked_for():
+    turned = lt.rotations.exp(np.outer(U, [0.0, 0.3, 0.5]))
+    points = np.column_stack([0.4 * U, 0.1 * U**2, 0.1 * U])
+    preview = lt.FastMarching(method="map").fit([lt.PoseTrajectory(U, points, turned)]).preview()
+    wanted = lt.rotations.exp([[0.1, 0.2, 0.3]])[0]
+    motion = preview.generate(goal=((0.4, 0.12, 0.1), wanted))
+    assert isinstance(motion, lt.PoseTrajectory)
+    assert motion.orientations[-1] == pytest.approx(wanted)

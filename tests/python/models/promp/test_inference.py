@@ -1,8 +1,8 @@
-"""Motions recognised from their beginning."""
+"""Motions recognised from their beginning, and forecasts of how they go on."""
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
+from scipy.stats import chi2, multivariate_normal
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -89,3 +89,163 @@ def test_the_log_likelihood_is_the_density_of_the_samples(samples, skills, famil
     )
     density = spread.logpdf(seen.positions.T.ravel())
     assert skill.log_likelihood(seen) == pytest.approx(density, rel=1e-6)
+
+
+# Forecasts and their uncertainty
+
+
+U = np.linspace(0.0, 1.0, 101)
+SEEN = 31  # of 101 samples
+SPREAD = 0.155  # standard deviation of the random families' weights, m
+
+
+def others_rows(functions):
+    centres = np.linspace(0.0, 1.0, functions)
+    rows = np.exp(-0.5 * ((U[:, None] - centres) * (functions - 1)) ** 2)
+    return rows / rows.sum(axis=1, keepdims=True)
+
+
+def random_family(rng, *, factors=5, size=2, functions=12):
+    """Draws motions whose weights of another basis have a random covariance of this rank."""
+    rows = others_rows(functions)
+    mean = np.cumsum(0.1 * rng.normal(size=(functions, size)), axis=0)
+    loads = SPREAD / np.sqrt(factors) * rng.normal(size=(factors, functions, size))
+
+    def draw(count):
+        drawn = mean + np.einsum("nf,fkd->nkd", rng.normal(size=(count, factors)), loads)
+        return rows @ drawn + 0.001 * rng.normal(size=(count, len(U), size))
+
+    return draw
+
+
+def least_error(count, *, factors, size=2, functions=12, families=200):
+    """The error of a forecast that knows a family's mean and covariance, over the plain mean's."""
+    rng, rows = np.random.default_rng(0), others_rows(functions)
+    left = plain = 0.0
+    for _ in range(families):
+        loads = SPREAD / np.sqrt(factors) * rng.normal(size=(factors, functions, size))
+        values = np.einsum("uk,fkd->fud", rows, loads)
+        seen, end = values[:, :SEEN].reshape(factors, -1), values[:, -1]
+        inside = seen.T @ seen + 0.001**2 * np.eye(seen.shape[1])
+        known = end.T @ seen @ np.linalg.solve(inside, seen.T @ end)
+        left += np.trace(end.T @ end - known)
+        plain += np.trace(end.T @ end) * (1.0 + 1.0 / count)
+    return np.sqrt(left / plain)
+
+
+def forecasts(count, *, families=12, tests=4, weights=20, pace=0.0, rate=0.0, **family):
+    """Errors at the end over plain means', how often regions held it, and plain means' errors."""
+    errors, plain, inside, normal = [], [], [], []
+    for seed in range(families):
+        rng = np.random.default_rng(seed)
+        draw = random_family(rng, **family)
+
+        def performed(path, rng=rng):
+            warped = U + rate * rng.normal() * U * (1.0 - U)
+            path = np.stack([np.interp(warped, U, column) for column in path.T], axis=1)
+            return lt.Trajectory(2.0 * np.exp(pace * rng.normal()) * U, path)
+
+        skill = lt.ProMP(weights=weights).fit([performed(path) for path in draw(count)])
+        for motion in map(performed, draw(tests)):
+            begun = lt.Trajectory(motion.times[:SEEN], motion.positions[:SEEN])
+            found = infer(begun, [skill])
+            (ahead,) = found.skills
+            mean, covariance = ahead.distribution([ahead.duration])
+            missed = motion.positions[-1] - mean[0]
+            errors.append(np.linalg.norm(missed))
+            plain.append(np.linalg.norm(motion.positions[-1] - skill.generate().positions[-1]))
+            inside.append(found.region([ahead.duration]).contains(motion.positions[-1:])[0])
+            squared = missed @ np.linalg.solve(covariance[0] + np.diag(ahead.noise), missed)
+            normal.append(squared <= chi2.ppf(0.95, len(missed)))
+    return np.mean(errors) / np.mean(plain), np.mean(inside), np.mean(normal), np.mean(plain)
+
+
+@pytest.mark.parametrize(("count", "most"), [(4, 1.1), (6, 1.02), (12, 0.75), (40, 0.62)])
+def test_forecasts_are_nearer_than_the_mean_and_know_how_near(count, most):
+    few, many = (forecasts(count, factors=factors) for factors in (5, 10))
+    assert max(few[0], many[0]) <= most
+    assert 0.9 <= 0.5 * (few[1] + many[1]) <= 0.99  # the regions
+    assert 0.9 <= 0.5 * (few[2] + many[2]) <= 0.99  # those of a normal distribution
+    assert 0.108 <= min(few[3], many[3]) <= max(few[3], many[3]) <= 0.138  # plain means, m
+
+
+@pytest.mark.parametrize(("count", "most"), [(4, 1.1), (6, 1.02), (12, 1.02), (40, 0.92)])
+def test_forecasts_of_motions_of_full_rank_are_near_what_can_be_known(count, most):
+    """Who knows mean and covariance of such motions still misses by 0.7 of the plain mean."""
+    error, inside, normal, _ = forecasts(count, factors=24)
+    assert least_error(count, factors=24) > 0.62
+    assert error <= most
+    assert inside >= 0.9
+    assert normal >= 0.9
+
+
+def test_what_is_known_of_a_motion_of_full_rank_after_30_percent():
+    least = [least_error(count, factors=24) for count in (4, 6, 12, 40)]
+    np.testing.assert_allclose(least, (0.67, 0.70, 0.72, 0.74), atol=0.01)
+
+
+def test_hundreds_of_demonstrations_forecast_too():
+    (error, *_) = forecasts(300, factors=10, families=1, tests=2)
+    assert error <= 0.62
+
+
+def test_regions_hold_for_other_columns_weights_paces_and_durations():
+    for count in (4, 12):
+        error, inside, *_ = forecasts(
+            count, size=3, functions=8, weights=12, pace=0.15, rate=0.3, families=10
+        )
+        assert error <= 1.0
+        assert inside >= 0.9
+
+
+def test_a_saved_skill_forecasts_the_same_and_an_older_file_as_a_normal_distribution(
+    skills, family, tmp_path
+):
+    seen = lt.Trajectory(*(each[:40] for each in _arrays(family(0.11, count=1, seed=4)[0].motion)))
+    skills[0].save(tmp_path / "skill.npz")
+    found, again = infer(seen, skills[:1]), infer(seen, [lt.load_skill(tmp_path / "skill.npz")])
+    np.testing.assert_array_equal(found.skills[0].weights.mean, again.skills[0].weights.mean)
+    with np.load(tmp_path / "skill.npz") as arrays:
+        kept = {name: arrays[name] for name in arrays.files if name not in ("curves", "paces")}
+    np.savez(tmp_path / "old.npz", **kept)
+    old = infer(seen, [lt.load_skill(tmp_path / "old.npz")])
+    assert np.isinf(old.freedom[0])
+    assert np.isfinite(old.region([0.5]).reach).all()
+
+
+def test_a_region_is_that_of_a_skill_and_a_probability(skills, family):
+    seen = lt.Trajectory(*(each[:40] for each in _arrays(family(0.11, count=1, seed=4)[0].motion)))
+    found = infer(seen, skills)
+    times = np.linspace(0.0, found.durations[0], 5)
+    narrow, wide = (found.region(times, probability=p) for p in (0.5, 0.99))
+    assert (narrow.reach < wide.reach).all()
+    assert narrow.contains(narrow.mean).all()
+    assert not narrow.contains(narrow.mean + wide.reach).any()
+    np.testing.assert_array_equal(found.region(times, skill=0).mean, narrow.mean)
+    for wrong in ({"probability": 1.0}, {"skill": 2}):
+        with pytest.raises(InvalidInput, match=next(iter(wrong))):
+            found.region(times, **wrong)
+
+
+def test_single_demonstrations_and_partial_ones_forecast_too(family):
+    seen = lt.Trajectory(*(each[:40] for each in _arrays(family(0.11, count=1, seed=4)[0].motion)))
+    for count in (1, 2, 3):
+        shown = family(0.1, count=count)
+        for estimator in ("least_squares", "em"):
+            skill = lt.ProMP(weights=8, estimator=estimator).fit(shown)
+            assert np.isfinite(infer(seen, [skill]).region([1.0]).reach).all()
+
+
+def _arrays(motion):
+    return motion.times, motion.positions
+
+
+@pytest.mark.parametrize(("count", "judged"), [(2, 0), (3, 3), (4, 4)])
+def test_from_three_demonstrations_on_each_is_forecast_from_the_others(count, judged, family):
+    skill = lt.ProMP(weights=10).fit(family(0.1, count=count))
+    assert len(skill.experience.left_out) == judged
+    for (curve, _), demonstrated in zip(
+        skill.experience.left_out, family(0.1, count=count), strict=False
+    ):
+        shown = skill.basis(np.linspace(0.0, 1.0, 150)) @ curve.reshape(2, -1).T
+        np.testing.assert_allclose(shown, demonstrated.motion.positions, atol=5e-3)

@@ -1,10 +1,14 @@
-"""Resemblance and direction of demonstrations, and the barrier of those that return."""
+"""Resemblance and direction of demonstrations, start barriers, maps of far ends, mean paths."""
 
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from models.marching.paths import apart
+from models.marching.test_moved_ends import away, family, shown
 
+import leadthrough as lt
+from leadthrough.models.marching import maps, mean_path
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.maps import Scales
 from leadthrough.models.marching.planner import directed, resemble_another
@@ -63,3 +67,45 @@ def test_a_motion_that_nearly_returns_is_turned_round_only_for_ends_clearly_apar
     ring = np.column_stack([np.cos(angle), np.sin(angle)]) / (2.0 * np.pi)  # about 1 round
     found = experience(ring).towards(ring[-1], ring[0])
     assert np.array_equal(found.path[0], ring[-1 if turned else 0])
+
+
+# The map for an end far away gives the path of one map of everything
+
+
+def planned_in_one_map(skill, monkeypatch, **query):
+    with monkeypatch.context() as patch:
+        patch.setattr(maps, "_FAR", np.inf)
+        return skill.plan(**query)
+
+
+@pytest.mark.parametrize("end", ["start", "goal"])
+@pytest.mark.parametrize("angle", [0.0, 2.1, 3.5])
+def test_way_from_afar_is_that_of_a_map_of_everything(end, angle, monkeypatch):
+    skill = lt.FastMarching(resolution=0.004, method="map").fit(shown(2))
+    query = {end: away(angle, 2.0)}
+    route = skill.plan(**query)
+    whole = planned_in_one_map(skill, monkeypatch, **query)
+    assert route.travel_time == pytest.approx(whole.travel_time, rel=2e-3)
+    assert apart(route.path, whole.path, 3000) < 2.0 * 0.004
+
+
+# The mean path of demonstrations, and the route along it, with one wrong sample
+
+
+@pytest.mark.parametrize("sample", [0, 36, 60, 119])
+def test_one_sample_off_by_a_millimetre_changes_the_path_by_little_more(sample):
+    for seed in range(4):
+        shown = family(seed, 5)
+        points = shown[0].positions.copy()
+        points[sample] += (0.001, 0.0)
+        changed = [lt.Trajectory(shown[0].times, points), *shown[1:]]
+        skills = [lt.FastMarching().fit(motions) for motions in (shown, changed)]
+        means = [_mean(skill) for skill in skills]
+        assert np.linalg.norm(means[0] - means[1], axis=1).max() < 0.001
+        assert apart(*(skill.plan().path for skill in skills)) < 0.0015
+
+
+def _mean(skill):
+    """The predicted path between the nominal ends."""
+    query = skill.query()
+    return next(mean_path.branches(skill.demonstrated, query.start, query.goal)).path

@@ -1,10 +1,124 @@
-"""Estimated distributions of weights."""
+"""Estimated distributions of weights: EM of noisy and partial demonstrations."""
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 import leadthrough as lt
+from leadthrough.errors import FitError
+from leadthrough.models.coordinates import Coordinates, scales
 from leadthrough.models.promp.basis import Basis, smooth_prior
+from leadthrough.models.promp.estimation import (
+    Samples,
+    Sums,
+    expectation,
+    expectation_maximisation,
+    log_prior,
+    maximisation,
+)
+from leadthrough.models.promp.gaussian import Gaussian
+
+BASIS = Basis("gaussian", 8)
+NOISE = 0.05
+
+
+def curves(count, seed, *, noise=NOISE):
+    """Phases (60,) and noisy curves (count, 60, 2) of random weights; and the curves without it."""
+    rng = np.random.default_rng(seed)
+    u = np.linspace(0.0, 1.0, 60)
+    offsets = 0.3 * rng.standard_normal((count, 1, 2))
+    bumps = 0.2 * rng.standard_normal((count, 1, 2))
+    shape = np.column_stack([u, np.sin(3 * u)])
+    true = shape + offsets * (1 - u)[:, None] + bumps * np.sin(np.pi * u)[:, None]
+    return u, true + noise * rng.standard_normal(true.shape), true
+
+
+def test_posterior_density_never_falls():
+    u, noisy, _ = curves(6, seed=1)
+    phases = [u[:40], u[20:], u, u[10:50], u, u]
+    columns = [noisy[0][:40], noisy[1][20:], noisy[2], noisy[3][10:50], noisy[4], noisy[5]]
+    scale = scales(columns, Coordinates("points", 2))
+    history = expectation_maximisation(BASIS, Samples(phases, columns, scale)).history
+    assert len(history) > 3
+    assert np.diff(history).min() > -1e-6
+
+
+def partial(seed):
+    """Some distribution of weights, and samples (n, 2) of parts with their functions (n, 8)."""
+    rng = np.random.default_rng(seed)
+    root = rng.standard_normal((16, 16))
+    weights = Gaussian(rng.standard_normal(16), 0.02 * root @ root.T + 0.1 * np.eye(16))
+    u, noisy, _ = curves(4, seed)
+    parts = [slice(0, 40), slice(0, 40), slice(25, 60), slice(10, 50)]
+    return weights, [(BASIS(u[part]), each[part]) for part, each in zip(parts, noisy, strict=True)]
+
+
+def test_the_likelihood_is_that_of_all_samples_at_once():
+    weights, given = partial(seed=5)
+    noise = np.array([0.01, 0.04])
+    _, likelihood = expectation([Sums.of(*each) for each in given], weights, noise)
+    expected = 0.0
+    for rows, values in given:
+        every = np.kron(np.eye(2), rows)
+        spread = every @ weights.covariance @ every.T + np.diag(np.repeat(noise, len(rows)))
+        expected += multivariate_normal(every @ weights.mean, spread).logpdf(values.T.ravel())
+    assert likelihood == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_maximisation_finds_the_most_probable_covariance():
+    weights, given = partial(seed=6)
+    sums = [Sums.of(*each) for each in given]
+    estimates, _ = expectation(sums, weights, np.array([0.01, 0.04]))
+    base = np.diag(np.linspace(0.5, 2.0, 16))
+    found, _ = maximisation(sums, estimates, base)
+
+    def expected_density(covariance):
+        normal = multivariate_normal(found.mean, covariance)
+        inverse = np.linalg.inv(covariance)
+        lost = sum(np.trace(inverse @ each.covariance) for each in estimates)
+        told = sum(normal.logpdf(each.mean) for each in estimates)
+        return told - 0.5 * lost + log_prior(covariance, base)
+
+    most = expected_density(found.covariance)
+    for factor in (0.99, 1.01):
+        assert expected_density(factor * found.covariance) < most
+        assert expected_density(found.covariance + (factor - 1.0) * np.diag(np.diag(base))) < most
+
+
+def test_noise_is_found_and_smoothed_away():
+    u, noisy, true = curves(20, seed=2)
+    given = [lt.Demonstration(lt.Trajectory(u, each)) for each in noisy]
+    skill = lt.ProMP(weights=8, estimator="em").fit(given)
+    np.testing.assert_allclose(np.sqrt(skill.noise), NOISE, rtol=0.1)
+    mean, _ = skill.distribution(u)
+    assert np.abs(mean - true.mean(axis=0)).max() < 2 * NOISE / np.sqrt(20) + 0.02
+
+
+def test_parts_of_a_motion_make_up_the_whole():
+    u, noisy, true = curves(24, seed=3, noise=0.01)
+    parts, phases = [], []
+    for i, each in enumerate(noisy):
+        rows = slice(0, 38) if i % 2 else slice(22, 60)
+        parts.append(lt.Demonstration(lt.Trajectory(2.0 * (1 + i % 3) * u[rows], each[rows])))
+        phases.append(u[rows])
+    skill = lt.ProMP(weights=8, estimator="em").fit(parts, phases=phases)
+    mean, covariance = skill.distribution(u * skill.duration)
+    assert np.abs(mean - true.mean(axis=0)).max() < 0.1
+    assert skill.duration == pytest.approx(4.0)
+    spread = np.sqrt(np.einsum("nii->ni", covariance)[30])
+    np.testing.assert_allclose(spread, true[:, 30].std(axis=0), rtol=0.5)
+
+
+def test_a_part_that_nobody_showed_is_named():
+    u, noisy, _ = curves(2, seed=4)
+    parts = [lt.Demonstration(lt.Trajectory(u[:30], each[:30])) for each in noisy]
+    with pytest.raises(FitError, match=r"phases 0\.492 to 1;"):
+        lt.ProMP(estimator="em").fit(parts, phases=[u[:30], u[:30]])
+    with pytest.raises(FitError, match=r"phases 0 to 0\.508;"):
+        lt.ProMP(estimator="em").fit(parts, phases=[u[30:], u[30:]])
+
+
+# Estimated distributions of weights
 
 
 @pytest.mark.parametrize("count", [6, 60])
