@@ -177,7 +177,7 @@ def test_bad_demonstrations_are_refused(model, demonstrated):
         if isinstance(motion, lt.PoseTrajectory):
             held.append(motion.orientations[[0] * len(times)])
         with pytest.raises(FitError):
-            model.fit([lt.Demonstration(type(motion)(times, *held))])
+            model.fit([type(motion)(times, *held)])
     for bad in ([None], demonstrated[0], 3):
         with pytest.raises(InvalidInput):
             model.fit(bad)

@@ -31,9 +31,7 @@ def test_learned_paths_and_orientations_are_kept(tmp_path):
     times = np.linspace(0.0, 1.0, 50)
     positions = np.column_stack([times, 0.1 * times, 0 * times])
     turned = lt.rotations.exp(np.outer(times, [0.0, 0.0, 1.0]))
-    skill = lt.FastMarching(saturation=0.1).fit(
-        [lt.Demonstration(lt.PoseTrajectory(times, positions, turned))]
-    )
+    skill = lt.FastMarching(saturation=0.1).fit([lt.PoseTrajectory(times, positions, turned)])
     skill = skill.with_experience(positions + np.array([0.0, 0.3, 0.0]))
     skill.save(tmp_path / "skill.npz")
     loaded = lt.load_skill(tmp_path / "skill.npz")

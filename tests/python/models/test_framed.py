@@ -37,7 +37,7 @@ HERE, THERE = turned_by(10.0, (0.4, 0.0, 0.2)), turned_by(130.0, (0.1, 0.5, 0.3)
 def case(request):
     model, seen = request.param.build(), MOTIONS[request.param.motion]
     shown = HERE.base(seen)
-    return Framed(model).fit([lt.Demonstration(shown)], frames=[[HERE]]), shown, seen
+    return Framed(model).fit([shown], frames=[[HERE]]), shown, seen
 
 
 def test_task_turned_by_120_degrees_is_followed_in_its_frame(case):
@@ -66,7 +66,7 @@ def test_query_is_in_the_base_frame(case):
 
 
 def test_obstacles_are_in_the_base_frame():
-    skill = Framed(pose_primitive()).fit([lt.Demonstration(HERE.base(POSES))], frames=[[HERE]])
+    skill = Framed(pose_primitive()).fit([HERE.base(POSES)], frames=[[HERE]])
     there = skill.at([THERE])
     above = there.generate().positions[90] + np.array([0.0, 0.0, 0.02])
     box = lt.Box((0.05, 0.04, 0.06), above, (0.8, 0.0, 0.0, 0.6))
@@ -85,7 +85,7 @@ def test_framed_skill_is_saved_and_loaded(case, tmp_path):
 
 def test_frame_is_that_of_the_goal_by_default(case):
     skill, shown, _ = case
-    made = skill.model.fit([lt.Demonstration(shown)]).generate()
+    made = skill.model.fit([shown]).generate()
     np.testing.assert_allclose(made.positions, skill.generate().positions, atol=1e-3)
 
 
@@ -95,7 +95,7 @@ def test_frames_that_do_not_fit_are_refused(case):
         with pytest.raises(InvalidInput, match="frames"):
             skill.at(frames)
     with pytest.raises(InvalidInput, match="frames"):
-        skill.model.fit([lt.Demonstration(shown)], frames=[])
+        skill.model.fit([shown], frames=[])
 
 
 # Queries of single families
@@ -104,7 +104,7 @@ def test_frames_that_do_not_fit_are_refused(case):
 def test_via_points_and_velocities_are_in_the_base_frame():
     for motion, seen in MOTIONS.items():
         model = kind("DMP", motion).build()
-        skill = Framed(model).fit([lt.Demonstration(HERE.base(seen))], frames=[[HERE]]).at([THERE])
+        skill = Framed(model).fit([HERE.base(seen)], frames=[[HERE]]).at([THERE])
         assert {"via", "start_velocity", "final_velocity"} <= skill.supports
         plain = skill.generate(duration=2.0, dt=1e-3)
         through, rate = plain.positions[1000] + (0.03, 0.02, -0.01), np.array([0.1, -0.05, 0.02])
@@ -121,7 +121,7 @@ def test_via_points_and_velocities_are_in_the_base_frame():
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_steps_in_a_frame_are_those_of_the_whole_motion(motion):
     model, seen = kind("DMP", motion).build(), MOTIONS[motion]
-    skill = Framed(model).fit([lt.Demonstration(HERE.base(seen))], frames=[[HERE]]).at([THERE])
+    skill = Framed(model).fit([HERE.base(seen)], frames=[[HERE]]).at([THERE])
     whole, state = skill.generate(dt=0.05), skill.begin()
     np.testing.assert_allclose(state.position, whole.positions[0], atol=1e-9)
     step = whole.times[1]
@@ -137,7 +137,7 @@ def test_steps_in_a_frame_are_those_of_the_whole_motion(motion):
 
 def test_goal_push_and_measurement_of_a_step_are_in_the_base_frame():
     model, seen = pose_primitive(), POSES
-    skill = Framed(model).fit([lt.Demonstration(HERE.base(seen))], frames=[[HERE]]).at([THERE])
+    skill = Framed(model).fit([HERE.base(seen)], frames=[[HERE]]).at([THERE])
     goal = THERE.base(seen).positions[-1] + (0.02, -0.03, 0.01)
     state = skill.begin()
     while state.phase < 1.0:
@@ -158,7 +158,7 @@ def test_a_policy_is_asked_and_answers_in_the_base_frame():
     shown = lt.Trajectory(2.0 * U, POINTS[:, :2])
     turn = rotations.to_matrix(rotations.exp(np.radians([[0.0, 0.0, 120.0]])))[0][:2, :2]
     here, there = Frame((0.0, 0.0)), Frame((0.3, 0.1), turn)
-    skill = Framed(lt.FastMarching()).fit([lt.Demonstration(shown)], frames=[[here]])
+    skill = Framed(lt.FastMarching()).fit([shown], frames=[[here]])
     place = np.array([0.2, 0.12])
     expected = turn @ skill.policy(place)
     found = skill.at([there]).policy(turn @ place + (0.3, 0.1))
@@ -200,7 +200,7 @@ def test_a_via_point_of_a_distribution_is_in_the_base_frame():
 def test_limits_are_in_the_base_frame_where_its_axes_are_those_of_the_task():
     seen = MOTIONS["points"]
     quarter = turned_by(90.0, (0.4, 0.0, 0.2))
-    skill = Framed(lt.DMP()).fit([lt.Demonstration(quarter.base(seen))], frames=[[quarter]])
+    skill = Framed(lt.DMP()).fit([quarter.base(seen)], frames=[[quarter]])
     assert "limits" in skill.supports
     for frame in (quarter, turned_by(0.0, (0.1, 0.5, 0.3)), turned_by(180.0)):
         there = skill.at([frame])
@@ -218,7 +218,7 @@ def test_limits_are_in_the_base_frame_where_its_axes_are_those_of_the_task():
     for wrong in ((1.0,), (np.ones(3), -np.ones(3))):
         with pytest.raises(InvalidInput, match="limits"):
             skill.generate(limits=wrong)
-    poses = Framed(pose_primitive()).fit([lt.Demonstration(HERE.base(POSES))], frames=[[HERE]])
+    poses = Framed(pose_primitive()).fit([HERE.base(POSES)], frames=[[HERE]])
     with pytest.raises(UnsupportedQuery, match=r"limits: .*Framed\(DMP\(\)\)"):
         poses.generate(limits=(-np.ones(3), np.ones(3)))
 

@@ -47,7 +47,7 @@ def test_nearest_target_is_found(library):
 
 
 def test_tasks_and_subtasks_are_kept_apart(library):
-    other = lt.DMP().fit([lt.Demonstration(lt.Trajectory([0, 1], [[0.0], [1.0]]))])
+    other = lt.DMP().fit([lt.Trajectory([0, 1], [[0.0], [1.0]])])
     both = library.with_skill(other, task="digging", subtask="home", target=(0.0,))
     assert both.subtasks("digging") == ("reach", "home")
     assert library.subtasks("digging") == ("reach",)
@@ -56,7 +56,7 @@ def test_tasks_and_subtasks_are_kept_apart(library):
 
 
 def test_same_target_is_replaced(library):
-    skill = pose_primitive().fit([lt.Demonstration(reach((0.9, 0.9, 0.9)))])
+    skill = pose_primitive().fit([reach((0.9, 0.9, 0.9))])
     library = library.with_skill(skill, task="digging", subtask="reach", target=GRID[0])
     assert len(library.entries) == len(GRID)
     assert library.nearest("digging", "reach", GRID[0]) is skill
@@ -78,7 +78,7 @@ def test_targets_on_a_line_are_enough():
     library = lt.SkillLibrary()
     for x in (0.4, 0.2):
         motion = lt.JointTrajectory(TIMES, np.outer(S, [x, -x]), joint_names=("a", "b"))
-        skill = lt.DMP().fit([lt.Demonstration(motion)])
+        skill = lt.DMP().fit([motion])
         library = library.with_skill(skill, task="t", subtask="s", target=(x, 0.0))
     made = library.interpolated("t", "s", (0.25, 0.0)).generate()
     np.testing.assert_allclose(made.positions[-1], (0.25, -0.25), atol=1e-9)
@@ -156,7 +156,7 @@ def test_what_cannot_be_averaged_is_refused():
     for target, turned in (((0.0, 0.0), 0.0), ((1.0, 0.0), np.pi)):
         drawn = lt.FastMarching().fit(points)
         library = library.with_skill(drawn, task="t", subtask="drawn", target=target)
-        skill = pose_primitive().fit([lt.Demonstration(reach((1, 1, 1), turned=turned))])
+        skill = pose_primitive().fit([reach((1, 1, 1), turned=turned)])
         library = library.with_skill(skill, task="t", subtask="far", target=target)
     for subtask in ("drawn", "far"):
         library.nearest("t", subtask, (0.5, 0.0))

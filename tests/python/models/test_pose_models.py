@@ -41,15 +41,6 @@ def test_motion_turns_as_it_was_shown_beyond_a_half_turn(skill):
     assert steps.sum() == pytest.approx(5.0, abs=0.2)
 
 
-def test_new_start_and_goal_are_met_in_position_and_orientation(skill):
-    start = ((0.1, 0.0, 0.1), rotations.exp([[0.3, 0.0, 0.0]])[0])
-    goal = ((1.0, 0.8, 0.0), rotations.exp([[0.0, 0.4, 5.0]])[0])
-    motion = skill.generate(start=start, goal=goal)
-    for row, (position, turned) in ((0, start), (-1, goal)):
-        np.testing.assert_allclose(motion.positions[row], position, atol=1e-8)
-        assert rotations.distance(motion.orientations[[row]], turned[None])[0] < 1e-8
-
-
 def test_position_alone_may_be_given(skill):
     motion = skill.generate(start=(0.1, 0.0, 0.1))
     np.testing.assert_allclose(motion.positions[0], (0.1, 0.0, 0.1), atol=1e-8)
@@ -71,13 +62,6 @@ def test_frame_of_the_demonstrations_does_not_matter():
     plain, other = (lt.ProMP().fit(each).generate() for each in (shown, turned))
     expected = rotations.compose(np.repeat(turn, len(plain.times), axis=0), plain.orientations)
     assert rotations.distance(other.orientations, expected).max() < 1e-7
-
-
-def test_skill_of_poses_is_saved(skill, tmp_path):
-    skill.save(tmp_path / "skill.npz")
-    loaded = lt.load_skill(tmp_path / "skill.npz")
-    a, b = skill.generate(), loaded.generate()
-    np.testing.assert_allclose(a.orientations, b.orientations, atol=1e-12)
 
 
 def test_pose_via_point_and_samples():

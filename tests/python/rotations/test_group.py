@@ -118,13 +118,6 @@ def test_empty_batches_stay_empty():
 # Rotation matrices, and Euler angles in all twelve conventions
 
 
-unit_quaternions = (
-    arrays(float, (4,), elements=st.floats(-1, 1))
-    .filter(lambda q: np.linalg.norm(q) > 0.1)
-    .map(lambda q: q / np.linalg.norm(q))
-)
-
-
 @given(unit_quaternions)
 def test_matrices_agree_with_scipy_both_ways(quaternion):
     matrix = Rotation.from_quat(quaternion[[1, 2, 3, 0]]).as_matrix()

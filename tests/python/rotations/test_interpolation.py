@@ -5,16 +5,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from rotations.test_group import unit_quaternions
 from scipy.spatial.transform import Rotation, Slerp
 
 from leadthrough import rotations, trajectories
 from leadthrough.errors import InvalidInput
-
-unit_quaternions = (
-    arrays(float, (4,), elements=st.floats(-1, 1))
-    .filter(lambda q: np.linalg.norm(q) > 0.1)
-    .map(lambda q: q / np.linalg.norm(q))
-)
 
 
 @given(unit_quaternions, unit_quaternions, st.floats(0, 1))

@@ -69,13 +69,6 @@ def test_random_splines_keep_all_limits_and_rest_at_both_ends(share):
         assert distance_to(path, motion.positions[::200]) < 1e-6  # curvature within the fine steps
 
 
-def test_a_single_joint_moves_as_the_seven_segments_of_the_double_s_let_it():
-    limits = limits_of(1, velocity=1.0, acceleration=2.0, jerk=20.0)
-    motion = lt.retime([[0.0], [2.0]], limits)
-    best = 2.0 / 1.0 + 1.0 / 2.0 + 2.0 / 20.0  # distance over speed, and the ramps
-    assert best <= motion.duration <= best * 1.05
-
-
 def test_short_and_twisty_paths_with_little_jerk_are_not_crept_along():
     free = replace(PANDA, jerk=np.full(7, np.inf))
     ratios = []

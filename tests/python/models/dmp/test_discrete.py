@@ -24,7 +24,7 @@ def hook(*, samples=400, duration=2.0, noise=0.0):
 
 
 def fitted(motion=None, **settings):
-    return lt.DMP(**settings).fit([lt.Demonstration(motion or hook())])
+    return lt.DMP(**settings).fit([motion or hook()])
 
 
 SKILL = fitted()
@@ -253,7 +253,7 @@ def test_motion_waits_for_a_held_arm_and_then_goes_on_as_fast_as_shown():
 
 def test_several_demonstrations_give_their_mean():
     shown = [hook(samples=n, duration=d) for n, d in ((300, 1.5), (400, 2.5))]
-    skill = lt.DMP().fit([lt.Demonstration(motion) for motion in shown])
+    skill = lt.DMP().fit(shown)
     assert skill.duration == 2.0
     made = skill.generate(dt=2.0 / 399)
     np.testing.assert_allclose(made.positions, hook().positions, atol=1e-5)
@@ -279,7 +279,7 @@ def test_long_motions_get_as_many_kernels_as_they_ask_for(duration, count):
     model = lt.DMP(weights=None)
     times = np.linspace(0.0, duration, 2500)
     shown = lt.Trajectory(times, np.sin(times / duration * [[1.0], [2.0]]).T)
-    skill = model.fit([lt.Demonstration(shown)])
+    skill = model.fit([shown])
     assert skill.model == lt.DMP(weights=count)
     assert skill.system.weights.shape[0] == count
 
@@ -290,8 +290,8 @@ def test_long_motions_get_as_many_kernels_as_they_ask_for(duration, count):
 TIMES = np.linspace(0.0, 2.0, 200)
 S = minimum_jerk(TIMES / 2.0)
 BOW = np.column_stack([0.4 * S, 0.05 * np.sin(np.pi * S), 0.2 + 0.0 * S])
-BOWED = lt.DMP().fit([lt.Demonstration(lt.Trajectory(TIMES, BOW))])
-FLAT = lt.DMP().fit([lt.Demonstration(lt.Trajectory(TIMES, BOW[:, :2]))])
+BOWED = lt.DMP().fit([lt.Trajectory(TIMES, BOW)])
+FLAT = lt.DMP().fit([lt.Trajectory(TIMES, BOW[:, :2])])
 WALL = lt.Box((0.1, 0.1, 0.3), (0.2, 0.05, 0.2))  # its middle lies on the way
 
 
@@ -332,7 +332,7 @@ def test_one_obstacle_never_holds_the_motion_up(kind):
 @pytest.mark.parametrize("turn", [np.pi, 2.0 * np.pi], ids=["half circle", "circle"])
 def test_obstacles_on_a_curved_way_are_passed_too(turn):
     way = np.column_stack([0.2 - 0.2 * np.cos(turn * S), 0.2 * np.sin(turn * S)])
-    skill = lt.DMP().fit([lt.Demonstration(lt.Trajectory(TIMES, way))])
+    skill = lt.DMP().fit([lt.Trajectory(TIMES, way)])
     length = np.linalg.norm(np.diff(way, axis=0), axis=1).sum()
     for middle in way[70:130:10]:
         obstacle = lt.Box((0.05, 0.1, 0.1), (*middle, 0.0), lt.rotations.exp([(0, 0, 0.5)])[0])
@@ -370,7 +370,7 @@ def test_ends_in_an_obstacle_are_named():
 
 def test_tool_turns_as_shown_while_its_position_passes_an_obstacle():
     turned = lt.rotations.exp(np.outer(S, [0.0, 0.0, 2.0]))
-    skill = lt.DMP().fit([lt.Demonstration(lt.PoseTrajectory(TIMES, BOW, turned))])
+    skill = lt.DMP().fit([lt.PoseTrajectory(TIMES, BOW, turned)])
     made = skill.generate(obstacles=[WALL], dt=0.005)
     assert WALL.distance(made.positions).min() > 0.004
     plain = skill.generate(dt=0.005)
@@ -397,7 +397,7 @@ def test_limits_are_kept(ceiling, milliseconds):
 
 def test_joints_keep_limits_and_know_no_obstacles():
     joints = lt.JointTrajectory(TIMES, np.hstack([BOW, -BOW]))
-    skill = lt.DMP().fit([lt.Demonstration(joints)])
+    skill = lt.DMP().fit([joints])
     assert "obstacles" not in skill.supports
     limits = (np.full(6, -0.45), np.array([1.0, 0.03, 1.0, 1.0, 1.0, 1.0]))
     assert skill.generate(limits=limits).positions[:, 1].max() <= 0.03

@@ -94,7 +94,7 @@ def test_a_tool_that_does_not_turn_or_stays_in_a_plane_needs_no_force_there():
     u, q = turn(60, 100)
     flat = positions(u) * (1.0, 0.0, 1.0)
     shown = lt.PoseTrajectory(DURATION * u, flat, np.repeat(q[:1], len(u), axis=0))
-    made = PLANNER.fit([lt.Demonstration(shown)]).generate(goal=(flat[-1] + (0.0, 0.1, 0.0), q[0]))
+    made = PLANNER.fit([shown]).generate(goal=(flat[-1] + (0.0, 0.1, 0.0), q[0]))
     assert np.ptp(made.orientations, axis=0).max() < 1e-9
     assert np.abs(made.positions[-1] - flat[-1] - (0.0, 0.1, 0.0)).max() < 2e-3
 

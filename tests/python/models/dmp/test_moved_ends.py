@@ -29,7 +29,7 @@ def as_joints(motion):
 
 
 def fitted(motion, model=None):
-    return (model or lt.DMP()).fit([lt.Demonstration(motion)])
+    return (model or lt.DMP()).fit([motion])
 
 
 def about_z(degrees):

@@ -83,11 +83,11 @@ def test_small_rotations_are_replayed_by_every_representation(orientation):
 def test_tool_that_only_turns_or_only_moves_is_learned():
     u, q = turn(120, 100)
     still = lt.PoseTrajectory(u, np.zeros((len(u), 3)), q)
-    made = lt.DMP().fit([lt.Demonstration(still)]).generate()
+    made = lt.DMP().fit([still]).generate()
     np.testing.assert_allclose(made.positions, 0.0, atol=1e-12)
     assert rotations.distance(made.orientations[-1:], q[-1:])[0] < 1e-7
     stiff = lt.PoseTrajectory(u, positions(u), np.repeat(q[:1], len(u), axis=0))
-    made = lt.DMP().fit([lt.Demonstration(stiff)]).generate()
+    made = lt.DMP().fit([stiff]).generate()
     assert angle_turned(made.orientations) < 1e-6
 
 
@@ -133,7 +133,7 @@ def test_a_long_motion_of_much_detail_is_replayed_with_as_many_kernels_as_it_ask
     shown = lt.PoseTrajectory(times, 0.05 * waves, turned)
     away = []
     for weights in (50, None):
-        made = lt.DMP(weights).fit([lt.Demonstration(shown)]).generate(dt=0.05)
+        made = lt.DMP(weights).fit([shown]).generate(dt=0.05)
         away.append(np.linalg.norm(made.positions - shown.positions, axis=1).max())
     assert away[1] < 0.2 * away[0]
 

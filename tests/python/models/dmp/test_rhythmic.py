@@ -31,7 +31,7 @@ def points_of(motion):
 
 
 SHOWN = stirring()
-SKILL = lt.RhythmicDMP().fit([lt.Demonstration(points_of(SHOWN))])
+SKILL = lt.RhythmicDMP().fit([points_of(SHOWN)])
 
 
 def test_rounds_repeat_what_was_shown():
@@ -43,7 +43,7 @@ def test_rounds_repeat_what_was_shown():
 
 def test_several_rounds_are_averaged():
     long = points_of(stirring(rounds=5.4, noise=1e-3))
-    made = lt.RhythmicDMP(period=PERIOD).fit([lt.Demonstration(long)]).generate(dt=PERIOD / 300)
+    made = lt.RhythmicDMP(period=PERIOD).fit([long]).generate(dt=PERIOD / 300)
     assert np.linalg.norm(made.positions - SHOWN.positions, axis=1).mean() < 1e-3
 
 
@@ -88,7 +88,7 @@ def test_steps_lead_where_generate_does_and_the_centre_can_move():
 @pytest.mark.parametrize("whole_turns", [False, True])
 def test_tool_sways_or_turns_on_and_on(whole_turns):
     shown = stirring(whole_turns=whole_turns)
-    skill = lt.RhythmicDMP().fit([lt.Demonstration(shown)])
+    skill = lt.RhythmicDMP().fit([shown])
     made = skill.generate(duration=3 * PERIOD, dt=PERIOD / 300)
     for i in range(3):
         rows = slice(300 * i, 300 * i + 301)
@@ -100,7 +100,7 @@ def test_tool_sways_or_turns_on_and_on(whole_turns):
 
 
 def test_pose_rhythm_starts_anywhere_and_turns_about_a_new_centre():
-    skill = lt.RhythmicDMP().fit([lt.Demonstration(SHOWN)])
+    skill = lt.RhythmicDMP().fit([SHOWN])
     centre = rotations.exp(np.array([[0.0, 0.5, 0.0]]))[0]
     start = rotations.exp(np.array([[0.0, 0.0, 1.0]]))[0]
     made = skill.generate(
@@ -118,5 +118,5 @@ def test_pose_rhythm_starts_anywhere_and_turns_about_a_new_centre():
 
 def test_joints_keep_their_names():
     joints = lt.JointTrajectory(SHOWN.times, SHOWN.positions, joint_names=("a", "b", "c"))
-    made = lt.RhythmicDMP().fit([lt.Demonstration(joints)]).generate()
+    made = lt.RhythmicDMP().fit([joints]).generate()
     assert made.joint_names == ("a", "b", "c")

@@ -14,7 +14,7 @@ def skill():
     t = np.linspace(0.0, 1.0, 200)
     u = minimum_jerk(t)
     arch = np.column_stack([0.4 * u, 0.1 * np.sin(np.pi * u)])
-    return lt.FastMarching().fit([lt.Demonstration(lt.Trajectory(2.0 * t, arch))])
+    return lt.FastMarching().fit([lt.Trajectory(2.0 * t, arch)])
 
 
 def walk(policy, position, *, steps=4000, dt=0.005, push=None):

@@ -61,16 +61,6 @@ def test_update_with_the_same_changes_nothing(family):
     np.testing.assert_allclose(again.regress(2 * U)[0], skill.regress(2 * U)[0], atol=0.01)
 
 
-def test_joints_come_back_with_their_names():
-    shown = [
-        lt.Demonstration(lt.JointTrajectory(U, np.column_stack([U, a * U]), joint_names=("a", "b")))
-        for a in (0.9, 1.1)
-    ]
-    motion = lt.GMR(3).fit(shown).generate()
-    assert isinstance(motion, lt.JointTrajectory)
-    assert motion.joint_names == ("a", "b")
-
-
 def test_tiny_and_singular_sets_give_usable_models(family):
     one = family(1)
     constant = lt.Demonstration(lt.Trajectory(U, np.column_stack([U, np.full(160, 0.3)])))
@@ -189,7 +179,7 @@ def test_a_frame_that_moves_joints_shifts_them():
         for a in (0.9, 1.0, 1.1)
     ]
     frame = Frame((0.0, 0.0))
-    skill = TaskGMR(4).fit([lt.Demonstration(each) for each in joints], frames=3 * [[frame]])
+    skill = TaskGMR(4).fit(joints, frames=3 * [[frame]])
     plain, moved = (skill.at([f]).generate() for f in (frame, Frame((0.5, -0.2))))
     assert moved.joint_names == ("a", "b")
     np.testing.assert_allclose(moved.positions, plain.positions + np.array([0.5, -0.2]), atol=1e-9)
