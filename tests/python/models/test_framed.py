@@ -128,7 +128,7 @@ def test_steps_in_a_frame_are_those_of_the_whole_motion(motion):
     for row in range(1, len(whole.times)):
         state = skill.step(state, step)
         np.testing.assert_allclose(state.position, whole.positions[row], atol=1e-8)
-        if kind == "poses":
+        if motion == "poses":
             turned = rotations.distance(state.orientation[None], whole.orientations[[row]])
             assert turned[0] < 1e-6
     assert state.phase == pytest.approx(1.0)
@@ -174,7 +174,7 @@ def test_a_via_point_of_a_distribution_is_in_the_base_frame():
             replace(seen[0], positions=seen[0].positions + rng.normal(0.0, 0.02, 3))
             for _ in range(4)
         ]
-        shown = [lt.Demonstration(HERE.base(each)) for each in seen]
+        shown = [HERE.base(each) for each in seen]
         skill = Framed(lt.ProMP()).fit(shown, frames=[[HERE]] * 5).at([THERE])
         plain = skill.generate(dt=0.01)
         row = len(plain.times) // 2
@@ -224,7 +224,7 @@ def test_limits_are_in_the_base_frame_where_its_axes_are_those_of_the_task():
 
 
 def test_what_the_skill_inside_does_not_take_is_refused_by_name():
-    shown = lt.Demonstration(HERE.base(POSES))
+    shown = HERE.base(POSES)
     promp = Framed(lt.ProMP()).fit([shown], frames=[[HERE]])
     for name, value in (
         ("via", [(0.5, (0.0, 0.0, 0.0))]),

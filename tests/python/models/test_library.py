@@ -135,7 +135,7 @@ def test_distance_from_targets_in_space_or_at_one_place(library):
 
 
 def test_library_comes_back_from_its_file(library, tmp_path):
-    points = [lt.Demonstration(lt.Trajectory(TIMES, np.outer(S, [0.3, 0.1])))]
+    points = [lt.Trajectory(TIMES, np.outer(S, [0.3, 0.1]))]
     library = library.with_skill(
         lt.FastMarching().fit(points), task="draw", subtask="line", target=(0.3, 0.1)
     )
@@ -152,7 +152,7 @@ def test_library_comes_back_from_its_file(library, tmp_path):
 
 def test_what_cannot_be_averaged_is_refused():
     library = lt.SkillLibrary()
-    points = [lt.Demonstration(lt.Trajectory(TIMES, np.outer(S, [0.3, 0.1])))]
+    points = [lt.Trajectory(TIMES, np.outer(S, [0.3, 0.1]))]
     for target, turned in (((0.0, 0.0), 0.0), ((1.0, 0.0), np.pi)):
         drawn = lt.FastMarching().fit(points)
         library = library.with_skill(drawn, task="t", subtask="drawn", target=target)

@@ -1,5 +1,7 @@
 """Models of poses: orientations in tangent spaces of a reference, and their mean."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from kinds import kind
@@ -23,7 +25,7 @@ def turning(count=6, *, angle=5.0, seed=0):
         axis /= np.linalg.norm(axis)
         quaternions = rotations.exp(np.outer(angle * U, axis))
         points = np.column_stack([U, np.sin(U), 0.1 * rng.standard_normal() * U])
-        shown.append(lt.Demonstration(lt.PoseTrajectory(3.0 * U, points, quaternions)))
+        shown.append(lt.PoseTrajectory(3.0 * U, points, quaternions))
     return shown
 
 
@@ -49,15 +51,9 @@ def test_position_alone_may_be_given(skill):
 def test_frame_of_the_demonstrations_does_not_matter():
     turn = rotations.exp([[0.5, -1.0, 2.0]])
     shown = turning()
+    turns = np.repeat(turn, len(U), axis=0)
     turned = [
-        lt.Demonstration(
-            lt.PoseTrajectory(
-                each.motion.times,
-                each.motion.positions,
-                rotations.compose(np.repeat(turn, len(U), axis=0), each.motion.orientations),
-            )
-        )
-        for each in shown
+        replace(each, orientations=rotations.compose(turns, each.orientations)) for each in shown
     ]
     plain, other = (lt.ProMP().fit(each).generate() for each in (shown, turned))
     expected = rotations.compose(np.repeat(turn, len(plain.times), axis=0), plain.orientations)
@@ -72,7 +68,7 @@ def test_pose_via_point_and_samples():
     reached = via.generate(dt=0.1).orientations[[15]]
     assert rotations.distance(reached, turned[None])[0] < 1e-7
     assert all(isinstance(each, lt.PoseTrajectory) for each in skill.sample(2, seed=0))
-    assert skill.log_likelihood(turning(1, seed=5)[0].motion) > -np.inf
+    assert skill.log_likelihood(turning(1, seed=5)[0]) > -np.inf
 
 
 def test_components_have_mean_orientations_on_the_sphere():
@@ -82,13 +78,13 @@ def test_components_have_mean_orientations_on_the_sphere():
     times = skill.mixture.means[:, 0]
     expected = rotations.exp(np.outer(5.0 * times / 3.0, [0.1, 0.2, 1.0] / np.sqrt(1.05)))
     assert rotations.distance(means, expected).max() < 0.3
-    points = [lt.Demonstration(lt.Trajectory(U, np.column_stack([U, U])))]
+    points = [lt.Trajectory(U, np.column_stack([U, U]))]
     with pytest.raises(UnsupportedQuery):
         lt.GMR(2).fit(points).component_orientations()
 
 
 def test_points_and_poses_are_not_mixed():
-    points = lt.Demonstration(lt.Trajectory(U, np.column_stack([U, U, U])))
+    points = lt.Trajectory(U, np.column_stack([U, U, U]))
     for model in (lt.ProMP(), lt.GMR()):
         with pytest.raises(InvalidInput, match="one type"):
             model.fit([*turning(1), points])
@@ -111,7 +107,7 @@ def turned_to(degrees, *, at=U, aside=0.0):
     bow = 0.1 * np.sin(np.pi * U)
     points = np.column_stack([0.3 * U, bow + aside, 0.1 * U])
     turned = rotations.exp(np.outer(at, [0.0, 0.0, np.radians(degrees)]))
-    return lt.Demonstration(lt.PoseTrajectory(2.0 * U, points, turned))
+    return lt.PoseTrajectory(2.0 * U, points, turned)
 
 
 @pytest.fixture(params=LEARNERS, ids=str)
@@ -139,9 +135,7 @@ def test_a_mean_does_not_depend_on_the_order(model):
     one, other = (model.fit(each).generate() for each in (shown, shown[::-1]))
     # A mixture starts from points drawn at random, in the order of the demonstrations.
     assert rotations.distance(one.orientations, other.orientations).max() < 0.05
-    assert (
-        rotations.distance(one.orientations[-1:], turned_to(55.0).motion.orientations[-1:]) < 0.05
-    )
+    assert rotations.distance(one.orientations[-1:], turned_to(55.0).orientations[-1:]) < 0.05
 
 
 def test_a_spread_beyond_a_quarter_turn_has_no_mean_but_a_middle_for_frames():
@@ -165,7 +159,7 @@ def test_a_spread_beyond_a_quarter_turn_has_no_mean_but_a_middle_for_frames():
 
 def test_the_mean_never_jumps_between_samples_that_have_one():
     """Both sides come within a quarter turn of the mean again, beyond the half turn."""
-    layers = [turned_to(angle).motion.orientations for angle in (170.0, -170.0)]
+    layers = [turned_to(angle).orientations for angle in (170.0, -170.0)]
     for i in (0, -1):
         rotations.mean(np.stack([each[[i]] for each in layers]))
     coarse = [each[[0, 40, -1]] for each in layers]
@@ -191,7 +185,7 @@ def test_the_same_turning_at_other_times_is_told_with_its_cure():
 def test_ways_apart_may_turn_differently_in_fast_marching():
     near, far = turned_to(170.0), turned_to(-170.0, aside=0.5)
     skill = lt.FastMarching().fit([near, near, far])
-    for shown in (near.motion, far.motion):
+    for shown in (near, far):
         made = skill.generate(start=shown.positions[0], goal=shown.positions[-1])
         middle = made.orientations[[len(made.times) // 2]]
         assert rotations.distance(middle, shown.orientations[[60]])[0] < 0.3

@@ -107,7 +107,7 @@ def returning(u, lift=0.0):
     s, back = minimum_jerk(u), np.sin(np.pi * minimum_jerk(u))
     points = np.column_stack([0.3 * s, 0.1 * back + lift * s, 0.1 * s])
     turned = rotations.exp(np.column_stack([0.0 * s, 0.0 * s, s]))
-    return lt.Demonstration(lt.PoseTrajectory(DURATION * u, points, turned))
+    return lt.PoseTrajectory(DURATION * u, points, turned)
 
 
 def test_a_channel_that_ends_where_it_began_is_refused():
@@ -123,7 +123,7 @@ def test_a_channel_that_ends_where_it_began_is_refused():
 def test_a_goal_moved_beside_a_small_scale_throws_the_motion():
     """1 cm of goal, where goal - start is 5 mm: three times the bow."""
     shown = returning(np.linspace(0.0, 1.0, 401), lift=0.005)
-    last = shown.motion.positions[-1] + (0.0, 0.01, 0.0)
+    last = shown.positions[-1] + (0.0, 0.01, 0.0)
     moved = {}
     for name, model in (("lauretti", PLANNER), ("default", lt.DMP())):
         skill = model.fit([shown])
@@ -136,7 +136,7 @@ def test_a_goal_moved_beside_a_small_scale_throws_the_motion():
 def test_a_goal_on_the_other_side_turns_the_motion_around():
     shown = returning(np.linspace(0.0, 1.0, 401), lift=0.02)
     skill = PLANNER.fit([shown])
-    below = skill.generate(goal=shown.motion.positions[-1] - (0.0, 0.04, 0.0))
+    below = skill.generate(goal=shown.positions[-1] - (0.0, 0.04, 0.0))
     assert skill.generate().positions[:, 1].max() > 0.09
     assert below.positions[:, 1].min() < -0.09
 

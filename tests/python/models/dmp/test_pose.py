@@ -331,7 +331,7 @@ def test_noise_of_the_samples_is_no_turn_that_lifted_lacks():
 )
 def test_goal_turned_off_the_axis_is_reached_without_a_spin(case, moved_by, quicker):
     u, q = case
-    skill, shown = fitted(u, q), demonstration(u, q).motion
+    skill, shown = fitted(u, q), demonstration(u, q)
     for axis in across(FIXED, 12):
         goal = turned_by(q[-1], moved_by, axis)
         made = skill.generate(goal=((0.5, 0.0, 0.3), goal), dt=0.004)
@@ -344,7 +344,7 @@ def test_goal_turned_off_the_axis_is_reached_without_a_spin(case, moved_by, quic
 @pytest.mark.parametrize(("moved_by", "quicker"), [(20, 1.15), (90, 1.3)])
 def test_goal_of_a_noisy_motion_is_reached_without_a_spin(moved_by, quicker):
     u, q = turn(350, 100)
-    skill, shown = fitted(u, noisy(q, 0.05)), demonstration(u, q).motion
+    skill, shown = fitted(u, noisy(q, 0.05)), demonstration(u, q)
     for axis in across(FIXED, 12):
         goal = turned_by(q[-1], moved_by, axis)
         made = skill.generate(goal=((0.5, 0.0, 0.3), goal), dt=0.004)

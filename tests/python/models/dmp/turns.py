@@ -60,7 +60,7 @@ def positions(u):
 
 
 def demonstration(u, q):
-    return lt.Demonstration(lt.PoseTrajectory(DURATION * u, positions(u), q))
+    return lt.PoseTrajectory(DURATION * u, positions(u), q)
 
 
 def fitted(u, q, **settings):

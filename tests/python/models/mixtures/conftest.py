@@ -14,7 +14,7 @@ def _family(count=6, *, seed=0, spread=0.05, height=0.4):
         bump = height + spread * rng.standard_normal()
         points = np.column_stack([u, bump * np.sin(np.pi * u) ** 2])
         points += 0.002 * rng.standard_normal(points.shape)
-        shown.append(lt.Demonstration(lt.Trajectory(2.0 * u, points)))
+        shown.append(lt.Trajectory(2.0 * u, points))
     return shown
 
 

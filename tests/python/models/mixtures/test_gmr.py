@@ -15,7 +15,7 @@ def test_regression_follows_mean_and_spread_of_the_demonstrations(family):
     shown = family(20)
     skill = lt.GMR(8).fit(shown)
     mean, covariance = skill.regress(2.0 * U)
-    curves = np.stack([each.motion.positions for each in shown])
+    curves = np.stack([each.positions for each in shown])
     assert np.abs(mean - curves.mean(axis=0)).max() < 0.03
     spread = np.sqrt(covariance[:, 1, 1])
     assert spread[80] == pytest.approx(curves[:, 80, 1].std(), rel=0.3)
@@ -63,7 +63,7 @@ def test_update_with_the_same_changes_nothing(family):
 
 def test_tiny_and_singular_sets_give_usable_models(family):
     one = family(1)
-    constant = lt.Demonstration(lt.Trajectory(U, np.column_stack([U, np.full(160, 0.3)])))
+    constant = lt.Trajectory(U, np.column_stack([U, np.full(160, 0.3)]))
     for given in (one, 3 * one, [constant]):
         motion = lt.GMR().fit(given).generate(start=(0.1, 0.1))
         assert np.isfinite(motion.positions).all()
@@ -90,7 +90,7 @@ def placed(count, seed):
         origins = np.array([[0.0, 0.0], [1.0, 0.5]]) + 0.2 * rng.standard_normal((2, 2))
         axes = [np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]) for a in angles]
         start, goal = (Frame(o, a) for o, a in zip(origins, axes, strict=True))
-        shown.append(lt.Demonstration(lt.Trajectory(U, bezier(start, goal))))
+        shown.append(lt.Trajectory(U, bezier(start, goal)))
         frames.append([start, goal])
     return shown, frames
 
@@ -109,7 +109,7 @@ def test_frames_carry_the_motion_to_new_situations():
     for new, (start, goal) in zip(*placed(5, seed=7), strict=True):
         query = {"start": start.origin, "goal": goal.origin, "duration": 1.0, "dt": 1.0 / 159}
         motions = framed.at([start, goal]).generate(**query), plain.generate(**query)
-        gaps = [np.linalg.norm(m.positions - new.motion.positions, axis=1) for m in motions]
+        gaps = [np.linalg.norm(m.positions - new.positions, axis=1) for m in motions]
         errors.append([gap.mean() for gap in gaps])
     errors = np.mean(errors, axis=0)
     assert errors[0] < 0.05
@@ -126,8 +126,7 @@ def posed(count, seed):
         start, goal = (Frame.of_pose(o, q) for o, q in zip(origins, turned, strict=True))
         share = np.clip((U - 0.35) / 0.3, 0.0, 1.0)
         orientations = rotations.interpolate([0.0, 1.0], turned, share**2 * (3 - 2 * share))
-        motion = lt.PoseTrajectory(U, bezier(start, goal), rotations.align_signs(orientations))
-        shown.append(lt.Demonstration(motion))
+        shown.append(lt.PoseTrajectory(U, bezier(start, goal), orientations))
         frames.append([start, goal])
     return shown, frames
 
@@ -142,16 +141,10 @@ def test_frames_carry_poses_to_new_situations():
             for name, frame in (("start", start), ("goal", goal))
         }
         made = [s.generate(**ends, duration=1.0, dt=1.0 / 159) for s in (framed, plain)]
-        errors.append(
-            [
-                [
-                    np.linalg.norm(m.positions - new.motion.positions, axis=1).mean(),
-                    rotations.distance(m.orientations, new.motion.orientations).mean(),
-                ]
-                for m in made
-            ]
-        )
-    framed, plain = np.mean(errors, axis=0)
+        away = [np.linalg.norm(m.positions - new.positions, axis=1).mean() for m in made]
+        turned = [rotations.distance(m.orientations, new.orientations).mean() for m in made]
+        errors.append([away, turned])
+    framed, plain = np.mean(errors, axis=0).T
     assert (framed < [0.065, 0.05]).all()  # m, rad
     assert (framed < 0.6 * plain).all()
 

@@ -32,7 +32,7 @@ def family(kind, count, *, share_goal=True, seed=0):
         points += np.outer(1.0 - U, 0.02 * rng.standard_normal(3))
         if not share_goal:
             points += np.outer(U, 0.02 * rng.standard_normal(3))
-        shown.append(lt.Demonstration(moving(kind, points, rng)))
+        shown.append(moving(kind, points, rng))
     return shown
 
 
@@ -119,7 +119,7 @@ def test_a_situation_asked_for_by_frames_is_near_the_usual_one_too():
 def test_mixtures_of_poses_follow_phases_and_not_single_demonstrations():
     """Units of the columns' own deviations took the mean motion 190 mm from the demonstrations'."""
     for share_goal in (True, False):
-        motions = [each.motion for each in family("poses", 3, share_goal=share_goal)]
+        motions = family("poses", 3, share_goal=share_goal)
         made = lt.GMR().fit(motions).generate(dt=0.02)
         at = np.linspace(0.0, 1.0, len(made.times))
         rows = [np.array([np.interp(at, U, c) for c in m.positions.T]).T for m in motions]
@@ -127,7 +127,7 @@ def test_mixtures_of_poses_follow_phases_and_not_single_demonstrations():
 
 
 def test_poses_of_thin_mixtures_in_earlier_files_still_learn_more():
-    motions = [each.motion for each in family("poses", 6)]
+    motions = family("poses", 6)
     old = lt.GMR(4).fit(motions[:3])
     thin = fit_mixture(sampled(motions[:3]).points, 4)  # as it was fitted before
     skill = replace(old, mixture=thin.mixture)
@@ -148,7 +148,7 @@ MOST = {"GMR": 1e-3, "TaskGMR": 2e-3}
 
 @cache
 def shown(kind, count, shared):
-    return [each.motion for each in family(kind, count, share_goal=bool(shared), seed=1)]
+    return family(kind, count, share_goal=bool(shared), seed=1)
 
 
 def most_moved(model, motions, rows):

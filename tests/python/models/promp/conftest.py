@@ -18,7 +18,7 @@ def _shown(count=8, *, joints=3, noise=0.0, seed=0, duration=2.0):
         q = np.outer(swing, ends) + np.outer(np.sin(np.pi * u), bump)
         q = q + noise * rng.standard_normal(q.shape)
         motion = lt.JointTrajectory(duration * u, q, joint_names=tuple("abcdefg"[:joints]))
-        demonstrations.append(lt.Demonstration(motion))
+        demonstrations.append(motion)
     return demonstrations
 
 
@@ -42,7 +42,7 @@ def _family(height, *, count=8, seed=0, duration=2.0, spread=0.02):
         peak = height + spread * rng.standard_normal()
         goal = 0.3 + spread * rng.standard_normal()
         points = np.column_stack([goal * u, peak * np.sin(np.pi * u)])
-        demonstrations.append(lt.Demonstration(lt.Trajectory(duration * u, points)))
+        demonstrations.append(lt.Trajectory(duration * u, points))
     return demonstrations
 
 

@@ -1,5 +1,7 @@
 """Several ProMPs at once, and one after the other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -48,7 +50,7 @@ def posed(lean, *, count=8, seed=0):
         axis = np.array([lean, 0.2, 1.0]) + 0.08 * rng.standard_normal(3)
         turned = rotations.exp(np.outer(4.0 * U, axis / np.linalg.norm(axis)))
         points = np.column_stack([U, np.sin(U), 0.1 * rng.standard_normal() * U])
-        shown.append(lt.Demonstration(lt.PoseTrajectory(2.0 * U, points, turned)))
+        shown.append(lt.PoseTrajectory(2.0 * U, points, turned))
     return shown
 
 
@@ -90,16 +92,9 @@ def test_poses_are_combined_between_the_two(turning):
 
 
 def test_poses_that_are_far_apart_are_not_combined(turning):
+    turn = rotations.exp(np.tile([2.5, 0.0, 0.0], (150, 1)))
     away = [
-        lt.Demonstration(
-            lt.PoseTrajectory(
-                each.motion.times,
-                each.motion.positions,
-                rotations.compose(
-                    rotations.exp(np.tile([2.5, 0.0, 0.0], (150, 1))), each.motion.orientations
-                ),
-            )
-        )
+        replace(each, orientations=rotations.compose(turn, each.orientations))
         for each in posed(0.1)
     ]
     with pytest.raises(InvalidInput, match="near"):
@@ -109,7 +104,7 @@ def test_poses_that_are_far_apart_are_not_combined(turning):
 def test_strangers_are_refused(skills, family):
     with pytest.raises(InvalidInput, match="weights"):
         combine([skills[0], lt.ProMP(weights=12).fit(family(0.1))])
-    joints = [lt.Demonstration(lt.JointTrajectory(U, np.column_stack([U, U])))]
+    joints = [lt.JointTrajectory(U, np.column_stack([U, U]))]
     with pytest.raises(InvalidInput, match="points"):
         blend([skills[0], lt.ProMP().fit(joints)], U, np.ones((150, 2)))
     with pytest.raises(InvalidInput, match=r"activations: .* at sample 7"):

@@ -132,8 +132,7 @@ def test_tool_of_an_arm_is_led_through_a_point_of_its_task_space(shown):
     panda = lt.Arm.load("panda")
     ready = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
     moved = [
-        lt.Demonstration(lt.JointTrajectory(each.motion.times, ready + 0.1 * each.motion.positions))
-        for each in shown(joints=7)
+        lt.JointTrajectory(each.times, ready + 0.1 * each.positions) for each in shown(joints=7)
     ]
     skill = lt.ProMP().fit(moved)
 

@@ -1,5 +1,7 @@
 """Motions recognised from their beginning, and forecasts of how they go on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import chi2, multivariate_normal
@@ -10,9 +12,8 @@ from leadthrough.models import infer
 
 
 def test_beginning_of_a_motion_tells_which_how_fast_and_how_it_goes_on(skills, family):
-    whole = family(-0.12, count=1, seed=9, duration=2.6)[0].motion
-    seen = lt.Trajectory(whole.times[:60], whole.positions[:60])
-    found = infer(seen, skills)
+    whole = family(-0.12, count=1, seed=9, duration=2.6)[0]
+    found = infer(whole[:60], skills)
     assert found.best == 1
     assert found.probabilities[1] > 0.99
     assert found.durations[1] == pytest.approx(2.6, rel=0.1)
@@ -30,14 +31,10 @@ def test_probabilities_are_about_those_of_the_families_that_motions_are_drawn_fr
 
     def noisy(height, seed, count):
         rng = np.random.default_rng(seed)
+        shown = family(height, seed=seed, count=count, spread=spread)
         return [
-            lt.Demonstration(
-                lt.Trajectory(
-                    each.motion.times,
-                    each.motion.positions + noise * rng.standard_normal((150, 2)),
-                )
-            )
-            for each in family(height, seed=seed, count=count, spread=spread)
+            replace(each, positions=each.positions + noise * rng.standard_normal((150, 2)))
+            for each in shown
         ]
 
     model = lt.ProMP(weights=10)
@@ -45,9 +42,8 @@ def test_probabilities_are_about_those_of_the_families_that_motions_are_drawn_fr
     losses, gaps = [], []
     for own, height in enumerate(heights):
         for each in noisy(height, 50 + own, 12):
-            seen = lt.Trajectory(each.motion.times[:75], each.motion.positions[:75])
-            found = infer(seen, skills).probabilities
-            peak = each.motion.positions[:, 1].max()
+            found = infer(each[:75], skills).probabilities
+            peak = each.positions[:, 1].max()
             likely = np.exp(-((peak - np.array(heights)) ** 2) / (2 * spread**2))
             gaps.append(found[0] - likely[0] / likely.sum())
             losses.append((np.log(found[own]), np.log(likely[own] / likely.sum())))
@@ -57,8 +53,7 @@ def test_probabilities_are_about_those_of_the_families_that_motions_are_drawn_fr
 
 
 def test_prior_counts(skills, family):
-    whole = family(0.1, count=1, seed=9)[0].motion
-    seen = lt.Trajectory(whole.times[:3], whole.positions[:3])
+    seen = family(0.1, count=1, seed=9)[0][:3]
     assert infer(seen, skills, prior=[0.0, 1.0]).best == 1
     with pytest.raises(InvalidInput, match="prior"):
         infer(seen, skills, prior=[0.0, 0.0])
@@ -67,17 +62,14 @@ def test_prior_counts(skills, family):
 
 
 def test_skills_of_other_joints_are_refused(skill, shown):
-    renamed = [
-        lt.Demonstration(lt.JointTrajectory(each.motion.times, each.motion.positions))
-        for each in shown()
-    ]
+    renamed = [lt.JointTrajectory(each.times, each.positions) for each in shown()]
     with pytest.raises(InvalidInput, match="same joints"):
-        infer(shown(1)[0].motion, [skill, lt.ProMP().fit(renamed)])
+        infer(shown(1)[0], [skill, lt.ProMP().fit(renamed)])
 
 
 @pytest.mark.parametrize("samples", [2, 40])
 def test_the_log_likelihood_is_the_density_of_the_samples(samples, skills, family):
-    skill, motion = skills[0], family(0.11, count=1, seed=4)[0].motion
+    skill, motion = skills[0], family(0.11, count=1, seed=4)[0]
     rows = np.linspace(0, 149, samples).astype(int)
     seen = lt.Trajectory(motion.times[rows], motion.positions[rows])
     phases = (seen.times - seen.times[0]) / (seen.times[-1] - seen.times[0])
@@ -147,8 +139,7 @@ def forecasts(count, *, families=12, tests=4, weights=20, pace=0.0, rate=0.0, **
 
         skill = lt.ProMP(weights=weights).fit([performed(path) for path in draw(count)])
         for motion in map(performed, draw(tests)):
-            begun = lt.Trajectory(motion.times[:SEEN], motion.positions[:SEEN])
-            found = infer(begun, [skill])
+            found = infer(motion[:SEEN], [skill])
             (ahead,) = found.skills
             mean, covariance = ahead.distribution([ahead.duration])
             missed = motion.positions[-1] - mean[0]
@@ -201,7 +192,7 @@ def test_regions_hold_for_other_columns_weights_paces_and_durations():
 def test_a_saved_skill_forecasts_the_same_and_an_older_file_as_a_normal_distribution(
     skills, family, tmp_path
 ):
-    seen = lt.Trajectory(*(each[:40] for each in _arrays(family(0.11, count=1, seed=4)[0].motion)))
+    seen = family(0.11, count=1, seed=4)[0][:40]
     skills[0].save(tmp_path / "skill.npz")
     found, again = infer(seen, skills[:1]), infer(seen, [lt.load_skill(tmp_path / "skill.npz")])
     np.testing.assert_array_equal(found.skills[0].weights.mean, again.skills[0].weights.mean)
@@ -214,7 +205,7 @@ def test_a_saved_skill_forecasts_the_same_and_an_older_file_as_a_normal_distribu
 
 
 def test_a_region_is_that_of_a_skill_and_a_probability(skills, family):
-    seen = lt.Trajectory(*(each[:40] for each in _arrays(family(0.11, count=1, seed=4)[0].motion)))
+    seen = family(0.11, count=1, seed=4)[0][:40]
     found = infer(seen, skills)
     times = np.linspace(0.0, found.durations[0], 5)
     narrow, wide = (found.region(times, probability=p) for p in (0.5, 0.99))
@@ -228,16 +219,12 @@ def test_a_region_is_that_of_a_skill_and_a_probability(skills, family):
 
 
 def test_single_demonstrations_and_partial_ones_forecast_too(family):
-    seen = lt.Trajectory(*(each[:40] for each in _arrays(family(0.11, count=1, seed=4)[0].motion)))
+    seen = family(0.11, count=1, seed=4)[0][:40]
     for count in (1, 2, 3):
         shown = family(0.1, count=count)
         for estimator in ("least_squares", "em"):
             skill = lt.ProMP(weights=8, estimator=estimator).fit(shown)
             assert np.isfinite(infer(seen, [skill]).region([1.0]).reach).all()
-
-
-def _arrays(motion):
-    return motion.times, motion.positions
 
 
 @pytest.mark.parametrize(("count", "judged"), [(2, 0), (3, 3), (4, 4)])
@@ -248,4 +235,4 @@ def test_from_three_demonstrations_on_each_is_forecast_from_the_others(count, ju
         skill.experience.left_out, family(0.1, count=count), strict=False
     ):
         shown = skill.basis(np.linspace(0.0, 1.0, 150)) @ curve.reshape(2, -1).T
-        np.testing.assert_allclose(shown, demonstrated.motion.positions, atol=5e-3)
+        np.testing.assert_allclose(shown, demonstrated.positions, atol=5e-3)

@@ -17,7 +17,7 @@ TIMES = np.linspace(0.0, 2.0, 200)
 def test_mean_and_spread_are_those_of_the_demonstrations(shown):
     demonstrations = shown(40)
     mean, covariance = lt.ProMP().fit(demonstrations).distribution(TIMES)
-    curves = np.stack([each.motion.positions for each in demonstrations])
+    curves = np.stack([each.positions for each in demonstrations])
     np.testing.assert_allclose(mean, curves.mean(axis=0), atol=1e-3)
     deviation = np.sqrt(np.einsum("nii->ni", covariance))
     np.testing.assert_allclose(deviation, curves.std(axis=0, ddof=1), atol=0.05)
@@ -26,22 +26,22 @@ def test_mean_and_spread_are_those_of_the_demonstrations(shown):
 @pytest.mark.parametrize("estimator", ["least_squares", "em"])
 def test_tiny_and_singular_sets_give_usable_models(estimator, shown):
     demonstrations = shown(1)
-    still = np.array(demonstrations[0].motion.positions)
+    still = np.array(demonstrations[0].positions)
     still[:, 1] = 0.4
-    constant = [lt.Demonstration(lt.JointTrajectory(TIMES, still + 0.01 * i)) for i in range(2)]
+    constant = [lt.JointTrajectory(TIMES, still + 0.01 * i) for i in range(2)]
     for several in (demonstrations, 3 * demonstrations, constant):
         skill = lt.ProMP(estimator=estimator).fit(several)
         via = skill.distribution([1.0])[0][0] + 0.05
         motion = skill.condition(1.0, via).generate(start=(0.1, 0.4, 0.1))
         np.testing.assert_allclose(motion.positions[0], (0.1, 0.4, 0.1), atol=1e-6)
         np.testing.assert_allclose(motion.positions[100], via, atol=1e-6)
-        assert np.isfinite(skill.log_likelihood(several[0].motion))
+        assert np.isfinite(skill.log_likelihood(several[0]))
         assert len(skill.sample(2, seed=0)) == 2
 
 
 def test_few_samples_are_enough():
     u = np.linspace(0.0, 1.0, 4)
-    few = [lt.Demonstration(lt.Trajectory(u, np.column_stack([u, a * u]))) for a in (0.9, 1.1)]
+    few = [lt.Trajectory(u, np.column_stack([u, a * u])) for a in (0.9, 1.1)]
     mean, _ = lt.ProMP().fit(few).distribution(np.linspace(0, 1, 30))
     np.testing.assert_allclose(mean[:, 1], mean[:, 0], atol=0.02)
 
@@ -118,7 +118,7 @@ def test_samples_too_fast_for_floats_are_refused(skill):
 
 def test_likelihood_is_that_of_the_normal_distribution(shown):
     skill = lt.ProMP(weights=6).fit(shown(noise=0.02))
-    motion = shown(1, seed=9, noise=0.02)[0].motion
+    motion = shown(1, seed=9, noise=0.02)[0]
     rows = np.kron(np.eye(3), skill.basis(motion.times / motion.duration))
     covariance = rows @ skill.weights.covariance @ rows.T
     covariance += np.kron(np.diag(skill.noise), np.eye(200))
@@ -130,8 +130,8 @@ def test_likelihood_is_that_of_the_normal_distribution(shown):
 
 def test_likelihood_tells_alike_from_strange_and_ignores_duration(shown):
     skill = lt.ProMP().fit(shown(noise=0.01))
-    alike = shown(1, seed=5, noise=0.01)[0].motion
-    slow = shown(1, seed=5, noise=0.01, duration=6.0)[0].motion
+    alike = shown(1, seed=5, noise=0.01)[0]
+    slow = shown(1, seed=5, noise=0.01, duration=6.0)[0]
     strange = lt.JointTrajectory(alike.times, alike.positions[::-1])
     assert skill.log_likelihood(alike) > skill.log_likelihood(strange)
     assert skill.log_likelihood(slow) == pytest.approx(skill.log_likelihood(alike))
@@ -150,11 +150,7 @@ def test_duration_scales_velocities(skill):
 def test_rhythmic_motion_closes_and_repeats():
     u = np.linspace(0.0, 1.0, 150)
     circle = [
-        lt.Demonstration(
-            lt.Trajectory(
-                3 * u, r * np.column_stack([np.cos(2 * np.pi * u), np.sin(2 * np.pi * u)])
-            )
-        )
+        lt.Trajectory(3 * u, r * np.column_stack([np.cos(2 * np.pi * u), np.sin(2 * np.pi * u)]))
         for r in (0.9, 1.0, 1.1)
     ]
     skill = lt.ProMP(basis="rhythmic", weights=12).fit(circle)

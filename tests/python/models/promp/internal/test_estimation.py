@@ -87,7 +87,7 @@ def test_the_maximisation_finds_the_most_probable_covariance():
 
 def test_noise_is_found_and_smoothed_away():
     u, noisy, true = curves(20, seed=2)
-    given = [lt.Demonstration(lt.Trajectory(u, each)) for each in noisy]
+    given = [lt.Trajectory(u, each) for each in noisy]
     skill = lt.ProMP(weights=8, estimator="em").fit(given)
     np.testing.assert_allclose(np.sqrt(skill.noise), NOISE, rtol=0.1)
     mean, _ = skill.distribution(u)
@@ -99,7 +99,7 @@ def test_parts_of_a_motion_make_up_the_whole():
     parts, phases = [], []
     for i, each in enumerate(noisy):
         rows = slice(0, 38) if i % 2 else slice(22, 60)
-        parts.append(lt.Demonstration(lt.Trajectory(2.0 * (1 + i % 3) * u[rows], each[rows])))
+        parts.append(lt.Trajectory(2.0 * (1 + i % 3) * u[rows], each[rows]))
         phases.append(u[rows])
     skill = lt.ProMP(weights=8, estimator="em").fit(parts, phases=phases)
     mean, covariance = skill.distribution(u * skill.duration)
@@ -111,7 +111,7 @@ def test_parts_of_a_motion_make_up_the_whole():
 
 def test_a_part_that_nobody_showed_is_named():
     u, noisy, _ = curves(2, seed=4)
-    parts = [lt.Demonstration(lt.Trajectory(u[:30], each[:30])) for each in noisy]
+    parts = [lt.Trajectory(u[:30], each[:30]) for each in noisy]
     with pytest.raises(FitError, match=r"phases 0\.492 to 1;"):
         lt.ProMP(estimator="em").fit(parts, phases=[u[:30], u[:30]])
     with pytest.raises(FitError, match=r"phases 0 to 0\.508;"):
@@ -133,7 +133,7 @@ def test_known_distribution_is_recovered_as_well_as_by_the_sample_covariance(cou
         rng = np.random.default_rng(seed)
         weights = rng.multivariate_normal(middle, truth, count)
         curves = (weights @ rows.T).reshape(count, size, -1).transpose(0, 2, 1)
-        given = [lt.Demonstration(lt.Trajectory(2 * u, curve)) for curve in curves]
+        given = [lt.Trajectory(2 * u, curve) for curve in curves]
         fitted = lt.ProMP(weights=8).fit(given).weights.covariance
         ours.append(np.linalg.norm(fitted - truth))
         samples.append(np.linalg.norm(np.cov(weights.T) - truth))
