@@ -101,7 +101,6 @@ class FramedSkill(SteppedSkill[MotionT_co]):
 
     @property
     def supports(self) -> frozenset[str]:
-        """Parts of a query that it honours."""
         return self.skill.supports
 
     def at(self, frames: Sequence[Frame]) -> FramedSkill[MotionT_co]:
@@ -215,9 +214,7 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         ) @ self.frame.axes
         return np.asarray(self.skill.policy(seen) @ self.frame.axes.T)
 
-    # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        """Settings and arrays that `from_archive` puts together again."""
         settings, arrays = self.skill.to_archive()
         inside = {f"skill_{name}": value for name, value in arrays.items()}
         frame = {"origin": self.frame.origin, "axes": self.frame.axes}

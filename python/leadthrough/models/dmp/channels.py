@@ -207,34 +207,28 @@ class PointChannels(Channels[_core.PointState]):
         return Part(MOVING if self.joint_names is None else JOINTS, slopes, extent)
 
     def as_demonstrated(self, duration: float) -> _core.PointState:
-        """The state at the start of the demonstrated motion."""
         ends = self.system.ends
         course = self.system.demonstrated_course
         return _core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
 
     def begin(self, query: CheckedQuery, duration: float) -> _core.PointState:
-        """The state at the start of a motion of a duration, s."""
         ends = ends_of(query, self.system.ends, duration)
         course = self.course(ends, query, count=len(ends.start))
         return _core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
 
     def lasting(self, state: _core.PointState, duration: float) -> _core.PointState:
-        """The same state in a motion of another duration, s."""
         return _core.PointState(state.course, state.value, state.slope, state.phase, duration)
 
     def lengthening(self, state: _core.PointState, duration: float) -> float:
-        """Factor >= 1 by which the motion must last longer to be slow enough."""
         _, slopes = self.ahead(state, COARSE_PHASES)
         return self._replay.lengthening(self._replay.measure.peak(slopes), duration)
 
     def redirected(self, state: _core.PointState, goal: Target) -> _core.PointState:
-        """The state on its way to another goal (d,)."""
         wanted = check_channels(goal, "goal", len(self.system.ends.goal))
         course = self.course_to(state, wanted)
         return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
 
     def moved(self, state: _core.PointState, measured: Target) -> _core.PointState:
-        """The state at another position (d,)."""
         value = check_channels(measured, "measured", len(self.system.ends.goal))
         return _core.PointState(state.course, value, state.slope, state.phase, state.duration)
 
@@ -251,7 +245,6 @@ class PointChannels(Channels[_core.PointState]):
         events: Events,
         joints: JointTrajectory | None,
     ) -> Trajectory | JointTrajectory:
-        """A motion of points or of joints."""
         positions, slopes = roll(
             self.system, state, phases, constraints=constraints, size=self.size
         )

@@ -272,7 +272,6 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
         return self.model.fit([motion])
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        """Settings and arrays that `from_archive` puts together again."""
         settings, arrays = super().to_archive()
         own = {"duration": self.duration, "size": self.size}
         return {**asdict(self.model), **own, **settings}, arrays

@@ -78,7 +78,6 @@ class PoseChannels(Channels[_core.PoseState]):
         return Part(MOVING, slopes[:, :3], moved), Part(ROTATING, angular_velocities(q), rotated)
 
     def as_demonstrated(self, duration: float) -> _core.PoseState:
-        """The state at the start of the demonstrated motion."""
         ends, curve = self.system.ends, self.orientation.curve
         course = self.system.demonstrated_course
         return _core.PoseState(
@@ -86,7 +85,6 @@ class PoseChannels(Channels[_core.PoseState]):
         )
 
     def begin(self, query: CheckedQuery, duration: float) -> _core.PoseState:
-        """The state at the start of a motion of a duration, s."""
         first, first_q = as_pose(query.start, "start")
         last, last_q = as_pose(query.goal, "goal")
         asked = replace(query, start=first, goal=last)
@@ -107,13 +105,11 @@ class PoseChannels(Channels[_core.PoseState]):
         return state if as_demonstrated else self._without_spin(state)
 
     def lasting(self, state: _core.PoseState, duration: float) -> _core.PoseState:
-        """The same state in a motion of another duration, s."""
         return _core.PoseState(
             state.course, state.value, state.slope, state.phase, duration, state.curve, state.offset
         )
 
     def lengthening(self, state: _core.PoseState, duration: float) -> float:
-        """Factor >= 1 by which the motion must last longer to move and rotate slowly enough."""
         linear, angular = _core.dmp_peak_speeds(self.system.forces, state, COARSE_PHASES)
         moving, rotating = self._replay
         return max(moving.lengthening(linear, duration), rotating.lengthening(angular, duration))
@@ -127,7 +123,6 @@ class PoseChannels(Channels[_core.PoseState]):
         events: Events,
         joints: JointTrajectory | None,
     ) -> PoseTrajectory:
-        """A motion of poses."""
         if constraints.are_none:
             positions, orientations = _core.dmp_poses(self.system.forces, state, phases)
         else:
@@ -148,7 +143,6 @@ class PoseChannels(Channels[_core.PoseState]):
         return pose_acceleration(coupling)
 
     def redirected(self, state: _core.PoseState, goal: Target) -> _core.PoseState:
-        """The state on its way to another position, and orientation if there is one."""
         position, q = as_pose(goal, "goal")
         wanted = np.concatenate([check_channels(position, "goal", 3), self.system.ends.goal[3:]])
         known, before = self.orientation, state.offset.end
@@ -169,7 +163,6 @@ class PoseChannels(Channels[_core.PoseState]):
         return self._without_spin(self._with(state, course, value, slope, offset))
 
     def moved(self, state: _core.PoseState, measured: Target) -> _core.PoseState:
-        """The state at another position, and orientation if there is one."""
         position, given = as_pose(measured, "measured")
         q = state.orientation if given is None else given
         value, slope = self._coordinates_of(state, q, state.offset)

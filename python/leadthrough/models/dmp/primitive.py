@@ -35,7 +35,6 @@ class Primitive(FittedSkill[MotionT_co]):
     posture: Posture | None = None
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        """Settings and arrays, for a file."""
         settings = {
             "events": events.to_plain(self.events),
             "joint_names": None if self.joint_names is None else list(self.joint_names),

@@ -207,7 +207,6 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
         return state.pushed(self.system.forces, span, push)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        """Settings and arrays that `from_archive` puts together again."""
         settings, arrays = super().to_archive()
         return {"model": asdict(self.model), "period": self.period, **settings}, arrays
 

@@ -56,21 +56,17 @@ class MixtureRegression(ShortRepr):
 
     @property
     def size(self) -> int:
-        """Number d of columns."""
         return int(self.constants.shape[1])
 
     def velocity(self, x: Float64Array) -> Float64Array:
-        """Velocities (n, d) at positions (n, d)."""
         k, d, _ = self.gains.shape
         each = (x @ self.gains.reshape(k * d, d).T).reshape(len(x), k, d) + self.constants
         return np.asarray((self.gates.weights(x)[:, :, None] * each).sum(axis=1))
 
     def trust(self, x: Float64Array) -> Float64Array:
-        """Trust (n,) at positions (n, d): 1 at demonstrations, falling to 0 away from them."""
         return trusted(np.exp(-0.5 * self._wide.squared(x)))
 
     def arrays(self) -> Mapping[str, NDArray[Any]]:
-        """Its arrays, by the names of its attributes."""
         return {"gains": self.gains, "constants": self.constants, **self.gates.arrays()}
 
     @staticmethod

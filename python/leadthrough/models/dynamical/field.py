@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -88,13 +88,22 @@ class Field(ABC):
         """The system with these arrays."""
 
 
-def squared_distances(x: Float64Array, centres: Float64Array) -> Float64Array:
-    """Squared distances (n, k) of positions (n, d) from centres (k, d).
+@dataclass(frozen=True, eq=False)
+class StoredArrays(ShortRepr):
+    """Base of dataclasses of arrays, which files hold by the names of the fields."""
 
-    Args:
-        x: positions (n, d).
-        centres: centres (k, d).
-    """
+    def arrays(self) -> Mapping[str, NDArray[Any]]:
+        """Its arrays, by the names of its attributes."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
+        """The object with these arrays, among others."""
+        return cls(*(arrays[each.name] for each in fields(cls)))
+
+
+def squared_distances(x: Float64Array, centres: Float64Array) -> Float64Array:
+    """Squared distances (n, k) of positions (n, d) from centres (k, d)."""
     mixed = x @ centres.T
     squared = (x**2).sum(axis=1)[:, None] - 2.0 * mixed + (centres**2).sum(axis=1)
     return np.asarray(np.maximum(squared, 0.0))

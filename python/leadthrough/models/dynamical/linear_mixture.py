@@ -19,8 +19,7 @@ from scipy import sparse
 from leadthrough import optional
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.models.dynamical.field import Field
-from leadthrough.repr import ShortRepr
+from leadthrough.models.dynamical.field import Field, StoredArrays
 
 _EXTRA = "stable"
 
@@ -43,11 +42,9 @@ class LinearMixture(Field):
 
     @property
     def size(self) -> int:
-        """Number d of columns."""
         return len(self.metric)
 
     def velocity(self, x: Float64Array) -> Float64Array:
-        """Velocities (n, d) at positions (n, d)."""
         each = (x @ self._stacked).reshape(len(x), *self.matrices.shape[:2])
         return np.asarray((self.gates.weights(x)[:, :, None] * each).sum(axis=1))
 
@@ -56,16 +53,13 @@ class LinearMixture(Field):
         return np.asarray((states @ self.metric * states).sum(axis=1))
 
     def power(self, states: Float64Array) -> Float64Array:
-        """Derivatives (n,) of the energy at positions (n, d)."""
         return np.asarray(2.0 * (states @ self.metric * self.velocity(states)).sum(axis=1))
 
     def arrays(self) -> Mapping[str, NDArray[Any]]:
-        """Its arrays, by the names of its attributes."""
         return {"matrices": self.matrices, "metric": self.metric, **self.gates.arrays()}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
-        """The system with these arrays."""
         return cls(GaussianGates.from_arrays(arrays), arrays["matrices"], arrays["metric"])
 
     @cached_property
@@ -86,7 +80,7 @@ class Gates(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class GaussianGates(ShortRepr):
+class GaussianGates(StoredArrays):
     """Probabilities of the k components of a Gaussian mixture: they sum to 1."""
 
     logits: Float64Array  # logarithms (k,) of the components' weights
@@ -111,15 +105,6 @@ class GaussianGates(ShortRepr):
         """Squared Mahalanobis distances (n, k) of positions (n, d) from the means."""
         volume = np.linalg.slogdet(self.whitening)[1]
         return np.asarray(2.0 * (self.logits + volume - monomials(x) @ self._coefficients))
-
-    def arrays(self) -> Mapping[str, NDArray[Any]]:
-        """Its arrays, by the names of its attributes."""
-        return {"logits": self.logits, "means": self.means, "whitening": self.whitening}
-
-    @staticmethod
-    def from_arrays(arrays: Mapping[str, NDArray[Any]]) -> GaussianGates:
-        """The gates with these arrays, among others."""
-        return GaussianGates(*(arrays[name] for name in ("logits", "means", "whitening")))
 
     @cached_property
     def _coefficients(self) -> Float64Array:

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, minimize
 
 from leadthrough.check import Float64Array
-from leadthrough.models.dynamical.field import Field
-from leadthrough.repr import ShortRepr
+from leadthrough.models.dynamical.field import Field, StoredArrays
 
 # Weight of falling faster beside not rising: it decides where nothing rises.
 _EAGERNESS = 1e-2
@@ -123,7 +122,7 @@ class Descent:
 
 
 @dataclass(frozen=True, eq=False)
-class AsymmetricQuadratics(ShortRepr):
+class AsymmetricQuadratics(StoredArrays):
     """A weighted sum of asymmetric quadratic functions (WSAQF).
 
     V(x) = x^T P_0 x + sum_l max(0, q_l)^2, q_l = x^T P_l (x - c_l), all P_l + P_l^T > 0. As
@@ -137,23 +136,12 @@ class AsymmetricQuadratics(ShortRepr):
     centres: Float64Array  # c_l, (l, d)
 
     def value(self, x: Float64Array) -> Float64Array:
-        """Energies (n,) at positions (n, d)."""
         active = self._terms(x)[0]
         return np.asarray((x @ self.symmetric * x).sum(axis=1) + (active**2).sum(axis=0))
 
     def gradient(self, x: Float64Array) -> Float64Array:
-        """Their gradients (n, d)."""
         active, along = self._terms(x)
         return np.asarray(2.0 * (x @ self.symmetric + (active[:, :, None] * along).sum(axis=0)))
-
-    def arrays(self) -> Mapping[str, NDArray[Any]]:
-        """Its arrays, by the names of its attributes."""
-        return {name: getattr(self, name) for name in ("symmetric", "matrices", "centres")}
-
-    @staticmethod
-    def from_arrays(arrays: Mapping[str, NDArray[Any]]) -> AsymmetricQuadratics:
-        """The energy with these arrays, among others."""
-        return AsymmetricQuadratics(*(arrays[n] for n in ("symmetric", "matrices", "centres")))
 
     def _terms(self, x: Float64Array) -> tuple[Float64Array, Float64Array]:
         """max(0, q_l), (l, n), and the gradients (l, n, d) of q_l."""
@@ -270,11 +258,9 @@ class Corrected(Field):
 
     @property
     def size(self) -> int:
-        """Number d of columns."""
         return self.regression.size
 
     def velocity(self, x: Float64Array) -> Float64Array:
-        """Velocities (n, d) at positions (n, d)."""
         fading = np.exp(-0.5 * ((x / _AT_GOAL) ** 2).sum(axis=1, keepdims=True))
         trust = self.regression.trust(x)[:, None]
         velocity = trust * (self.regression.velocity(x) - fading * self._rest)
@@ -282,22 +268,18 @@ class Corrected(Field):
         return self.descent.corrected(velocity, x, self.potential.gradient(x))
 
     def energy(self, states: Float64Array) -> Float64Array:
-        """Energies (n,) of positions (n, d)."""
         return self.potential.value(states)
 
     def power(self, states: Float64Array) -> Float64Array:
-        """Derivatives (n,) of the energy at positions (n, d)."""
         uphill = self.potential.gradient(states)
         return np.asarray((uphill * self.velocity(states)).sum(axis=1))
 
     def arrays(self) -> Mapping[str, NDArray[Any]]:
-        """Its arrays, by the names of its attributes."""
         descent = np.array([self.descent.slowest, self.descent.near])
         return {"descent": descent, **self.regression.arrays(), **self.potential.arrays()}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
-        """The system with these arrays."""
         return cls(
             cls.regressions.from_arrays(arrays),
             cls.energies.from_arrays(arrays),

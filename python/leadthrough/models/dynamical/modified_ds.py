@@ -13,21 +13,18 @@ f at random samples with ridge regression behind them, and the correction, which
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import expit
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.models.dynamical.field import Field, squared_distances
+from leadthrough.models.dynamical.field import Field, StoredArrays, squared_distances
 from leadthrough.models.dynamical.lyapunov import Corrected, Descent, Slopes, fitted_energy, trusted
 from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Samples
-from leadthrough.repr import ShortRepr
 
 _NEAR = 0.05  # sizes of the motion
 _RIDGE, _WIDTH = 1e-5, 0.1
@@ -42,7 +39,7 @@ _AT_GOAL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class NetworkRegression(ShortRepr):
+class NetworkRegression(StoredArrays):
     """A network with one hidden layer of Gaussians: x' = sum_i exp(-|x - c_i|^2 / (2 s^2)) g_i."""
 
     hidden: Float64Array  # c_i, (m, d)
@@ -51,32 +48,20 @@ class NetworkRegression(ShortRepr):
 
     @property
     def size(self) -> int:
-        """Number d of columns."""
         return int(self.outer.shape[1])
 
     def velocity(self, x: Float64Array) -> Float64Array:
-        """Velocities (n, d) at positions (n, d)."""
         return np.asarray(self._units(x) @ self.outer)
 
     def trust(self, x: Float64Array) -> Float64Array:
-        """Trust (n,) at positions (n, d): 1 at demonstrations, falling to 0 away from them."""
         return trusted(self._units(x))
-
-    def arrays(self) -> Mapping[str, NDArray[Any]]:
-        """Its arrays, by the names of its attributes."""
-        return {name: getattr(self, name) for name in ("hidden", "width", "outer")}
-
-    @staticmethod
-    def from_arrays(arrays: Mapping[str, NDArray[Any]]) -> NetworkRegression:
-        """The regression with these arrays, among others."""
-        return NetworkRegression(*(arrays[name] for name in ("hidden", "width", "outer")))
 
     def _units(self, x: Float64Array) -> Float64Array:
         return np.asarray(np.exp(-0.5 * squared_distances(x, self.hidden) / self.width[0] ** 2))
 
 
 @dataclass(frozen=True, eq=False)
-class StarNetwork(ShortRepr):
+class StarNetwork(StoredArrays):
     """An energy V(x) = |x|^2 exp(2 h(x)), h(x) = sum_i c_i tanh(w_i . x + b_i), c_i >= 0.
 
     With t_i = w_i . x, x . grad V = 2 V (1 + sum_i c_i t_i sech^2(t_i + b_i)). As -t sech^2(t + b)
@@ -89,25 +74,14 @@ class StarNetwork(ShortRepr):
     heights: Float64Array  # c_i, (m,), >= 0
 
     def value(self, x: Float64Array) -> Float64Array:
-        """Energies (n,) at positions (n, d)."""
         raised = np.tanh(x @ self.directions.T + self.offsets) @ self.heights
         return np.asarray((x**2).sum(axis=1) * np.exp(2.0 * raised))
 
     def gradient(self, x: Float64Array) -> Float64Array:
-        """Their gradients (n, d)."""
         tanh = np.tanh(x @ self.directions.T + self.offsets)
         scale = np.exp(2.0 * tanh @ self.heights)[:, None]
         bent = ((1.0 - tanh**2) * self.heights) @ self.directions
         return np.asarray(2.0 * scale * (x + (x**2).sum(axis=1)[:, None] * bent))
-
-    def arrays(self) -> Mapping[str, NDArray[Any]]:
-        """Its arrays, by the names of its attributes."""
-        return {name: getattr(self, name) for name in ("directions", "offsets", "heights")}
-
-    @staticmethod
-    def from_arrays(arrays: Mapping[str, NDArray[Any]]) -> StarNetwork:
-        """The energy with these arrays, among others."""
-        return StarNetwork(*(arrays[name] for name in ("directions", "offsets", "heights")))
 
 
 @dataclass(frozen=True, eq=False)

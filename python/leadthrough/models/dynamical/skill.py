@@ -91,7 +91,6 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
         return self._velocities(rows).reshape(given.shape)
 
     def _answer(self, query: CheckedQuery) -> MotionT_co:
-        """The system's trajectory, continued to rest at the goal."""
         here = self._situation(query.start, query.goal)
         path = goal_trajectory(self.field, here.start)
         times = even_times(query.end(self._seconds(path.duration)), query.dt)
@@ -121,9 +120,7 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
         rng = np.random.default_rng(check.integer(seed, "seed", at_least=0))
         return stability_report(self.field, self.positions, starts, around, rng)
 
-    # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        """Settings and arrays that `archive.from_archive` turns into the skill again."""
         settings = {
             "name": type(self.model).__name__,
             "model": asdict(self.model),

@@ -238,7 +238,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         return self.with_experience(motion.positions, duration=motion.duration)
 
     def _answer(self, query: CheckedQuery) -> MotionT_co:
-        """A motion around obstacles that starts and ends at rest."""
         route = self.plan(start=query.start, goal=query.goal, obstacles=query.obstacles)
         return self.in_time(
             route, start=query.start, goal=query.goal, duration=query.duration, dt=query.dt
@@ -417,7 +416,6 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         return Parameter(label, value, least, most, step, changed)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        """Settings and arrays that `from_archive` of `model` puts together again."""
         settings = {
             **asdict(self.model),
             "shown": len(self.demonstrated),

@@ -153,7 +153,6 @@ class GMRSkill(FittedSkill[MotionT_co]):
         return self.regress(asked_times(times, "times"))
 
     def _answer(self, query: CheckedQuery) -> MotionT_co:
-        """The mean motion, shifted to a start and a goal."""
         times = even_times(query.end(self.duration), query.dt)
         phases = normalised_times(times)
         columns, _ = self.regress(phases * self.duration)
@@ -209,9 +208,7 @@ class GMRSkill(FittedSkill[MotionT_co]):
         result[order] = orientations
         return result
 
-    # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        """Settings and arrays that `gmr.from_archive` turns into the skill again."""
         settings = {
             "model": asdict(self.model),
             "duration": self.duration,

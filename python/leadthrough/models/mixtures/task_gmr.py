@@ -231,7 +231,6 @@ class TaskGMRSkill(FittedSkill[MotionT_co]):
         return GMRSkill(model, coordinates, mixture, self.duration, ends, 1)
 
     def _answer(self, query: CheckedQuery) -> MotionT_co:
-        """The mean motion from a start to a goal."""
         if not self.at_ends:
             raise UnsupportedQuery(
                 "frames: this skill was fitted with frames of its own and needs those of the "
@@ -266,9 +265,7 @@ class TaskGMRSkill(FittedSkill[MotionT_co]):
         """
         return super().parameters(demonstrations) if self.at_ends else []
 
-    # Any: settings are whatever JSON holds.
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        """Settings and arrays that `task_gmr.from_archive` turns into the skill again."""
         settings = {
             "model": asdict(self.model),
             "duration": self.duration,

@@ -213,7 +213,6 @@ class ProMPSkill(FittedSkill[MotionT_co]):
         return self.weights.columns_at(rows)
 
     def _answer(self, query: CheckedQuery) -> MotionT_co:
-        """The mean motion, or one between a start and a goal."""
         if query.goal is not None and self.basis.is_rhythmic:
             raise UnsupportedQuery(
                 "goal: a rhythmic motion has none, it ends where it starts; leave it out"
@@ -417,7 +416,6 @@ class ProMPSkill(FittedSkill[MotionT_co]):
         return [whole_number("weights", self.basis.count, least=least, most=most, apply=fitted)]
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        """Settings and arrays that `from_archive` turns into the skill again."""
         settings = {
             "model": asdict(self.model),
             "duration": self.duration,
