@@ -17,7 +17,7 @@ from leadthrough import optional, rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes import Box, Cylinder, Shape, Sphere
+from leadthrough.shapes import Box, Capsule, Cylinder, Shape, Sphere
 
 _EXACT = 1e-8  # m, of coal's distances
 
@@ -84,22 +84,24 @@ class CoalArm:
         )
 
     def solid(self, shape: Shape) -> tuple[Any, Any]:  # neither library declares types
-        """The geometry and the pose of a box, ball or cylinder, as `distance_to` takes them.
+        """The geometry and the pose of a box, ball, capsule or cylinder, as `distance_to` takes them.
 
         Raises:
             InvalidInput: for another shape.
         """
         turned = np.eye(3)
-        if isinstance(shape, Box | Cylinder):
+        if isinstance(shape, Box | Capsule | Cylinder):
             turned = rotations.to_matrix(np.asarray(shape.orientation)[None])[0]
         pose = self._pin.SE3(turned, np.asarray(shape.position))
         if isinstance(shape, Box):
             return self._coal.Box(*shape.size), pose
         if isinstance(shape, Sphere):
             return self._coal.Sphere(shape.radius), pose
+        if isinstance(shape, Capsule):
+            return self._coal.Capsule(shape.radius, shape.length), pose
         if isinstance(shape, Cylinder):
             return self._coal.Cylinder(shape.radius, shape.length), pose
-        raise InvalidInput(f"shape: expected a Box, Sphere or Cylinder, got {shape!r}")
+        raise InvalidInput(f"shape: expected a Box, Sphere, Capsule or Cylinder, got {shape!r}")
 
     def _pose(self, shape: Any) -> Any:
         return self._places.oMg[self._geometry.getGeometryId(shape.name)]

@@ -7,12 +7,18 @@ from pathlib import Path
 import hypothesis
 import pytest
 import typer.testing
+from motions import arm
 
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("repeatable")
 
 # The tests run hundreds of command lines in one process: its commands are put together once.
 typer.testing._get_command = functools.cache(typer.testing._get_command)
+
+
+@pytest.fixture(scope="session")
+def panda():
+    return arm("panda")
 
 
 @pytest.fixture(scope="session")

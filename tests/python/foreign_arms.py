@@ -34,11 +34,10 @@ def urdf_of(name, folder):
     file, _, _ = ARMS[name]
     if file is None:
         return _expanded(folder)
-    for package in ("example-robot-data", "rtb-data"):
-        for entry in importlib.metadata.distribution(package).files:
-            if entry.name == file:
-                return Path(entry.locate())
-    raise FileNotFoundError(file)
+    try:
+        return urdf_in_package("example-robot-data", file)
+    except FileNotFoundError:
+        return urdf_in_package("rtb-data", file)
 
 
 def record(path, arm, first, *, seed, noise=5e-4):
@@ -61,11 +60,7 @@ def record(path, arm, first, *, seed, noise=5e-4):
 
 
 def _expanded(folder):
-    (xacro_file,) = (
-        Path(entry.locate())
-        for entry in importlib.metadata.distribution("rtb-data").files
-        if entry.name == "j2s6s200_standalone.xacro"
-    )
+    xacro_file = urdf_in_package("rtb-data", "j2s6s200_standalone.xacro")
     package = folder / "kinova_description"
     (package / "urdf").mkdir(parents=True)
     (package / "meshes").symlink_to(xacro_file.parents[1] / "meshes")

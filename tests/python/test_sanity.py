@@ -16,11 +16,6 @@ DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 START, GOAL = np.array([0.4, -0.2, 0.4]), np.array([0.45, 0.25, 0.3])
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
 def reach(goal=GOAL, orientation=DOWN):
     points = START + np.outer(WAY, np.asarray(goal) - START)
     return lt.PoseTrajectory(T, points, np.tile(orientation, (len(T), 1)))

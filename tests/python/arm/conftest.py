@@ -1,11 +1,8 @@
 """Arms of three makers, from the URDFs of example-robot-data, and a motion to follow."""
 
-import importlib.metadata
-from pathlib import Path
-
 import numpy as np
 import pytest
-from motions import arm as robot_of_package
+from foreign_arms import urdf_in_package
 from motions import configurations
 
 import leadthrough as lt
@@ -24,19 +21,11 @@ ROBOTS = {
 }
 
 
-def urdf(name):
-    file = ROBOTS[name][0]
-    for entry in importlib.metadata.distribution("example-robot-data").files:
-        if entry.name == file:
-            return Path(entry.locate())
-    raise FileNotFoundError(file)
-
-
 @pytest.fixture(params=ROBOTS)
 def robot(request):
     """Name, arm, URDF path, posture."""
-    _, base, tip, posture = ROBOTS[request.param]
-    path = urdf(request.param)
+    file, base, tip, posture = ROBOTS[request.param]
+    path = urdf_in_package("example-robot-data", file)
     return request.param, lt.Arm.from_urdf(path, base=base, tip=tip), path, np.array(posture, float)
 
 
@@ -48,11 +37,6 @@ def arm(robot):
 @pytest.fixture
 def posture(robot):
     return robot[3]
-
-
-@pytest.fixture(scope="session")
-def panda():
-    return robot_of_package("panda")
 
 
 @pytest.fixture

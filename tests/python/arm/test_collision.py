@@ -2,13 +2,12 @@
 
 import pickle
 
-import coal
 import numpy as np
-import pinocchio as pin
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from motions import configurations
+from urdfs import one_joint
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, InvalidRobot
@@ -47,28 +46,17 @@ def test_distance_to_obstacles_is_that_of_coal(bundled):
         lt.Sphere(0.1, (-0.3, -0.3, 0.4)),
         lt.Cylinder(0.08, 0.25, (-0.3, 0.3, 0.6), TURN),
     ]
-    geometries = [
-        coal.Box(0.2, 0.1, 0.4),
-        coal.Capsule(0.05, 0.3),
-        coal.Sphere(0.1),
-        coal.Cylinder(0.08, 0.25),
-    ]
-    moving = peer.moving_links()
+    solids = [peer.solid(shape) for shape in obstacles]
     for q, ours in zip(rows, arm.distance(rows, obstacles), strict=True):
         peer.place(q)
-        theirs = min(
-            peer.distance_to(moving, geometry, placed(shape))
-            for geometry, shape in zip(geometries, obstacles, strict=True)
-        )
-        assert agrees(ours, theirs)
+        assert agrees(ours, min(peer.distance_to(peer.moving_links(), *each) for each in solids))
 
 
 def test_among_shelves_and_cans_distance_and_verdict_are_those_of_coal(panda):
     peer, rng = CoalArm(panda), np.random.default_rng(6)
     boards = [lt.Box((0.3, 0.8, 0.02), (0.6, 0.0, z)) for z in (0.2, 0.5, 0.8)]
     cans = [lt.Cylinder(0.03, 0.12, (0.55, y, 0.27), TURN) for y in (-0.2, 0.15)]
-    solids = [coal.Box(*board.size) for board in boards] + [coal.Cylinder(0.03, 0.12)] * len(cans)
-    shelf = list(zip(solids, [placed(shape) for shape in boards + cans], strict=True))
+    shelf = [peer.solid(shape) for shape in boards + cans]
     rows = rng.uniform(panda.limits.lower, panda.limits.upper, (120, 7))
     clear = panda.is_clear(rows, boards + cans)
     for q, ours, verdict in zip(rows, panda.distance(rows, boards + cans), clear, strict=True):
@@ -86,11 +74,6 @@ def test_what_touches_by_rounding_is_clear(panda):
     touching = np.abs(panda.self_distance(rows)) < 1e-6
     assert touching.sum() > 100
     assert panda.is_clear(rows[touching]).all()
-
-
-def placed(shape):
-    w, x, y, z = getattr(shape, "orientation", (1, 0, 0, 0))
-    return pin.SE3(pin.Quaternion(w, x, y, z).matrix(), np.array(shape.position))
 
 
 def test_no_pair_that_coal_finds_to_touch_now_and_then_is_left_out(bundled):
@@ -116,12 +99,9 @@ LIMIT = '<limit lower="-3" upper="3" velocity="2" effort="3"/>'
 
 def swing(reach=1.0, radius=0.02):
     """One joint about z; a ball at the end of a link without other shapes."""
-    return lt.Arm.from_urdf(
-        '<robot name="swing"><link name="base"/><link name="tool"><collision>'
-        f'<origin xyz="{reach} 0 0"/><geometry><sphere radius="{radius}"/></geometry>'
-        '</collision></link><joint name="turn" type="revolute"><parent link="base"/>'
-        f'<child link="tool"/><axis xyz="0 0 1"/>{LIMIT}</joint></robot>'
-    )
+    ball = f'<origin xyz="{reach} 0 0"/><geometry><sphere radius="{radius}"/></geometry>'
+    link = f"<collision>{ball}</collision>"
+    return lt.Arm.from_urdf(one_joint(LIMIT, kind="revolute", link=link))
 
 
 WALL = lt.Box((0.2, 0.001, 0.2), (1.0, 0.0, 0.0))  # across the way, 1 mm thick
@@ -131,7 +111,7 @@ def test_a_thin_wall_between_two_samples_is_found():
     report = swing().check([[-1.0], [1.0]], lt.Scene([WALL], margin=0.0))
     assert (report.distances > 0.4).all()
     assert not report.ok
-    assert report.first.bodies == ("obstacle 0", "tool")
+    assert report.first.bodies == ("obstacle 0", "b")
     # The ball touches the wall's face where sin(angle) = -(radius + half the thickness).
     contact = 0.5 * (1.0 - np.arcsin(0.0205))
     assert report.first.sample == pytest.approx(contact, abs=1e-3)
@@ -140,17 +120,13 @@ def test_a_thin_wall_between_two_samples_is_found():
     assert report.closest.sample == pytest.approx(0.5, abs=2e-3)
 
 
-def test_the_same_motion_past_the_wall_is_clear():
-    beyond = lt.Box((0.2, 0.001, 0.2), (1.2, 0.0, 0.0))
-    report = swing().check([[-1.0], [1.0]], [beyond])
+def test_past_the_wall_the_motion_is_clear_and_a_margin_is_kept_between_samples():
+    beyond = lt.Box((0.2, 0.001, 0.2), (1.2, 0.0, 0.0))  # passed by at 8 cm
+    arm = swing()
+    report = arm.check([[-1.0], [1.0]], [beyond])
     assert report.ok
     assert report.first is None
     assert report.minimum_distance == pytest.approx(0.1 - 0.02, abs=1e-3)
-
-
-def test_a_margin_is_kept_between_samples_as_well():
-    beyond = lt.Box((0.2, 0.001, 0.2), (1.2, 0.0, 0.0))  # passed by at 8 cm
-    arm = swing()
     assert arm.check([[-1.0], [1.0]], lt.Scene([beyond], 0.075)).ok
     assert not arm.check([[-1.0], [1.0]], lt.Scene([beyond], 0.085)).ok
 
@@ -163,7 +139,7 @@ def test_what_touches_is_no_hit():
 
 
 def test_times_of_a_trajectory_are_told():
-    motion = lt.JointTrajectory([2.0, 4.0], [[-1.0], [1.0]], joint_names=("turn",))
+    motion = lt.JointTrajectory([2.0, 4.0], [[-1.0], [1.0]], joint_names=("j",))
     report = swing().check(motion, [WALL])
     assert report.first.time == pytest.approx(2.0 + 2.0 * report.first.sample)
     assert "hit" in str(report)
@@ -287,10 +263,7 @@ def test_threads_and_copies_give_the_same_bits(panda):
 
 
 def test_an_arm_without_collision_geometry_cannot_be_checked():
-    bare = lt.Arm.from_urdf(
-        '<robot name="bare"><link name="a"/><link name="b"/><joint name="j" type="revolute">'
-        f'<parent link="a"/><child link="b"/>{LIMIT}</joint></robot>'
-    )
+    bare = lt.Arm.from_urdf(one_joint(LIMIT, kind="revolute"))
     assert bare.forward_kinematics([0.0])[0] is not None
     with pytest.raises(InvalidRobot, match="no link has collision geometry"):
         bare.check([[0.0]])

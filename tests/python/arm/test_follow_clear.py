@@ -1,8 +1,6 @@
 """Following a path of the tip with the whole arm clear of obstacles."""
 
-import coal
 import numpy as np
-import pinocchio as pin
 import pytest
 from scipy.interpolate import CubicSpline
 
@@ -61,11 +59,15 @@ def test_where_there_is_no_room_the_bodies_are_named(panda, sweep):
     assert panda.is_clear(failure.value.q, [wall])
 
 
-def test_a_free_axis_of_the_tool_makes_room_for_an_arm_of_six_joints():
-    arm = lt.Arm.load("ur3")
+def across_a_ur3():
+    """A UR3 and poses, which point down, across in front of it."""
     share = np.linspace(0.0, 1.0, 41)[:, None]
     way = [-0.25, -0.15, 0.2] + share * [0.0, 0.3, 0.0]
-    motion = lt.PoseTrajectory(2.0 * share[:, 0], way, np.tile(DOWN, (41, 1)))
+    return lt.Arm.load("ur3"), lt.PoseTrajectory(2.0 * share[:, 0], way, [DOWN] * 41)
+
+
+def test_a_free_axis_of_the_tool_makes_room_for_an_arm_of_six_joints():
+    arm, motion = across_a_ur3()
     freely = arm.follow(motion, options=FollowOptions(free=("rz",)))
     wrist = lt.Arm.load("ur3", tip="wrist_2_link")
     there, _ = wrist.forward_kinematics(freely.positions[20, :5])
@@ -74,7 +76,7 @@ def test_a_free_axis_of_the_tool_makes_room_for_an_arm_of_six_joints():
     around = arm.follow(motion, scene=[ball], options=FollowOptions(free=("rz",)))
     assert arm.check(around, [ball]).ok
     reached, _ = arm.forward_kinematics(around.positions)
-    np.testing.assert_allclose(reached, way, atol=1e-5)
+    np.testing.assert_allclose(reached, motion.positions, atol=1e-5)
 
 
 @pytest.mark.parametrize("too_fast", ["deviate", "raise"])
@@ -137,7 +139,7 @@ def test_published_paths_among_boxes_are_followed(name, recordings):
     assert report.position_error.max() < 1e-4
     assert report.orientation_error.max() < np.radians(0.1)
     assert np.abs(np.diff(around.positions, axis=0)).max() < largest_step
-    assert _least_in_coal(around.positions[::5], size, centres) > MARGIN - 1e-6
+    assert least_in_coal(around.positions[::5], boxes) > MARGIN - 1e-6
 
 
 @pytest.mark.parametrize("obstacles", [(), (lt.Sphere(0.05, [-0.8, 0.0, 0.3]),)])
@@ -164,15 +166,13 @@ def test_a_published_path_that_leaves_the_reach_is_refused_there(recordings, obs
     assert "panda_joint5" in failure.value.limiting_joints
 
 
-def _least_in_coal(q, size, centres):
+def least_in_coal(q, boxes):
     peer = CoalArm(lt.Arm.load("panda"))
-    box = coal.Box(*size)
+    boxes = [peer.solid(box) for box in boxes]
     least = np.inf
     for row in q:
         peer.place(row)
-        for centre in centres:
-            there = pin.SE3(np.eye(3), np.array(centre))
-            least = min(least, peer.distance_to(peer.moving_links(), box, there))
+        least = min(least, *(peer.distance_to(peer.moving_links(), *box) for box in boxes))
     return least
 
 
@@ -229,11 +229,8 @@ def test_it_leaves_its_path_and_comes_back_smoothly(lifted):
     assert np.abs(np.diff(lifted.positions, 2, axis=0)).max() < 0.003
 
 
-def test_coal_finds_the_arm_clear(lifted, panda, post):
-    peer = CoalArm(panda)
-    for q in lifted.positions:
-        peer.place(q)
-        assert peer.distance_to(peer.moving_links(), *peer.solid(post)) > MARGIN - 1e-6
+def test_coal_finds_the_arm_clear(lifted, post):
+    assert least_in_coal(lifted.positions, [post]) > MARGIN - 1e-6
 
 
 def test_matrices_in_the_base_frame_say_the_same(panda, sweep, post, lifted):
@@ -263,20 +260,14 @@ def test_what_is_not_enough_is_refused(panda, sweep, post):
     assert 10 < failure.value.index < 40
 
 
-def test_the_path_is_kept_where_the_arm_can(panda, sweep):
-    q = panda.follow(sweep).positions[40]
-    elbow, _ = lt.Arm.load("panda", tip="panda_link4").forward_kinematics(q[:4])
-    trap = lt.Sphere(0.08, elbow)
+def test_the_path_is_kept_where_the_arm_can(panda, sweep, trap):
     around = panda.follow(sweep, scene=[trap])
     roomy = panda.follow(sweep, scene=[trap], deviation=(0.05, 0.5))
     np.testing.assert_array_equal(roomy.positions, around.positions)
 
 
 def test_an_axis_left_free_stays_free_beside_the_path():
-    arm = lt.Arm.load("ur3")
-    share = np.linspace(0.0, 1.0, 41)[:, None]
-    way = [-0.25, -0.15, 0.2] + share * [0.0, 0.3, 0.0]
-    motion = lt.PoseTrajectory(2.0 * share[:, 0], way, np.tile(DOWN, (41, 1)))
+    arm, motion = across_a_ur3()
     post = lt.Box([0.04, 0.04, 0.1], [-0.25, 0.0, 0.155])
     with pytest.raises(IkFailure, match="obstacle 0"):
         arm.follow(motion, scene=[post], options=FollowOptions(free=("rz",)))
@@ -285,7 +276,7 @@ def test_an_axis_left_free_stays_free_beside_the_path():
     )
     assert arm.check(joints, [post]).ok
     positions, orientations = arm.forward_kinematics(joints.positions)
-    assert 0.005 < np.linalg.norm(positions - way, axis=1).max() < 0.04
+    assert 0.005 < np.linalg.norm(positions - motion.positions, axis=1).max() < 0.04
     axis = lt.rotations.to_matrix(orientations)[:, :, 2]
     np.testing.assert_allclose(axis, np.tile([0.0, 0.0, -1.0], (41, 1)), atol=1e-5)
 
@@ -308,6 +299,6 @@ def test_wrong_room_is_refused(panda, sweep, post, deviation, message):
         panda.follow(sweep, scene=[post], deviation=deviation)
 
 
-def test_without_obstacles_it_is_refused(panda, sweep):
+def test_room_without_obstacles_is_refused(panda, sweep):
     with pytest.raises(InvalidInput, match="deviation: only used with a scene"):
         panda.follow(sweep, deviation=(0.1, 0.1))

@@ -1,23 +1,14 @@
 """Robots whose collision geometry is meshes."""
 
-import importlib.metadata
-from pathlib import Path
-
 import coal
 import numpy as np
 import pinocchio as pin
 import pytest
+from foreign_arms import urdf_in_package
 from urdfs import CUBE, with_mesh
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, InvalidRobot
-
-
-def example(name):
-    for entry in importlib.metadata.distribution("example-robot-data").files:
-        if entry.name == name:
-            return Path(entry.locate())
-    raise FileNotFoundError(name)
 
 
 class Hulls:
@@ -48,7 +39,7 @@ class Hulls:
 
 
 def test_meshes_are_found_beside_the_urdf_and_count_as_their_hulls():
-    urdf = example("ur5_robot.urdf")
+    urdf = urdf_in_package("example-robot-data", "ur5_robot.urdf")
     arm = lt.Arm.from_urdf(urdf, base="base_link", tip="tool0")
     peer = Hulls(urdf)
     rows = np.random.default_rng(1).uniform(-np.pi, np.pi, (40, 6))

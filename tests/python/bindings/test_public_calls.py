@@ -36,11 +36,6 @@ OBSTACLES = (
 
 
 @pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
-@pytest.fixture(scope="module")
 def poses(panda):
     positions, orientations = panda.forward_kinematics(HOME + np.outer(0.2 * U, np.ones(7)))
     return lt.PoseTrajectory(2.0 * U, positions, rotations.align_signs(orientations))

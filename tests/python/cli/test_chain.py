@@ -1,20 +1,18 @@
 """From recordings to a checked motion, by commands alone, with an arm that is not among ours."""
 
-import importlib.metadata
 from pathlib import Path
 
 import numpy as np
 import pytest
 from cli.command_line import facts, run
+from foreign_arms import urdf_in_package
 from motions import minimum_jerk
 
 import leadthrough as lt
 
-(UR5,) = (
-    entry.locate()
-    for entry in importlib.metadata.distribution("example-robot-data").files
-    if entry.name == "ur5_robot.urdf"
-)
+UR5 = urdf_in_package("example-robot-data", "ur5_robot.urdf")
+ROBOT = ("--robot", UR5, "--tip", "tool0")
+LIMITED = (*ROBOT, "--limits", "ur5.toml")
 HOME = np.array([0.3, -1.4, 1.6, -1.8, -1.5, 0.2])
 
 
@@ -29,46 +27,57 @@ def record(path, arm, seed):
     np.savetxt(path, rows, delimiter=",", header=header, comments="")
 
 
-@pytest.fixture
-def shown(tmp_path, monkeypatch):
-    """A folder with a limits file and three recordings, as the working directory."""
-    monkeypatch.chdir(tmp_path)
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """A folder with a limits file, three recordings and skills of joints and of poses."""
+    folder = tmp_path_factory.mktemp("chain")
     arm = lt.Arm.from_urdf(UR5, tip="tool0")
     limits = "\n".join(
         f"{name} = {{ acceleration = 10.0, jerk = 100.0 }}" for name in arm.joint_names
     )
-    Path("ur5.toml").write_text(f'robot = "ur5"\n[joints]\n{limits}\n')
+    (folder / "ur5.toml").write_text(f'robot = "ur5"\n[joints]\n{limits}\n')
     for number in range(3):
-        record(f"shown{number}.csv", arm, number)
+        record(folder / f"shown{number}.csv", arm, number)
+    run("learn", folder / "shown0.csv", "-o", folder / "joints.npz")
+    run("learn", folder / "shown0.csv", *ROBOT, "-o", folder / "poses.npz")
+    return folder, arm
+
+
+@pytest.fixture
+def shown(written, monkeypatch):
+    """The arm that is shown; the folder is the working directory."""
+    folder, arm = written
+    monkeypatch.chdir(folder)
     return arm
 
 
+def rows_of(name):
+    return np.loadtxt(name, delimiter=",", skiprows=1)[:, 1:]
+
+
 def test_urdf_and_joint_recordings_become_a_checked_motion(shown):
-    robot = ("--robot", UR5, "--tip", "tool0", "--limits", "ur5.toml")
     csvs = [f"shown{number}.csv" for number in range(3)]
-    learned = facts("learn", *csvs, *robot, "-o", "reach.npz")
+    learned = facts("learn", *csvs, *LIMITED, "-o", "reach.npz")
     assert learned["model"] == "dmp"
     assert learned["demonstrations"] == ["shown0", "shown1", "shown2"]
 
     plain = lt.load_skill("reach.npz").generate()
-    posture = ",".join(map(str, HOME))
-    planned = facts(
-        "plan", "reach.npz", *robot, "--posture", posture, "--move-goal=0.03,0,0.02", "-o", "m.json"
-    )
+    wanted = ("--posture", ",".join(map(str, HOME)), "--move-goal=0.03,0,0.02")
+    planned = facts("plan", "reach.npz", *LIMITED, *wanted, "-o", "m.json")
     assert planned["type"] == "JointTrajectory"
     motion = lt.read_motion("m.json")
     tip = shown.poses(motion)
     asked = plain.positions[-1] + [0.03, 0.0, 0.02]
     assert np.abs(tip.positions[-1] - asked).max() < 1e-4
 
-    timed = facts("retime", "m.json", *robot, "--rate", "500", "-o", "t.json")
+    timed = facts("retime", "m.json", *LIMITED, "--rate", "500", "-o", "t.json")
     assert timed["duration"] < timed["duration_before"]
     assert timed["limited_by"]
-    verdict = facts("check", "t.json", *robot)
+    verdict = facts("check", "t.json", *LIMITED)
     assert verdict["ok"]
     assert verdict["acceleration_used"]["ratio"] <= 1.001
     where = ",".join(f"{x:.3f}" for x in tip.positions[100])
-    hit = facts("check", "t.json", *robot, "--obstacle", f"sphere:0.05@{where}", code=1)
+    hit = facts("check", "t.json", *LIMITED, "--obstacle", f"sphere:0.05@{where}", code=1)
     assert hit["limits_kept"]
     assert not hit["clear"]
     assert hit["nearest_obstacle"]["distance"] < -0.04
@@ -85,28 +94,22 @@ def test_joints_are_learned_as_joints_without_a_robot(shown):
 
 def test_recordings_are_cut_at_pauses_and_one_is_chosen(shown):
     rest = np.repeat(HOME[None], 100, axis=0)
-    rows = np.vstack(
-        [np.loadtxt(f"shown{i}.csv", delimiter=",", skiprows=1)[:, 1:] for i in (0, 1)]
-    )
-    whole = np.vstack([rest, rows[:200], rows[199:0:-1], rest, rows[200:], rest + rows[-1] - HOME])
+    first, second = rows_of("shown0.csv"), rows_of("shown1.csv")
+    whole = np.vstack([rest, first, first[:0:-1], rest, second, rest + second[-1] - HOME])
     np.savetxt("day.csv", whole, delimiter=",", header=",".join(shown.joint_names), comments="")
-    robot = ("--robot", UR5, "--tip", "tool0")
-    result = run("learn", "day.csv", "--rate", 100, "--cut", "--motion", 2, *robot, "-o", "s.npz")
+    result = run("learn", "day.csv", "--rate", 100, "--cut", "--motion", 2, *ROBOT, "-o", "s.npz")
     assert "motion 2: day 2" in result.stderr
     assert "motion 3" not in result.stderr
     skill = lt.load_skill("s.npz")
-    goal, _ = shown.forward_kinematics(rows[-1])
+    goal, _ = shown.forward_kinematics(second[-1])
     assert np.abs(skill.generate().positions[-1] - goal).max() < 2e-3
 
 
 def test_the_arm_stands_as_it_was_shown_to(shown):
-    robot = ("--robot", UR5, "--tip", "tool0", "--limits", "ur5.toml")
-    facts("learn", "shown0.csv", *robot, "-o", "reach.npz")
-    facts("plan", "reach.npz", *robot, "--posture", "shown0.csv", "-o", "m.json")
+    facts("plan", "poses.npz", *LIMITED, "--posture", "shown0.csv", "-o", "m.json")
     motion = lt.read_motion("m.json")
-    recorded = np.loadtxt("shown0.csv", delimiter=",", skiprows=1)[:, 1:]
     # An arm of six joints has no null space: the same branch is the same joints.
-    assert np.abs(motion.positions[[0, -1]] - recorded[[0, -1]]).max() < 0.01
+    assert np.abs(motion.positions[[0, -1]] - rows_of("shown0.csv")[[0, -1]]).max() < 0.01
 
 
 def test_faulty_recordings_are_cleaned_and_said_to_be(shown):
@@ -119,108 +122,77 @@ def test_faulty_recordings_are_cleaned_and_said_to_be(shown):
 
 
 @pytest.mark.parametrize(
-    ("words", "code", "says"),
+    ("words", "says"),
     [
-        (["learn", "none.csv", "-o", "s.npz"], 2, "none.csv: no such file"),
-        (["learn", "shown0.csv", "--model", "magic", "-o", "s.npz"], 2, "--model"),
-        (["learn", "shown0.csv", "--set", "magic=3", "-o", "s.npz"], 2, "--set"),
-        (["learn", "shown0.csv", "--set", "weights=0", "-o", "s.npz"], 2, "--set weights: "),
-        (["learn", "shown0.csv", "--rate", "9", "-o", "s.npz"], 2, "shown0.csv: --rate: "),
-        (["learn", "shown0.csv", "--column", "joints=a", "-o", "s.npz"], 2, "--column joints: "),
+        (["learn", "none.csv"], "none.csv: no such file"),
+        (["learn", "shown0.csv", "--set", "weights=0"], "--set weights: "),
+        (["learn", "shown0.csv", "--rate", "9"], "shown0.csv: --rate: "),
+        (["learn", "shown0.csv", "--column", "joints=a"], "--column joints: "),
+        (["learn", "shown0.csv", "--motion", "2"], "--motion: expected a number from 1 to 1"),
+        (["learn", "shown0.csv", "--robot", "panda"], "panda_joint1"),
+        (["learn", "shown0.csv", "--robot", "r2d2"], "--robot: expected"),
+        (["retime", "shown0.csv", *ROBOT], "jerk"),
+        (["check", "shown0.csv", "--robot", "ur3", "--obstacle", "box:1@0,0,0"], "3 sizes"),
+        (["check", "shown0.csv", "--robot", "ur3", "--obstacle", "cube:1@0,0,0"], "sphere"),
+        (["check", "shown0.csv", "--robot", "ur3", "--obstacle", "box:1,1,x@0,0,0"], "x"),
+        (["plan", "none.npz"], "none.npz: no such file"),
+        (["plan", "shown0.csv"], "shown0.csv: "),
+        (["plan", "poses.npz", "--goal", "1,2"], "goal"),
+        (["plan", "poses.npz", "--goal", "nan,0,0"], "goal"),
+        (["plan", "poses.npz", "--goal", "a,0,0"], "--goal"),
+        (["plan", "poses.npz", "--goal", "0,0,0/0,0,0,0"], "goal"),
+        (["plan", "poses.npz", "--start", "0,0,0/1,0"], "start"),
+        (["plan", "poses.npz", "--move-goal", "1,2"], "--move-goal: expected 3"),
         (
-            ["learn", "shown0.csv", "--motion", "2", "-o", "s.npz"],
-            2,
-            "--motion: expected a number from 1 to 1",
+            ["plan", "poses.npz", "--posture", "0,0", "--robot", "panda"],
+            "--posture: expected shape (7,)",
         ),
-        (["learn", "shown0.csv", "--robot", "panda", "-o", "s.npz"], 2, "panda_joint1"),
-        (["learn", "shown0.csv", "--robot", "r2d2", "-o", "s.npz"], 2, "--robot: expected"),
+        (["plan", "poses.npz", "--posture", "0,0,0,0,0,0"], "--posture: only used with --robot"),
+        (["plan", "poses.npz", "--limits", "ur5.toml"], "--limits: only used with --robot"),
         (
-            ["retime", "shown0.csv", "--robot", str(UR5), "--tip", "tool0", "-o", "t.json"],
-            2,
-            "jerk",
+            ["plan", "joints.npz", "--goal", "0,0,0,0,0,0/1,0,0,0"],
+            "--goal: expected no orientation",
         ),
-        (["check", "shown0.csv", "--robot", "ur3", "--obstacle", "box:1@0,0,0"], 2, "3 sizes"),
-        (["check", "shown0.csv", "--robot", "ur3", "--obstacle", "cube:1@0,0,0"], 2, "sphere"),
-        (["check", "shown0.csv", "--robot", "ur3", "--obstacle", "box:1,1,x@0,0,0"], 2, "x"),
+        (
+            ["plan", "joints.npz", "--goal", "0,0,0,0,0,0", "--move-goal", "0,0,0,0,0,0"],
+            "--move-goal, got both",
+        ),
     ],
 )
-def test_wrong_words_are_told_in_one_line(shown, words, code, says):
-    result = run(*words, code=code)
+def test_wrong_words_are_told_in_one_line(shown, words, says):
+    output = [] if words[0] == "check" else ["-o", "refused.npz" if "learn" in words else "m.csv"]
+    result = run(*words, *output, code=2)
     assert says in result.stderr
     assert "Traceback" not in result.output
+    assert not Path("m.csv").exists()
 
 
 def test_what_cannot_be_had_ends_with_one(shown):
-    run("learn", "shown0.csv", "--robot", UR5, "--tip", "tool0", "-o", "s.npz")
-    robot = ("--robot", UR5, "--tip", "tool0")
-    result = run("plan", "s.npz", *robot, "--move-goal=3,0,0", "-o", "m.json", code=1)
+    result = run("plan", "poses.npz", *ROBOT, "--move-goal=3,0,0", "-o", "far.json", code=1)
     assert "no configuration" in result.stderr or "reach" in result.stderr
-    assert not Path("m.json").exists()
+    assert not Path("far.json").exists()
+
+
+def planned(skill, goal):
+    """The motion that is planned to a goal, given in words."""
+    run("plan", skill, "--goal", goal, "-o", "made.npz")
+    return lt.read_motion("made.npz")
 
 
 def test_a_goal_without_an_orientation_keeps_the_one_shown(shown):
-    run("learn", "shown0.csv", "--robot", UR5, "--tip", "tool0", "-o", "s.npz")
-    plain = lt.load_skill("s.npz").generate()
+    plain = lt.load_skill("poses.npz").generate()
     goal = plain.positions[-1] + [0.02, 0.0, 0.01]
-    run("plan", "s.npz", "--goal", ",".join(map(str, goal)), "-o", "m.npz")
-    made = lt.read_motion("m.npz")
+    made = planned("poses.npz", ",".join(map(str, goal)))
     np.testing.assert_allclose(made.positions[-1], goal, atol=1e-9)
     turn = lt.rotations.distance(made.orientations[-1:], plain.orientations[-1:])
     assert turn[0] < 1e-9
 
 
 def test_a_goal_of_joints_or_with_an_orientation_is_reached(shown):
-    run("learn", "shown0.csv", "-o", "j.npz")
-    run("plan", "j.npz", "--goal", ",".join(map(str, HOME)), "-o", "j.csv")
-    made = lt.read_motion("j.csv")
+    made = planned("joints.npz", ",".join(map(str, HOME)))
     np.testing.assert_allclose(made.positions[-1], HOME, atol=1e-9)
-    run("learn", "shown0.csv", "--robot", UR5, "--tip", "tool0", "-o", "p.npz")
-    run("plan", "p.npz", "--goal", "0.3,0.3,0.4/0,1,0,0", "-o", "p.csv")
-    posed = lt.read_motion("p.csv")
+    posed = planned("poses.npz", "0.3,0.3,0.4/0,1,0,0")
     assert lt.rotations.distance(posed.orientations[-1:], [[0.0, 1.0, 0.0, 0.0]])[0] < 1e-6
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["--goal", "1,2"], "goal"),
-        (["--goal", "nan,0,0"], "goal"),
-        (["--goal", "a,0,0"], "--goal"),
-        (["--goal", "0,0,0/0,0,0,0"], "goal"),
-        (["--start", "0,0,0/1,0"], "start"),
-        (["--move-goal", "1,2"], "--move-goal: expected 3"),
-        (["--posture", "0,0", "--robot", "panda"], "--posture: expected shape (7,)"),
-        (["--posture", "0,0,0,0,0,0"], "--posture: only used with --robot"),
-        (["--limits", "ur5.toml"], "--limits: only used with --robot"),
-        (["--dt", "0"], "--dt: "),
-        (["--duration", "-1"], "--duration: "),
-        (["--format", "pdf"], "--format: "),
-    ],
-)
-def test_wrong_queries_are_told_in_one_line(shown, words, says):
-    run("learn", "shown0.csv", "--robot", UR5, "--tip", "tool0", "-o", "s.npz")
-    result = run("plan", "s.npz", *words, "-o", "m.csv", code=2)
-    assert says in result.stderr
-    assert not Path("m.csv").exists()
-
-
-def test_an_orientation_is_refused_where_the_skill_takes_none(shown):
-    run("learn", "shown0.csv", "-o", "j.npz")
-    words = ["plan", "j.npz", "--goal", "0,0,0,0,0,0/1,0,0,0", "-o", "m.csv"]
-    assert "--goal: expected no orientation" in run(*words, code=2).stderr
-
-
-@pytest.mark.parametrize(
-    ("file", "says"), [("none.npz", "none.npz: no such file"), ("shown0.csv", "shown0.csv: ")]
-)
-def test_a_file_that_holds_no_skill_is_named(shown, file, says):
-    assert says in run("plan", file, "-o", "m.csv", code=2).stderr
-
-
-def test_both_a_goal_and_an_offset_are_refused(shown):
-    run("learn", "shown0.csv", "-o", "s.npz")
-    words = ["plan", "s.npz", "--goal", "0,0,0,0,0,0", "--move-goal", "0,0,0,0,0,0", "-o", "m.csv"]
-    assert "--move-goal, got both" in run(*words, code=2).stderr
 
 
 @pytest.mark.parametrize(("model", "within"), [("dmp", 1e-4), ("fast-marching", 1e-3)])

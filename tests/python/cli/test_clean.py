@@ -1,14 +1,9 @@
-import json
-
 import numpy as np
 import pytest
+from cli.command_line import facts, run
 from scipy.io import savemat
-from typer.testing import CliRunner
 
 import leadthrough as lt
-from leadthrough import cli
-
-runner = CliRunner()
 
 
 @pytest.fixture
@@ -25,19 +20,15 @@ def faulty(tmp_path):
 
 def test_faults_are_left_out_and_told(faulty, tmp_path):
     out = tmp_path / "clean.csv"
-    result = runner.invoke(cli.app, ["clean", str(faulty), "-o", str(out)])
-    assert result.exit_code == 0, result.output
-    assert "201 samples read, 199 left" in result.output
-    assert "1 spike, left out: 1 s" in result.output
-    shown = lt.read_motion(out)
-    assert len(shown.times) == 199
+    said = run("clean", faulty, "-o", out).output
+    assert "201 samples read, 199 left" in said
+    assert "1 spike, left out: 1 s" in said
+    assert len(lt.read_motion(out).times) == 199
 
 
 def test_machines_get_the_report_as_json(faulty, tmp_path):
     out = tmp_path / "clean.npz"
-    options = ["--new-rate", "50", "--smoothing", "0.2", "--json", "-o", str(out)]
-    result = runner.invoke(cli.app, ["clean", str(faulty), *options])
-    (found,) = json.loads(result.output)
+    (found,) = facts("clean", faulty, "--new-rate", 50, "--smoothing", 0.2, "-o", out)
     assert found["report"]["spikes"] == [1.0]
     shown = lt.read_motion(found["file"])
     assert np.abs(shown.velocities[:, 0] - np.cos(shown.times)).max() < 0.02
@@ -49,9 +40,7 @@ def test_several_recordings_go_to_numbered_files(tmp_path):
     for i in range(2):
         shown[0, i] = {"pos": np.arange(30.0).reshape(3, 10) + i}
     savemat(path, {"shown": shown})
-    arguments = ["clean", str(path), "--rate", "10", "-o", str(tmp_path / "clean.csv")]
-    result = runner.invoke(cli.app, arguments)
-    assert result.exit_code == 0, result.output
+    run("clean", path, "--rate", 10, "-o", tmp_path / "clean.csv")
     for i in (1, 2):
         motion = lt.read_motion(tmp_path / f"clean_{i}.csv")
         assert motion.positions[0, 0] == i - 1

@@ -47,13 +47,6 @@ def test_arguments_of_the_library_become_options(message, said):
     assert in_words(message, WORDS) == said
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    run("example", "reach", ".")
-    return tmp_path
-
-
 @pytest.mark.parametrize(
     ("words", "code", "kind", "argument"),
     [

@@ -3,19 +3,12 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
 from cli.command_line import facts, run
 
 import leadthrough as lt
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def test_the_example_is_an_arm_its_limits_a_profile_and_three_recordings(folder):
+def test_the_example_is_an_arm_its_limits_a_profile_and_three_recordings(empty_folder):
     told = facts("example", "reach", "first")
     assert {str(path.relative_to("first")) for path in Path("first").rglob("*.*")} == {
         "leadthrough.toml",
@@ -36,19 +29,19 @@ def test_the_example_is_an_arm_its_limits_a_profile_and_three_recordings(folder)
     assert 0.002 < np.abs(shown[0].positions[0] - shown[1].positions[0]).max() < 0.1
 
 
-def test_the_recordings_follow_from_the_seed(folder):
+def test_the_recordings_follow_from_the_seed(empty_folder):
     for name, seed in (("a", 0), ("b", 0), ("c", 1)):
         run("example", "reach", name, "--seed", seed)
     first, again, other = (Path(name, "shown/reach1.csv").read_text() for name in "abc")
     assert first == again != other
 
 
-def test_nothing_that_is_there_is_overwritten(folder):
+def test_nothing_that_is_there_is_overwritten(empty_folder):
     run("example", "reach", ".")
     Path("ur3.toml").write_text("mine")
     assert "ur3.urdf is there already" in run("example", "reach", ".", code=2).stderr
     assert Path("ur3.toml").read_text() == "mine"
 
 
-def test_an_unknown_example_is_told_the_known_ones(folder):
+def test_an_unknown_example_is_told_the_known_ones(empty_folder):
     assert "'reach'" in run("example", "reech", "first", code=2).stderr

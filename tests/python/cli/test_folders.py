@@ -9,37 +9,27 @@ from cli.command_line import facts, run
 import leadthrough as lt
 from leadthrough.motion import with_derivatives
 
+REACHES = ["reach1", "reach2", "reach3"]
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """A folder with the example, as the working directory."""
-    monkeypatch.chdir(tmp_path)
-    run("example", "reach", ".")
+
+@pytest.fixture(autouse=True)
+def _others(folder):
+    """Files beside the recordings that are none."""
     Path("shown/notes.md").write_text("not a recording")
     Path("shown/.hidden.csv").write_text("not one either")
-    return tmp_path
 
 
 def test_a_folder_stands_for_its_recordings(folder):
-    assert facts("learn", "shown", "-o", "s.npz")["demonstrations"] == [
-        "reach1",
-        "reach2",
-        "reach3",
-    ]
+    assert facts("learn", "shown", "-o", "s.npz")["demonstrations"] == REACHES
     files = sorted(Path("shown").glob("reach*.csv"))
     learned = facts("learn", *files, "-o", "t.npz")
-    assert learned["demonstrations"] == ["reach1", "reach2", "reach3"]
+    assert learned["demonstrations"] == REACHES
     assert Path("s.npz").read_bytes() == Path("t.npz").read_bytes()
 
 
 def test_every_command_that_takes_recordings_takes_a_folder(folder):
     told = facts("info", "shown", "ur3.urdf")
-    assert [Path(each["path"]).name for each in told] == [
-        "reach1.csv",
-        "reach2.csv",
-        "reach3.csv",
-        "ur3.urdf",
-    ]
+    assert [Path(each["path"]).stem for each in told] == [*REACHES, "ur3"]
     assert {each["kind"] for each in facts("info", ".")} == {"robot"}
     assert len(facts("clean", "shown", "-o", "clean.csv")) == 3
     run("learn", "shown", "-o", "s.npz")

@@ -31,14 +31,6 @@ def assert_fits(result):
     assert max(map(len, lines)) <= WIDTH, max(lines, key=len)
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """A folder with the example, as the working directory."""
-    monkeypatch.chdir(tmp_path)
-    run("example", "reach", ".")
-    return tmp_path
-
-
 def test_the_hints_lead_from_the_example_to_the_view(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words, typed = ["example", "reach", "a folder"], []

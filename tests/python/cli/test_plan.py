@@ -1,21 +1,17 @@
 """`leadthrough plan`: warnings about what was not demonstrated."""
 
-import json
-
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from cli.command_line import facts, run
 
 import leadthrough as lt
-from leadthrough import cli
 
 U = np.linspace(0.0, 1.0, 60)
 
 
 @pytest.fixture
-def skill(tmp_path, monkeypatch):
+def skill(empty_folder):
     """A file with a skill whose starts deviate by 0.1 m along y, and the goals with them."""
-    monkeypatch.chdir(tmp_path)
     shown = [
         lt.Trajectory(2.0 * U, np.column_stack([U, y + 0.0 * U, 0.3 * U**2]))
         for y in (-0.1, 0.0, 0.1)
@@ -25,9 +21,7 @@ def skill(tmp_path, monkeypatch):
 
 
 def stderr_of(*words):
-    result = CliRunner().invoke(cli.app, ["plan", *words, "-o", "motion.csv"])
-    assert result.exit_code == 0, result.output
-    return result.stderr
+    return run("plan", *words, "-o", "motion.csv").stderr
 
 
 def test_an_end_three_deviations_off_is_warned_of(skill):
@@ -47,21 +41,18 @@ def test_ends_that_were_never_shown_together_are_warned_of(skill):
     assert "warning: start and goal together" in said
 
 
-def test_skills_without_a_distribution_do_not_warn(skill, tmp_path):
+def test_skills_without_a_distribution_do_not_warn(skill):
     motion = lt.load_skill(skill).generate()
     lt.DMP().fit([motion]).save("dmp.npz")
     assert "warning" not in stderr_of("dmp.npz", "--move-goal=0,0.5,0")
 
 
 def planned(*words):
-    result = CliRunner().invoke(cli.app, ["plan", *words, "-o", "motion.csv", "--json"])
-    assert result.exit_code == 0, result.output
-    return json.loads(result.stdout)
+    return facts("plan", *words, "-o", "motion.csv")
 
 
-def test_a_goal_farther_on_takes_longer_and_says_why(tmp_path, monkeypatch):
+def test_a_goal_farther_on_takes_longer_and_says_why(empty_folder):
     """Twice as far along its own way: at most 1.3 times as fast as demonstrated."""
-    monkeypatch.chdir(tmp_path)
     rise = lt.trajectories.minimum_jerk_time_scaling(U)
     shown = lt.Trajectory(2.0 * U, np.outer(rise, [0.4, 0.0, 0.1]))
     lt.DMP().fit([shown]).save("reach.npz")

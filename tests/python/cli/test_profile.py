@@ -8,14 +8,6 @@ from cli.command_line import facts, run
 PROFILE = Path("leadthrough.toml")
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """A folder with the example, as the working directory."""
-    monkeypatch.chdir(tmp_path)
-    run("example", "reach", ".")
-    return tmp_path
-
-
 def test_commands_take_the_arm_from_the_profile(folder):
     with_options = ("--robot", "ur3.urdf", "--tip", "tool0", "--limits", "ur3.toml")
     told = facts("check", "shown/reach1.csv", code=1)  # the recording shakes

@@ -1,17 +1,9 @@
 """Standing still at the ends of recordings, on the command line."""
 
 import numpy as np
-import pytest
 from cli.command_line import facts, run
 
 import leadthrough as lt
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    run("example", "reach", ".")
-    return tmp_path
 
 
 def standing_still():

@@ -8,14 +8,12 @@ import sys
 from dataclasses import replace
 
 import pytest
-from typer.testing import CliRunner
+from cli.command_line import RUNNER, run
 
 from leadthrough import cli, errors
 from leadthrough_studies import catalogue, study
 from leadthrough_studies.demo import harvesting, report, scenes
 from leadthrough_studies.ur3.study import STUDY, Setting, Ur3Config
-
-runner = CliRunner()
 
 
 @pytest.fixture(scope="module")
@@ -24,9 +22,7 @@ def shown(tmp_path_factory):
     out = tmp_path_factory.mktemp("demo") / "results"
     with pytest.MonkeyPatch.context() as patched:
         patched.delenv("LEADTHROUGH_DATA", raising=False)
-        result = runner.invoke(cli.app, ["demo", "--out", str(out), "--motion", "GShape"])
-    assert result.exit_code == 0, result.output
-    return result.output, out
+        return run("demo", "--out", out, "--motion", "GShape").output, out
 
 
 def test_demo_writes_figures_errors_and_trajectories(shown):
@@ -49,10 +45,9 @@ def test_demo_writes_figures_errors_and_trajectories(shown):
 def test_demo_names_the_extra_that_is_missing(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     out = tmp_path / "one[1]"
-    result = runner.invoke(cli.app, ["demo", "--out", str(out), "--scene", "harvesting"])
-    assert result.exit_code == 0
-    assert "pip install 'leadthrough[simulation]'" in result.output
-    assert f"{out}/" in result.output.replace("\n", "")
+    said = run("demo", "--out", out, "--scene", "harvesting").output
+    assert "pip install 'leadthrough[simulation]'" in said
+    assert f"{out}/" in said.replace("\n", "")
 
 
 def test_page_of_the_demo_shows_three_arms_and_explains_every_measure(shown):
@@ -73,32 +68,10 @@ def test_demo_does_without_the_handwriting_set(tmp_path, monkeypatch):
     monkeypatch.setattr("leadthrough.io.lasa.find_spec", lambda _: None)
     monkeypatch.setattr(scenes, "other", lambda *_: shown())
     monkeypatch.setattr(report, "write_simulation", lambda *_: "simulated.html")
-    result = runner.invoke(cli.app, ["demo", "--out", str(tmp_path)])
-    assert result.exit_code == 0, result.output
-    assert "leadthrough[lasa]" in result.output
+    assert "leadthrough[lasa]" in run("demo", "--out", tmp_path).output
     assert (tmp_path / "report.html").read_text().count('<figure class="scene">') == 2
-    asked = runner.invoke(cli.app, ["demo", "--out", str(tmp_path), "--scene", "handwriting"])
-    assert asked.exit_code == 2
+    asked = run("demo", "--out", tmp_path, "--scene", "handwriting", code=2)
     assert "leadthrough[lasa]" in asked.output
-
-
-def test_unknown_motion_is_an_error_of_one_line(tmp_path, monkeypatch, capsys):
-    arguments = ["leadthrough", "demo", "--out", str(tmp_path), "--motion", "Scribble"]
-    monkeypatch.setattr("sys.argv", arguments)
-    with pytest.raises(SystemExit) as error:
-        cli.main()
-    assert error.value.code == 2
-    assert "Scribble" in capsys.readouterr().err
-
-
-def test_output_folder_that_cannot_be_made_is_an_error_of_one_line(tmp_path, monkeypatch, capsys):
-    (tmp_path / "file").write_text("in the way")
-    arguments = ["leadthrough", "demo", "--out", str(tmp_path / "file" / "x"), "--motion", "Snake"]
-    monkeypatch.setattr("sys.argv", arguments)
-    with pytest.raises(SystemExit) as error:
-        cli.main()
-    assert error.value.code == 2
-    assert str(tmp_path / "file") in capsys.readouterr().err.replace("\n", "")
 
 
 def test_experiment_writes_results_and_goes_on_where_it_was(tmp_path, monkeypatch):
@@ -106,9 +79,8 @@ def test_experiment_writes_results_and_goes_on_where_it_was(tmp_path, monkeypatc
     asked = []
     small = replace(STUDY, configure=lambda quick, seed: asked.append((quick, seed)) or config)
     monkeypatch.setitem(catalogue.STUDIES, "ur3", small)
-    arguments = ["experiment", "ur3", "--quick", "--seed", "3", "--out", str(tmp_path)]
-    first = runner.invoke(cli.app, arguments)
-    assert first.exit_code == 0, first.output
+    words = ["experiment", "ur3", "--quick", "--seed", "3", "--out", tmp_path]
+    first = run(*words)
     assert asked == [(True, 3)]
     assert "kappa paper" in first.output
     written = (tmp_path / "results.json").read_bytes()
@@ -118,11 +90,10 @@ def test_experiment_writes_results_and_goes_on_where_it_was(tmp_path, monkeypatc
         "The arm as simulated; transparent, as planned."
         in (tmp_path / "simulated.html").read_text()
     )
-    assert runner.invoke(cli.app, arguments).exit_code == 0
+    run(*words)
     assert (tmp_path / "results.json").read_bytes() == written
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    without = runner.invoke(cli.app, arguments)
-    assert without.exit_code == 0
+    without = run(*words)
     assert "pip install 'leadthrough[simulation]'" in " ".join(without.output.split())
     assert "simulated.html" not in without.output
 
@@ -137,8 +108,7 @@ def test_experiment_with_a_failure_says_so_and_ends_with_one(tmp_path, monkeypat
         tasks=lambda config: [study.Task(fail, {"setup": n}) for n in config.setups],
     )
     monkeypatch.setitem(catalogue.STUDIES, "ur3", broken)
-    result = runner.invoke(cli.app, ["experiment", "ur3", "--out", str(tmp_path)])
-    assert result.exit_code == 1
+    result = run("experiment", "ur3", "--out", tmp_path, code=1)
     assert "setup 4 is out of paper" in " ".join(result.output.split())
 
 
@@ -147,34 +117,40 @@ def test_a_study_that_is_stopped_says_how_to_go_on(tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(study, "run", stop)
-    result = runner.invoke(cli.app, ["experiment", "ur3", "--quick", "--out", str(tmp_path)])
-    assert result.exit_code == 130
+    result = run("experiment", "ur3", "--quick", "--out", tmp_path, code=130)
     assert "rerun the command to resume" in result.stderr
 
 
-@pytest.mark.parametrize("wrong", [["nothing"], ["lasa", "--seed", "-1"], ["ur3", "--jobs", "0"]])
-def test_wrong_arguments_of_an_experiment_are_an_error_of_one_line(wrong, monkeypatch, capsys):
-    monkeypatch.setattr("sys.argv", ["leadthrough", "experiment", *wrong])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ["experiment", "nothing"],
+        ["experiment", "lasa", "--seed", "-1"],
+        ["experiment", "ur3", "--jobs", "0"],
+        ["demo", "--out", "made", "--motion", "Scribble"],
+        ["demo", "--motion", "Snake", "--out", "file/x"],
+    ],
+)
+def test_wrong_arguments_are_an_error_of_one_line(wrong, empty_folder, monkeypatch, capsys):
+    (empty_folder / "file").write_text("in the way")
+    monkeypatch.setattr("sys.argv", ["leadthrough", *wrong])
     with pytest.raises(SystemExit) as error:
         cli.main()
     assert error.value.code == 2
-    assert wrong[-1] in capsys.readouterr().err
+    assert wrong[-1] in capsys.readouterr().err.replace("\n", "")
 
 
 def test_experiment_without_a_name_lists_the_studies():
-    result = runner.invoke(cli.app, ["experiment"])
-    assert result.exit_code == 0
-    assert result.output.split() == list(catalogue.STUDIES)
+    assert run("experiment").output.split() == list(catalogue.STUDIES)
 
 
 def test_traceback_comes_with_debug_only():
     wrong = ["experiment", "nothing"]
-    assert "Traceback" not in runner.invoke(cli.app, wrong).output
-    assert isinstance(runner.invoke(cli.app, ["--debug", *wrong]).exception, errors.InvalidInput)
+    assert "Traceback" not in run(*wrong, code=2).output
+    assert isinstance(RUNNER.invoke(cli.app, ["--debug", *wrong]).exception, errors.InvalidInput)
 
 
 def test_help_names_the_commands():
-    result = runner.invoke(cli.app, ["--help"])
-    assert result.exit_code == 0
-    assert "demo" in result.output
-    assert "experiment" in result.output
+    said = run("--help").output
+    assert "demo" in said
+    assert "experiment" in said

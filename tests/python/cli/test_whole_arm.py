@@ -7,14 +7,9 @@ POST = "box:0.05,0.05,0.4@0.28,0.26,0.2"
 QUERY = ("skill.npz", "--move-goal", "0.05,0,0.05", "--obstacle", POST, "-o", "motion.json")
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("reach")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        run("example", "reach", ".")
-        run("learn", "shown", "-o", "skill.npz")
-        yield folder
+@pytest.fixture(autouse=True)
+def _there(learned, monkeypatch):
+    monkeypatch.chdir(learned)
 
 
 def plan(*words):
@@ -26,7 +21,7 @@ def check(code):
     return facts("check", "timed.json", "--obstacle", POST, code=code)
 
 
-def test_the_wrist_keeps_clear_of_the_post_and_the_tool_gives_way(folder):
+def test_the_wrist_keeps_clear_of_the_post_and_the_tool_gives_way():
     said = plan()
     assert 0.005 <= said["clearance"] < 0.02
     assert 0.01 < said["tip_deviation"] < 0.1
@@ -37,11 +32,11 @@ def test_the_wrist_keeps_clear_of_the_post_and_the_tool_gives_way(folder):
     assert plan("--margin", "0.03")["clearance"] >= 0.03
 
 
-def test_with_tip_only_the_wrist_is_left_to_the_check(folder):
+def test_with_tip_only_the_wrist_is_left_to_the_check():
     assert "clearance" not in plan("--tip-only")
     assert not check(code=1)["clear"]
 
 
 @pytest.mark.parametrize("option", [("--margin", "0.01"), ("--tip-only",)])
-def test_options_for_obstacles_need_one(folder, option):
+def test_options_for_obstacles_need_one(option):
     run("plan", "skill.npz", "-o", "motion.json", *option, code=2)

@@ -17,11 +17,10 @@ SLIDER = """<robot name="lift"><link name="a"/><link name="b"/><link name="c"/>
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
+def folder(empty_folder):
     """A folder with a URDF without accelerations and jerks, as the working directory."""
-    monkeypatch.chdir(tmp_path)
     Path("lift.urdf").write_text(SLIDER)
-    return tmp_path
+    return empty_folder
 
 
 def test_the_file_completes_the_urdf_and_says_what_is_assumed(folder):

@@ -7,12 +7,9 @@ from cli.command_line import run
 import leadthrough as lt
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    run("example", "reach", ".")
+@pytest.fixture(autouse=True)
+def _reach(folder):
     run("learn", "shown", "-o", "reach.npz")
-    return tmp_path
 
 
 def test_a_goal_in_millimetres_is_refused(folder):

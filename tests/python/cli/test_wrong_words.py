@@ -160,15 +160,12 @@ CASES = [
 
 
 @pytest.fixture(scope="module")
-def example(tmp_path_factory):
-    """A folder with the example and a skill."""
-    folder = tmp_path_factory.mktemp("example")
+def example(learned):
+    """A folder with the example, a skill and a bag."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        run("example", "reach", ".")
-        run("learn", "shown", "-o", "skill.npz")
+        patch.chdir(learned)
         run("retime", "shown/reach1.csv", "--path-tolerance", "0.01", "-o", "shown.mcap")
-    return folder
+    return learned
 
 
 @pytest.fixture

@@ -20,11 +20,6 @@ SVG = "{http://www.w3.org/2000/svg}"
 T = np.linspace(0.0, 2.0, 5000)
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
 @pytest.fixture
 def joints(panda):
     times = np.linspace(0.0, 1.0, 30)

@@ -15,11 +15,6 @@ TIMES = 0.02 * np.arange(1, 51)
 ROWS = Q + 0.1 * np.outer(1.0 - np.cos(np.pi * TIMES), np.linspace(0.2, 1.0, 7))
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
 @pytest.fixture
 def guard(panda):
     return lt.Guard(panda, rate=50.0)

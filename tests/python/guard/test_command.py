@@ -1,14 +1,11 @@
 """`leadthrough guard`: files in, what may run out."""
 
-import json
-
 import numpy as np
 import pytest
+from cli.command_line import facts
 from guard.adversary import HOMES
-from typer.testing import CliRunner
 
 import leadthrough as lt
-from leadthrough.cli import app
 
 Q = HOMES["panda"]
 
@@ -26,15 +23,15 @@ def written(tmp_path):
     return tmp_path
 
 
-def run(folder, *words):
-    command = ["guard", str(folder / "jump.npz"), "--robot", "panda", *words, "--json"]
-    result = CliRunner().invoke(app, [*command, "-o", str(folder / "safe.npz")])
-    return result.exit_code, json.loads(result.stdout)
+def guarded(folder, *words, code=0):
+    """What is said of the motion with the jump."""
+    files = (folder / "jump.npz", "-o", folder / "safe.npz")
+    return facts("guard", *files, "--robot", "panda", *words, code=code)
 
 
 def test_the_nearest_motion_that_is_allowed_is_written(written):
-    code, found = run(written)
-    assert (code, found["verdict"], found["safe"]) == (0, "changed", True)
+    found = guarded(written)
+    assert (found["verdict"], found["safe"]) == ("changed", True)
     assert "panda_joint1 jumps at 0.800 s" in found["reasons"][0]
     motion = lt.read_motion(written / "safe.npz")
     arm = lt.Arm.load("panda")
@@ -47,8 +44,8 @@ def test_the_nearest_motion_that_is_allowed_is_written(written):
 def test_nothing_runs_from_inside_an_obstacle_and_the_exit_code_says_so(written):
     tip = lt.Arm.load("panda").forward_kinematics(Q)[0]
     place = ",".join(f"{x:.4f}" for x in tip)
-    code, found = run(written, "--obstacle", f"sphere:0.1@{place}")
-    assert (code, found["verdict"]) == (1, "braking")
+    found = guarded(written, "--obstacle", f"sphere:0.1@{place}", code=1)
+    assert found["verdict"] == "braking"
     assert "obstacle 0" in found["reasons"][-1]
 
 
@@ -56,15 +53,15 @@ def test_where_not_even_standing_still_is_allowed_nothing_is_written(written):
     start = lt.read_motion(written / "jump.npz").positions[0]
     place = lt.Arm.load("panda").forward_kinematics(start)[0]
     ball = f"sphere:0.1@{','.join(map(str, place))}"
-    code, found = run(written, "--obstacle", ball)
-    assert (code, found["safe"], found["motion"]) == (1, False, "not written")
+    found = guarded(written, "--obstacle", ball, code=1)
+    assert (found["safe"], found["motion"]) == (False, "not written")
     assert not (written / "safe.npz").exists()
 
 
 def test_a_way_leads_onto_the_motion_from_where_the_arm_is(written):
     here = Q + 0.2 * np.eye(7)[6]
-    code, found = run(written, "--start", ",".join(map(str, here)))
-    assert (code, found["verdict"]) == (0, "changed")
+    found = guarded(written, "--start", ",".join(map(str, here)))
+    assert found["verdict"] == "changed"
     motion, arm = lt.read_motion(written / "safe.npz"), lt.Arm.load("panda")
     assert np.array_equal(motion.positions[0], here)
     # Commands are run one a period, straight from each to the next.

@@ -15,11 +15,6 @@ TIMES = np.arange(0, 100) / RATE
 MOVING = Q + 0.2 * np.outer(np.sin(2.0 * TIMES + 0.3), np.linspace(1.0, 0.2, 7))
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
 def motion_of(rows, **more):
     return lt.JointTrajectory(TIMES[: len(rows)], rows, **more)
 

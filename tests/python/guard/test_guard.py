@@ -18,11 +18,6 @@ TIMES = PERIOD * np.arange(1, 51)
 WALL = lt.Box([0.02, 2.0, 2.0], [0.6, 0.0, 0.5])
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
 @pytest.fixture
 def guard(panda):
     return lt.Guard(panda, [WALL], rate=RATE)

@@ -21,11 +21,6 @@ def limits_of(arm, part):
 
 
 @pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
-@pytest.fixture(scope="module")
 def motion(panda):
     way = lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 101))
     return lt.retime(HOMES["panda"] + np.outer(way, AWAY), limits_of(panda, 0.5))

@@ -13,11 +13,6 @@ from leadthrough.validation import TargetRegion
 
 
 @pytest.fixture(scope="module")
-def panda():
-    return lt.Arm.load("panda")
-
-
-@pytest.fixture(scope="module")
 def poses(panda):
     phase = np.linspace(0.0, 1.0, 21)[:, None]
     home = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])

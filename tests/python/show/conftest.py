@@ -17,11 +17,6 @@ FLAGS = [
 
 
 @pytest.fixture(scope="session")
-def panda():
-    return lt.Arm.load("panda")
-
-
-@pytest.fixture(scope="session")
 def shown():
     """Five hands carry something over a table, from its right to its left."""
     rng = np.random.default_rng(1)

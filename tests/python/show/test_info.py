@@ -3,11 +3,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cli.command_line import facts, run
 from motions import minimum_jerk
-from typer.testing import CliRunner
 
 import leadthrough as lt
-from leadthrough import cli
 from leadthrough.errors import InvalidInput
 from leadthrough.io import rosbag
 from leadthrough.io.table import Request
@@ -85,12 +84,9 @@ def test_what_is_no_file_is_refused(path):
 def test_the_command_prints_text_or_json(tmp_path):
     path = tmp_path / "arm.csv"
     lt.write_motion(JOINTS, path)
-    runner = CliRunner()
-    result = runner.invoke(cli.app, ["info", str(path), str(UR3)])
-    assert result.exit_code == 0, result.output
-    assert "arm: joints, 51 samples, 1 s at 50 Hz" in result.output
-    assert "from base_link to tool0" in result.output
-    result = runner.invoke(cli.app, ["info", str(path), "--json"])
-    (found,) = json.loads(result.output)
+    said = run("info", path, UR3).output
+    assert "arm: joints, 51 samples, 1 s at 50 Hz" in said
+    assert "from base_link to tool0" in said
+    (found,) = facts("info", path)
     assert found["recordings"][0]["joints"] == ["a_joint", "b_joint"]
-    assert runner.invoke(cli.app, ["info", "missing.csv"]).exit_code == 2
+    run("info", "missing.csv", code=2)

@@ -8,14 +8,11 @@ import time
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from cli.command_line import run
 
 import leadthrough as lt
-from leadthrough import cli
 from leadthrough.errors import InvalidInput, MissingDependency
 from leadthrough.show import inline, open_view, view
-
-runner = CliRunner()
 
 
 @pytest.fixture
@@ -31,15 +28,10 @@ def recording(panda, tmp_path):
 def test_command_writes_a_page(recording, shown, tmp_path):
     lt.DMP().fit(shown).save(tmp_path / "skill.npz")
     out = tmp_path / "out.html"
-    result = runner.invoke(
-        cli.app,
-        ["view", str(recording), "--robot", "panda", "--demonstrations", str(recording),
-         "--skill", str(tmp_path / "skill.npz"), "--obstacle", "sphere:0.1@1,0,0.5",
-         "--html", str(out)],
-    )  # fmt: skip
-    assert result.exit_code == 0, result.output
-    assert str(out) in result.output.replace("\n", "")
-    assert "obstacles" not in result.output
+    shows = ("--demonstrations", recording, "--skill", tmp_path / "skill.npz", "--html", out)
+    said = run("view", recording, "--robot", "panda", *shows, "--obstacle", "sphere:0.1@1,0,0.5")
+    assert str(out) in said.output.replace("\n", "")
+    assert "obstacles" not in said.output
     assert out.stat().st_size > 50_000
 
 
@@ -49,8 +41,7 @@ def test_command_writes_a_page(recording, shown, tmp_path):
 )
 def test_wrong_arguments_are_an_error_of_one_line(wrong):
     arguments = ["view", *wrong] if wrong[0] == "--port" else ["view", *wrong, "--html", "x.html"]
-    result = runner.invoke(cli.app, arguments)
-    assert result.exit_code == 2
+    result = run(*arguments, code=2)
     assert len(result.output.strip().splitlines()) == 1
 
 

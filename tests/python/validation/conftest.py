@@ -10,11 +10,6 @@ HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])  # rad
 
 
 @pytest.fixture(scope="session")
-def panda():
-    return lt.Arm.load("panda")
-
-
-@pytest.fixture(scope="session")
 def reach(panda):
     phase = np.linspace(0.0, 1.0, 51)[:, None]
     eased = minimum_jerk(phase)
