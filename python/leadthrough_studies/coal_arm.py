@@ -84,7 +84,7 @@ class CoalArm:
         )
 
     def solid(self, shape: Shape) -> tuple[Any, Any]:  # neither library declares types
-        """The geometry and the pose of a box, ball, capsule or cylinder, as `distance_to` takes them.
+        """The geometry and the pose of a box, ball, capsule or cylinder, for `distance_to`.
 
         Raises:
             InvalidInput: for another shape.

@@ -13,6 +13,16 @@ def one_joint(inside="", *, kind="continuous", link=""):
     )
 
 
+def two_wheels(mimic, elbow=""):
+    """Link "a", joint "one", link "b", joint "two", which mimics "one" so, and link "c"."""
+    return (
+        '<robot name="two"><link name="a"/><link name="b"/><link name="c"/>'
+        '<joint name="one" type="continuous"><parent link="a"/><child link="b"/>'
+        '<axis xyz="0 0 1"/></joint><joint name="two" type="continuous"><parent link="b"/>'
+        f'<child link="c"/>{elbow}<axis xyz="0 0 1"/><mimic joint="one" {mimic}/></joint></robot>'
+    )
+
+
 def with_mesh(file, scale="1 1 1"):
     """A robot of one joint whose moving link is a mesh."""
     mesh = f'<mesh filename="{file}" scale="{scale}"/>'

@@ -111,12 +111,34 @@ def test_a_chain_of_a_hundred_thousand_joints_is_refused():
         lt.Arm.from_urdf(f'<robot name="long">{links}{joints}</robot>')
 
 
-def test_an_arm_travels_between_processes():
-    arm = lt.Arm.load("ur3")
+def loaded(arm):
+    turn = (0.8, 0.0, 0.6, 0.0)
+    held = arm.with_tool((0.1, 0.0, 0.2), turn).with_payload(1.0, (0.0, 0.0, 0.1))
+    return held.with_attached(lt.Capsule(0.05, 0.1, (0, 0, 0.1), turn), mass=0.5)
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda: lt.Arm.load("ur3"),
+        lambda: loaded(lt.Arm.load("ur3")),
+        lambda: lt.Arm.load("tiago").lock_joints({"torso_lift_joint": 0.2, "arm_7_joint": 0.3}),
+    ],
+    ids=["plain", "loaded", "locked"],
+)
+def test_an_arm_travels_between_processes(made):
+    arm = made()
     again = pickle.loads(pickle.dumps(arm))
     q = np.linspace(0.1, 0.6, 6)
-    np.testing.assert_array_equal(arm.forward_kinematics(q)[0], again.forward_kinematics(q)[0])
-    np.testing.assert_array_equal(arm.limits.jerk, again.limits.jerk)
+    for ask in ("forward_kinematics", "jacobian", "mass_matrix"):
+        for ours, theirs in zip(getattr(again, ask)(q), getattr(arm, ask)(q), strict=True):
+            np.testing.assert_array_equal(ours, theirs)
+    for ours, theirs in zip(again.tool, arm.tool, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    for ours, theirs in zip(again.attached, arm.attached, strict=True):
+        np.testing.assert_array_equal(ours.position, theirs.position)
+    np.testing.assert_array_equal(again.limits.jerk, arm.limits.jerk)
+    assert again.locked_joints == arm.locked_joints
 
 
 def test_joints_without_bounds_are_solved_nearest_to_the_seed():

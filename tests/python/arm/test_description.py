@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from urdfs import one_joint
+from urdfs import one_joint, two_wheels
 
 import leadthrough as lt
 
@@ -55,13 +55,7 @@ def test_locked_joints_and_loads_are_listed():
 
 
 def test_a_joint_that_mimics_shows_how():
-    document = (
-        '<robot name="two"><link name="a"/><link name="b"/><link name="c"/>'
-        '<joint name="one" type="continuous"><parent link="a"/><child link="b"/></joint>'
-        '<joint name="two" type="continuous"><parent link="b"/><child link="c"/>'
-        '<mimic joint="one" multiplier="-2" offset="0.1"/></joint></robot>'
-    )
-    text = lt.Arm.from_urdf(document).describe()
+    text = lt.Arm.from_urdf(two_wheels('multiplier="-2" offset="0.1"')).describe()
     assert "= -2 one +0.1" in text
 
 

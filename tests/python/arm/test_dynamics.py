@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from pinocchio_peer import Peer
+from urdfs import one_joint
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, InvalidRobot
@@ -109,11 +110,7 @@ def test_batches_are_their_rows_also_from_several_threads(arm, motions):
 
 
 def test_a_robot_without_masses_is_refused():
-    document = (
-        '<robot name="light"><link name="a"/><link name="b"/>'
-        '<joint name="turn" type="continuous"><parent link="a"/><child link="b"/></joint></robot>'
-    )
-    arm = lt.Arm.from_urdf(document).with_payload(1.0)
+    arm = lt.Arm.from_urdf(one_joint()).with_payload(1.0)
     for compute in (arm.gravity_torques, arm.mass_matrix):
         with pytest.raises(InvalidRobot, match="mass"):
             compute([0.1])

@@ -2,20 +2,15 @@
 
 import numpy as np
 import pytest
-from urdfs import CUBE, with_mesh
+from urdfs import CUBE, one_joint, with_mesh
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, InvalidRobot
 
-JOINT = (
-    '<joint name="j" type="revolute"><parent link="a"/><child link="b"/>{}'
-    '<axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="{}" effort="1e308"/></joint>'
-)
-
 
 def robot(inside="", link="", velocity="1"):
-    joint = JOINT.format(inside, velocity)
-    return f'<robot name="r"><link name="a"/><link name="b">{link}</link>{joint}</robot>'
+    limit = f'<limit lower="-1" upper="1" velocity="{velocity}" effort="1e308"/>'
+    return one_joint(inside + limit, kind="revolute", link=link)
 
 
 def refused(document, message):
@@ -36,7 +31,7 @@ def test_many_capsules_are_read_as_fast_as_other_elements():
 def test_entities_are_not_expanded():
     laughs = "".join(f'<!ENTITY l{i} "{10 * f"&l{i - 1};"}">' for i in range(1, 12))
     head = f'<!DOCTYPE robot [<!ENTITY l0 "ha">{laughs}]>'
-    refused(head + robot().replace('"r"', '"&l11;"'), "unsupported markup")
+    refused(head + robot().replace('"one"', '"&l11;"'), "unsupported markup")
     refused('<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]>' + robot(), "unsupported")
 
 

@@ -134,7 +134,11 @@ ROWS = np.zeros((3, 3))
         ("inverse_kinematics", {"options": {"free": "rz"}}, "options"),
         ("inverse_kinematics", {"options": IkOptions(mode="closest", posture=[0.0])}, "posture"),
         ("inverse_kinematics", {"options": IkOptions(free=("x", "y", "z"))}, "free"),
-        ("inverse_kinematics_batch", {"positions": ROWS, "orientations": np.zeros((2, 4))}, ""),
+        (
+            "inverse_kinematics_batch",
+            {"positions": ROWS, "orientations": np.zeros((2, 4))},
+            "orientation",
+        ),
         ("inverse_kinematics_batch", {"positions": ROWS, "threads": 0}, "threads"),
         ("inverse_kinematics_batch", {"positions": ROWS, "q0": np.zeros((2, 6))}, "q0"),
         ("inverse_kinematics_all", {"count": 0}, "count"),

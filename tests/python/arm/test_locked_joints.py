@@ -1,5 +1,3 @@
-import pickle
-
 import numpy as np
 import pytest
 from urdfs import one_joint
@@ -56,14 +54,6 @@ def test_inverse_kinematics_uses_the_joints_that_are_left(tiago):
     result = locked.inverse_kinematics(position, orientation)
     assert result.success
     np.testing.assert_allclose(tiago.forward_kinematics([0.2, *result.q])[0], position, atol=2e-6)
-
-
-def test_an_arm_with_locked_joints_travels_between_processes(tiago):
-    locked = tiago.lock_joints({"torso_lift_joint": 0.2, "arm_7_joint": 0.3})
-    again = pickle.loads(pickle.dumps(locked))
-    assert again.locked_joints == locked.locked_joints
-    q = np.linspace(0.1, 0.6, 6)
-    np.testing.assert_array_equal(again.jacobian(q), locked.jacobian(q))
 
 
 def test_locked_joints_are_not_the_callers_dictionary(tiago):

@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from urdfs import two_wheels
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, InvalidRobot
@@ -127,19 +128,9 @@ def test_inverse_kinematics_keeps_the_limits_of_all_joints(arm):
 
 def test_a_joint_wraps_only_where_a_turn_changes_nothing():
     """A wheel that drives another one half as fast is where it was after two turns."""
-
-    def wheels(multiplier):
-        return lt.Arm.from_urdf(
-            '<robot name="wheels"><link name="a"/><link name="b"/><link name="c"/>'
-            '<joint name="one" type="continuous"><parent link="a"/><child link="b"/>'
-            '<axis xyz="0 0 1"/></joint>'
-            '<joint name="two" type="continuous"><parent link="b"/><child link="c"/>'
-            f'<origin xyz="1 0 0"/><axis xyz="0 0 1"/>'
-            f'<mimic joint="one" multiplier="{multiplier}"/></joint></robot>'
-        ).with_tool((1, 0, 0))
-
     for multiplier in (2, 0.5):
-        arm = wheels(multiplier)
+        wheels = two_wheels(f'multiplier="{multiplier}"', elbow='<origin xyz="1 0 0"/>')
+        arm = lt.Arm.from_urdf(wheels).with_tool((1, 0, 0))
         q = np.array([7.5])
         target, _ = arm.forward_kinematics(q)
         for seed in (7.0, 0.5):
@@ -164,34 +155,19 @@ def test_a_leader_outside_the_arm_must_be_locked():
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("name", "mimic", "message"),
     [
-        ({"lift": ("revolute", "0 0 0", "0 1 0", '{limit}<mimic joint="lift"/>')}, "itself"),
-        ({"lead": ("revolute", "0 0 0", "0 1 0", '{limit}<mimic joint="curl"/>')}, "itself"),
-        (
-            {"wrist": ("revolute", "0 0 0", "1 0 0", '{limit}<mimic joint="lead" offset="9"/>')},
-            "leave no value",
-        ),
-        (
-            {"wrist": ("revolute", "0 0 0", "1 0 0", '{limit}<mimic joint="lead" offset="nan"/>')},
-            "finite",
-        ),
-        (
-            {
-                "wrist": (
-                    "revolute",
-                    "0 0 0",
-                    "1 0 0",
-                    '{limit}<mimic joint="lead" multiplier="0" offset="9"/>',
-                )
-            },
-            "outside",
-        ),
+        ("lift", 'joint="lift"', "itself"),
+        ("lead", 'joint="curl"', "itself"),
+        ("wrist", 'joint="lead" offset="9"', "leave no value"),
+        ("wrist", 'joint="lead" offset="nan"', "finite"),
+        ("wrist", 'joint="lead" multiplier="0" offset="9"', "outside"),
     ],
 )
-def test_contradictory_mimics_are_refused(change, message):
+def test_contradictory_mimics_are_refused(name, mimic, message):
+    changed = ("revolute", "0 0 0", "0 1 0", f"{{limit}}<mimic {mimic}/>")
     with pytest.raises(InvalidRobot, match=message):
-        lt.Arm.from_urdf(document(**change))
+        lt.Arm.from_urdf(document(**{name: changed}))
 
 
 def test_a_joint_that_mimics_cannot_be_locked(arm):

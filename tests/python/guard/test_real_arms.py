@@ -132,13 +132,17 @@ def test_the_loop_runs_on_the_simulated_arm(monkeypatch, capsys):
     assert "speed 0.00" in said and "speed 0.50" in said and "braking" in said
 
 
-def test_the_calls_are_those_of_ur_rtde(monkeypatch):
+def run_on_ur(monkeypatch, interface):
     control, receive = ModuleType("rtde_control"), ModuleType("rtde_receive")
-    control.RTDEControlInterface = URControl
+    control.RTDEControlInterface = interface
     receive.RTDEReceiveInterface = lambda _: SimpleNamespace(getActualQ=UR_START.tolist)
     monkeypatch.setitem(sys.modules, "rtde_control", control)
     monkeypatch.setitem(sys.modules, "rtde_receive", receive)
     run_loop(monkeypatch, "ur", "192.168.0.5")
+
+
+def test_the_calls_are_those_of_ur_rtde(monkeypatch):
+    run_on_ur(monkeypatch, URControl)
     robot = URControl.last
     assert robot.ended == ["servoStop", "stopScript"]
     assert len(robot.sent) == 1000
@@ -157,18 +161,12 @@ def test_the_calls_are_those_of_panda_py(monkeypatch):
 
 
 def test_the_robot_is_closed_where_the_connection_is_lost(monkeypatch):
-    control, receive = ModuleType("rtde_control"), ModuleType("rtde_receive")
-
     class Lost(URControl):
         def servoJ(self, q, *rest):  # noqa: N802
             if len(self.sent) == 20:
                 raise RuntimeError("connection lost")
             return super().servoJ(q, *rest)
 
-    control.RTDEControlInterface = Lost
-    receive.RTDEReceiveInterface = lambda _: SimpleNamespace(getActualQ=UR_START.tolist)
-    monkeypatch.setitem(sys.modules, "rtde_control", control)
-    monkeypatch.setitem(sys.modules, "rtde_receive", receive)
     with pytest.raises(RuntimeError, match="connection lost"):
-        run_loop(monkeypatch, "ur", "192.168.0.5")
+        run_on_ur(monkeypatch, Lost)
     assert URControl.last.ended == ["servoStop", "stopScript"]

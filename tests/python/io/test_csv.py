@@ -20,12 +20,8 @@ def write(tmp_path):
     return to_file
 
 
-def read(path, **options):
-    return lt.read_motion(path, **options)
-
-
 def test_points_are_found_by_their_names(write):
-    motion = read(write("t,x,y\n0,1,2\n0.5,3,4\n"))
+    motion = lt.read_motion(write("t,x,y\n0,1,2\n0.5,3,4\n"))
     assert type(motion) is lt.Trajectory
     assert np.array_equal(motion.times, [0, 0.5])
     assert np.array_equal(motion.positions, [[1, 2], [3, 4]])
@@ -41,14 +37,14 @@ def test_points_are_found_by_their_names(write):
     ],
 )
 def test_poses_are_found_by_their_names(write, names):
-    motion = read(write(f"{names}\n0,1,2,3,1,0,0,0\n1,4,5,6,0,1,0,0\n"))
+    motion = lt.read_motion(write(f"{names}\n0,1,2,3,1,0,0,0\n1,4,5,6,0,1,0,0\n"))
     assert type(motion) is lt.PoseTrajectory
     assert np.array_equal(motion.positions, [[1, 2, 3], [4, 5, 6]])
     assert np.array_equal(motion.orientations, [[1, 0, 0, 0], [0, 1, 0, 0]])
 
 
 def test_quaternions_are_read_as_w_x_y_z_wherever_w_stands(write):
-    motion = read(write("t,x,y,z,qx,qy,qz,qw\n0,0,0,0,0.6,0,0,0.8\n"))
+    motion = lt.read_motion(write("t,x,y,z,qx,qy,qz,qw\n0,0,0,0,0.6,0,0,0.8\n"))
     assert np.array_equal(motion.orientations, [[0.8, 0.6, 0, 0]])
 
 
@@ -56,7 +52,7 @@ def test_quaternions_are_read_as_w_x_y_z_wherever_w_stands(write):
     "names", ["joint_1,joint_2", "q0,q1", "panda_joint1,panda_joint2", "pan_joint,lift_joint"]
 )
 def test_joints_are_found_by_their_names_and_keep_them(write, names):
-    motion = read(write(f"t,{names}\n0,1,2\n1,3,4\n"))
+    motion = lt.read_motion(write(f"t,{names}\n0,1,2\n1,3,4\n"))
     assert type(motion) is lt.JointTrajectory
     assert motion.joint_names == tuple(names.split(","))
     assert np.array_equal(motion.positions, [[1, 2], [3, 4]])
@@ -64,23 +60,23 @@ def test_joints_are_found_by_their_names_and_keep_them(write, names):
 
 def test_joints_are_ordered_by_their_numbers(write):
     names = [f"joint_{i}" for i in (10, 1, 2, 3, 4, 5, 6, 7, 8, 9)]
-    motion = read(write(f"t,{','.join(names)}\n0,10,1,2,3,4,5,6,7,8,9\n"))
+    motion = lt.read_motion(write(f"t,{','.join(names)}\n0,10,1,2,3,4,5,6,7,8,9\n"))
     assert np.array_equal(motion.positions, [np.arange(1, 11)])
 
 
 def test_joints_with_a_number_left_out_are_not_guessed(write):
     with pytest.raises(InvalidInput, match="no names of positions or joints found"):
-        read(write("t,joint_1,joint_3\n0,1,2\n"))
+        lt.read_motion(write("t,joint_1,joint_3\n0,1,2\n"))
 
 
 def test_columns_choose_what_is_read(write):
     path = write(f"{HEADER}\n0,1,2,3,1,0,0,0,0.1,0.2,go\n1,4,5,6,1,0,0,0,0.3,0.4,stop\n")
-    joints = read(path, columns=JOINTS)
+    joints = lt.read_motion(path, columns=JOINTS)
     assert joints.joint_names == ("joint_1", "joint_2")
     assert np.array_equal(joints.times, [0, 1])
-    poses = read(path, columns={"orientations": ["qw", "qx", "qy", "qz"]})
+    poses = lt.read_motion(path, columns={"orientations": ["qw", "qx", "qy", "qz"]})
     assert np.array_equal(poses.positions, [[1, 2, 3], [4, 5, 6]])
-    points = read(path, columns={"time": "joint_1", "positions": ["z", "x"]})
+    points = lt.read_motion(path, columns={"time": "joint_1", "positions": ["z", "x"]})
     assert type(points) is lt.Trajectory
     assert np.array_equal(points.positions, [[3, 1], [6, 4]])
     assert np.array_equal(points.times, [0.1, 0.3])
@@ -88,30 +84,30 @@ def test_columns_choose_what_is_read(write):
 
 def test_poses_and_joints_at_once_need_a_choice(write):
     with pytest.raises(InvalidInput, match=r"positions \(x, y, z\) or joints \(joint_1, joint_2\)"):
-        read(write(f"{HEADER}\n0,1,2,3,1,0,0,0,0.1,0.2,go\n"))
+        lt.read_motion(write(f"{HEADER}\n0,1,2,3,1,0,0,0,0.1,0.2,go\n"))
 
 
 def test_several_positions_need_a_choice(write):
     path = write("t,current_pos_x,current_pos_y,goal_pos_x,goal_pos_y\n0,1,2,3,4\n")
     with pytest.raises(InvalidInput, match=r"current_pos_x, current_pos_y \| goal_pos_x, goal_pos"):
-        read(path)
-    chosen = read(path, columns={"positions": ["goal_pos_x", "goal_pos_y"]})
+        lt.read_motion(path)
+    chosen = lt.read_motion(path, columns={"positions": ["goal_pos_x", "goal_pos_y"]})
     assert np.array_equal(chosen.positions, [[3, 4]])
 
 
 def test_a_rate_stands_in_for_time(write):
     path = write("x,y\n1,2\n3,4\n5,6\n")
-    assert np.array_equal(read(path, rate=20).times, [0, 0.05, 0.1])
+    assert np.array_equal(lt.read_motion(path, rate=20).times, [0, 0.05, 0.1])
     with pytest.raises(InvalidInput, match="rate: the file has no time column"):
-        read(path)
+        lt.read_motion(path)
     with pytest.raises(InvalidInput, match="rate: the file has a time column, 't'"):
-        read(write("t,x,y\n0,1,2\n"), rate=20)
+        lt.read_motion(write("t,x,y\n0,1,2\n"), rate=20)
 
 
 @pytest.mark.parametrize("rate", [0, -1, np.nan, np.inf, "20", True])
 def test_an_impossible_rate_is_refused(write, rate):
     with pytest.raises(InvalidInput, match="rate: "):
-        read(write("x,y\n1,2\n"), rate=rate)
+        lt.read_motion(write("x,y\n1,2\n"), rate=rate)
 
 
 @pytest.mark.parametrize(
@@ -126,7 +122,7 @@ def test_an_impossible_rate_is_refused(write, rate):
     ],
 )
 def test_dialects_are_understood(write, text):
-    motion = read(write(text))
+    motion = lt.read_motion(write(text))
     assert np.array_equal(motion.times, [0, 1])
     assert np.array_equal(motion.positions, [[1, 2], [3, 4]])
 
@@ -163,7 +159,7 @@ def test_dialects_are_understood(write, text):
 def test_what_is_wrong_with_a_file_is_said(write, text, message):
     path = write(text)
     with pytest.raises(InvalidInput) as caught:
-        read(path)
+        lt.read_motion(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert message in str(caught.value)
 
@@ -173,7 +169,7 @@ def test_any_text_is_read_or_refused(tmp_path_factory, text):
     path = tmp_path_factory.mktemp("any") / "recording.csv"
     path.write_text(text)
     try:
-        read(path)
+        lt.read_motion(path)
     except InvalidInput as error:
         assert "recording.csv" in str(error)
 
@@ -199,7 +195,7 @@ def test_any_text_is_read_or_refused(tmp_path_factory, text):
 def test_wrong_columns_are_refused(write, columns, message):
     path = write(f"{HEADER}\n0,1,2,3,1,0,0,0,0.1,0.2,go\n")
     with pytest.raises(InvalidInput, match=message):
-        read(path, columns=columns)
+        lt.read_motion(path, columns=columns)
 
 
 def test_what_has_a_velocity_is_a_joint_where_no_name_tells_more(tmp_path):

@@ -21,24 +21,20 @@ def save(tmp_path):
     return to_file
 
 
-def read(path, **options):
-    return lt.read_motion(path, **options)
-
-
 def test_arrays_make_points_poses_or_joints(save):
     positions = np.arange(9.0).reshape(3, 3)
-    points = read(save(times=TIMES, positions=positions))
+    points = lt.read_motion(save(times=TIMES, positions=positions))
     assert np.array_equal(points.times, TIMES)
     assert np.array_equal(points.positions, positions)
-    poses = read(save(times=TIMES, positions=positions, orientations_wxyz=QUATERNIONS))
+    poses = lt.read_motion(save(times=TIMES, positions=positions, orientations_wxyz=QUATERNIONS))
     assert np.array_equal(poses.orientations, QUATERNIONS)
-    joints = read(save(times=TIMES, joints=np.zeros((3, 7), np.float32)))
+    joints = lt.read_motion(save(times=TIMES, joints=np.zeros((3, 7), np.float32)))
     assert joints.positions.shape == (3, 7)
 
 
 def test_other_names_can_be_mapped(save):
     path = save(stamps=TIMES, a=np.ones(3), b=np.zeros((3, 2)), note=np.array("hand guided"))
-    motion = read(path, columns={"time": "stamps", "positions": ["a", "b"]})
+    motion = lt.read_motion(path, columns={"time": "stamps", "positions": ["a", "b"]})
     assert np.array_equal(motion.positions, [[1, 0, 0]] * 3)
 
 
@@ -59,12 +55,12 @@ def test_other_names_can_be_mapped(save):
 )
 def test_arrays_that_make_no_motion_are_refused(save, arrays, message):
     with pytest.raises(InvalidInput, match=message):
-        read(save(**arrays))
+        lt.read_motion(save(**arrays))
 
 
 def test_pickled_objects_are_never_loaded(save):
     with pytest.raises(InvalidInput, match=r"not a readable .npz archive of plain arrays"):
-        read(save(times=TIMES, positions=np.array([object()] * 3)))
+        lt.read_motion(save(times=TIMES, positions=np.array([object()] * 3)))
 
 
 def test_what_is_no_archive_is_refused(tmp_path):
@@ -75,9 +71,9 @@ def test_what_is_no_archive_is_refused(tmp_path):
     for content in (b"", b"text", (tmp_path / "array.npy").read_bytes()):
         path.write_bytes(content)
         with pytest.raises(InvalidInput, match=r"not a readable .npz archive"):
-            read(path)
+            lt.read_motion(path)
     with pytest.raises(InvalidInput):
-        read(tmp_path / "text.npz")
+        lt.read_motion(tmp_path / "text.npz")
 
 
 @given(data=st.data())

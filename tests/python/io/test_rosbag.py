@@ -76,16 +76,12 @@ def record(request, tmp_path):
     return to_bag
 
 
-def read(path, **options):
-    return lt.read_motion(path, **options)
-
-
 def arm_states():
     return [joint_state(t, {"b": i, "a": -i}, (1.0, 2.0)) for i, t in enumerate(STAMPS)]
 
 
 def test_joint_states_are_read_by_their_names_and_stamps(record):
-    motion = read(record({"/joint_states": arm_states()}))
+    motion = lt.read_motion(record({"/joint_states": arm_states()}))
     assert motion.joint_names == ("b", "a")
     assert np.array_equal(motion.times, [0.0, 0.01, 0.02, 0.03, 0.04])
     assert np.array_equal(motion.positions, [[i, -i] for i in range(5)])
@@ -97,7 +93,7 @@ def test_joints_may_change_their_order_between_messages(record):
         joint_state(t, {"a": -i, "b": i} if i % 2 else {"b": i, "a": -i})
         for i, t in enumerate(STAMPS)
     ]
-    motion = read(record({"/joint_states": states}))
+    motion = lt.read_motion(record({"/joint_states": states}))
     assert motion.joint_names == ("b", "a")
     assert np.array_equal(motion.positions, [[i, -i] for i in range(5)])
 
@@ -106,25 +102,25 @@ def test_of_a_gripper_and_an_arm_on_one_topic_the_one_asked_for_is_read(record):
     states = arm_states() + [joint_state(t + 1, {"finger": 0.04}) for t in STAMPS]
     path = record({"/joint_states": states})
     with pytest.raises(InvalidInput, match=r"different joints, b, a \| finger"):
-        read(path)
-    motion = read(path, columns={"joints": ["a", "b"]})
+        lt.read_motion(path)
+    motion = lt.read_motion(path, columns={"joints": ["a", "b"]})
     assert motion.joint_names == ("a", "b")
     assert len(motion.times) == 5
     with pytest.raises(InvalidInput, match="no joint 'c'; there are b, a, finger"):
-        read(path, columns={"joints": ["c"]})
+        lt.read_motion(path, columns={"joints": ["c"]})
 
 
 def test_joints_that_come_one_a_message_are_brought_together(record):
     states = []
     for i, t in enumerate(STAMPS):
         states += [joint_state(t, {"a": i}), joint_state(t + 5_000_000, {"b": 10 * i})]
-    motion = read(record({"/joint_states": states}), columns={"joints": ["a", "b"]})
+    motion = lt.read_motion(record({"/joint_states": states}), columns={"joints": ["a", "b"]})
     np.testing.assert_allclose(motion.times, [0.01, 0.02, 0.03, 0.04])
     np.testing.assert_allclose(motion.positions, [[i, 10 * i - 5] for i in range(1, 5)])
 
 
 def test_poses_are_turned_from_x_y_z_w(record):
-    motion = read(record({"/tool": [pose(t, i) for i, t in enumerate(STAMPS)]}))
+    motion = lt.read_motion(record({"/tool": [pose(t, i) for i, t in enumerate(STAMPS)]}))
     np.testing.assert_allclose(motion.orientations, TURNED, atol=1e-12)
     assert np.array_equal(motion.positions, [[i, 2, 3] for i in range(5)])
 
@@ -132,33 +128,33 @@ def test_poses_are_turned_from_x_y_z_w(record):
 def test_poses_in_two_frames_are_no_motion(record):
     path = record({"/tool": [pose(t, i, f"frame{i % 2}") for i, t in enumerate(STAMPS)]})
     with pytest.raises(InvalidInput, match="one frame, got frame0, frame1"):
-        read(path)
+        lt.read_motion(path)
 
 
 def test_transforms_are_chosen_by_their_frames(record):
     path = record({"/tf": [transforms(t, i) for i, t in enumerate(STAMPS)]})
-    motion = read(path, frames=("base", "tool"))
+    motion = lt.read_motion(path, frames=("base", "tool"))
     np.testing.assert_allclose(motion.orientations, TURNED, atol=1e-12)
     assert np.array_equal(motion.positions[:, 0], range(5))
     with pytest.raises(InvalidInput, match=r"one of \('base', 'tool'\), \('map', 'base'\)"):
-        read(path, frames=("base", "nothing"))
+        lt.read_motion(path, frames=("base", "nothing"))
     with pytest.raises(InvalidInput, match=r"no topic fits; .*: /tf \(TFMessage, needs frames\)"):
-        read(path)
+        lt.read_motion(path)
 
 
 def test_of_several_topics_one_has_to_be_named(record):
     poses = [pose(t, i) for i, t in enumerate(STAMPS)]
     path = record({"/joint_states": arm_states(), "/tool": poses})
     with pytest.raises(InvalidInput, match=r"/joint_states \(JointState\), /tool \(PoseStamped\)"):
-        read(path)
-    assert type(read(path, topic="/tool")) is lt.PoseTrajectory
-    assert type(read(path, columns={"joints": ["a"]})) is lt.JointTrajectory
+        lt.read_motion(path)
+    assert type(lt.read_motion(path, topic="/tool")) is lt.PoseTrajectory
+    assert type(lt.read_motion(path, columns={"joints": ["a"]})) is lt.JointTrajectory
     with pytest.raises(InvalidInput, match="no /nothing; topics with motions: /joint_states"):
-        read(path, topic="/nothing")
+        lt.read_motion(path, topic="/nothing")
 
 
 def test_without_stamps_the_bag_tells_the_time(record):
-    motion = read(record({"/joint_states": [joint_state(0, {"a": i}) for i in range(3)]}))
+    motion = lt.read_motion(record({"/joint_states": [joint_state(0, {"a": i}) for i in range(3)]}))
     assert np.array_equal(motion.times, [0, 1, 2])
 
 
@@ -170,7 +166,7 @@ def test_bags_of_ros_1_are_read(tmp_path):
             state = joint_state(time, {"a": i}, types=TYPES_OF_ROS_1)
             data = TYPES_OF_ROS_1.serialize_ros1(state, kind)
             writer.write(connection, time, data)
-    motion = read(tmp_path / "old.bag")
+    motion = lt.read_motion(tmp_path / "old.bag")
     assert np.array_equal(motion.positions[:, 0], range(5))
 
 
@@ -178,14 +174,14 @@ def test_bags_of_ros_1_are_read(tmp_path):
 def test_what_is_written_is_read_back(tmp_path, ur_motion, poses, name):
     path = tmp_path / name
     rosbag.write_joint_states(ur_motion, path)
-    back = read(path)
+    back = lt.read_motion(path)
     assert np.array_equal(back.times, np.round(ur_motion.times, 9))
     assert np.array_equal(back.positions, ur_motion.positions)
     assert np.array_equal(back.velocities, ur_motion.velocities)
     assert back.joint_names == ur_motion.joint_names
     assert back.events == ur_motion.events
     rosbag.write_poses(poses, tmp_path / f"poses_{name}", topic="/tool", frame="map")
-    back = read(tmp_path / f"poses_{name}", topic="/tool")
+    back = lt.read_motion(tmp_path / f"poses_{name}", topic="/tool")
     assert np.array_equal(back.times, np.round(poses.times, 9))
     np.testing.assert_allclose(back.orientations, poses.orientations, atol=1e-15)
     assert np.array_equal(back.positions, poses.positions)
@@ -194,14 +190,14 @@ def test_what_is_written_is_read_back(tmp_path, ur_motion, poses, name):
 
 def test_a_bag_that_moves_the_arm_has_one_trajectory(tmp_path, ur_motion):
     lt.write_motion(ur_motion, tmp_path / "arm.mcap")
-    back = read(tmp_path / "arm.mcap")
+    back = lt.read_motion(tmp_path / "arm.mcap")
     np.testing.assert_allclose(back.times, ur_motion.times + 0.01, atol=1e-9)
     for name in ("positions", "velocities", "accelerations"):
         assert np.array_equal(getattr(back, name), getattr(ur_motion, name))
     assert [event.name for event in back.events] == [event.name for event in ur_motion.events]
     np.testing.assert_allclose([event.time for event in back.events], [0.26, 0.91])
     with pytest.raises(InvalidInput, match="/events has no motion; topics with motions: /joint_tr"):
-        read(tmp_path / "arm.mcap", topic="/events")
+        lt.read_motion(tmp_path / "arm.mcap", topic="/events")
 
 
 def test_a_bag_is_whole_or_not_there(tmp_path, ur_motion, poses):

@@ -16,21 +16,23 @@ from leadthrough.io.robot_programs import write_franka, write_urscript
 NUMBER = r"-?\d+\.\d+"
 
 
-def read(path, **options):
-    return lt.read_motion(path, **options)
-
-
 def written_and_read(motion, path):
     lt.write_motion(motion, path)
-    return read(path)
+    return lt.read_motion(path)
+
+
+def assert_same_joints(back, motion):
+    for name in ("positions", "velocities", "accelerations"):
+        assert np.array_equal(getattr(back, name), getattr(motion, name))
+    assert back.joint_names == motion.joint_names
+    assert [event.name for event in back.events] == [event.name for event in motion.events]
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
 def test_joints_come_back_to_the_same_bits(tmp_path, ur_motion, suffix):
     back = written_and_read(ur_motion, tmp_path / f"arm{suffix}")
-    for name in ("times", "positions", "velocities", "accelerations"):
-        assert np.array_equal(getattr(back, name), getattr(ur_motion, name))
-    assert back.joint_names == ur_motion.joint_names
+    assert_same_joints(back, ur_motion)
+    assert np.array_equal(back.times, ur_motion.times)
     assert back.events == ur_motion.events
 
 
@@ -50,10 +52,7 @@ def test_poses_and_points_come_back_to_the_same_bits(tmp_path, poses, suffix):
 def test_controller_messages_come_back_a_step_later(tmp_path, ur_motion, suffix):
     back = written_and_read(ur_motion, tmp_path / f"arm{suffix}")
     np.testing.assert_allclose(back.times, ur_motion.times + 0.01, atol=1e-9)
-    for name in ("positions", "velocities", "accelerations"):
-        assert np.array_equal(getattr(back, name), getattr(ur_motion, name))
-    assert back.joint_names == ur_motion.joint_names
-    assert [event.name for event in back.events] == [event.name for event in ur_motion.events]
+    assert_same_joints(back, ur_motion)
 
 
 def test_yaml_holds_what_json_holds(tmp_path, ur_motion):
@@ -68,14 +67,14 @@ def test_yaml_holds_what_json_holds(tmp_path, ur_motion):
 def test_small_numbers_stay_numbers_in_yaml(tmp_path, ur_motion, value):
     moved = replace(ur_motion, positions=ur_motion.positions * 0.0 + value)
     lt.write_motion(moved, tmp_path / "arm.yaml")
-    assert np.array_equal(read(tmp_path / "arm.yaml").positions, moved.positions)
+    assert np.array_equal(lt.read_motion(tmp_path / "arm.yaml").positions, moved.positions)
 
 
 def test_names_of_any_kind_survive_yaml(tmp_path, ur_motion):
     names = ("a: b", "*c", "&d", "ünï 🦾", '"', "[e")
     events = (lt.Event(0.5, "close *fast* & firmly\n"),)
     lt.write_motion(replace(ur_motion, joint_names=names, events=events), tmp_path / "arm.yaml")
-    back = read(tmp_path / "arm.yaml")
+    back = lt.read_motion(tmp_path / "arm.yaml")
     assert back.joint_names == names
     assert back.events[0].name == events[0].name
 
@@ -144,7 +143,7 @@ def test_a_ur_program_has_a_step_for_each_cycle(tmp_path, ur_motion):
 
 def test_a_franka_table_has_a_row_for_each_millisecond(tmp_path, panda_motion):
     write_franka(panda_motion, tmp_path / "arm.csv")
-    back = read(tmp_path / "arm.csv")
+    back = lt.read_motion(tmp_path / "arm.csv")
     assert np.array_equal(back.times, np.arange(1001) / 1000)
     np.testing.assert_allclose(back.positions[::10], panda_motion.positions, atol=1e-12)
     np.testing.assert_allclose(back.velocities[::10], panda_motion.velocities, atol=1e-12)
@@ -158,19 +157,19 @@ def test_between_samples_a_controller_gets_the_smooth_motion(tmp_path, panda_mot
     shape = minimum_jerk(s)
     way = panda_motion.positions[-1] - panda_motion.positions[0]
     expected = panda_motion.positions[0] + np.outer(shape, way)
-    assert np.abs(read(tmp_path / "arm.csv").positions - expected).max() < 1e-7
+    assert np.abs(lt.read_motion(tmp_path / "arm.csv").positions - expected).max() < 1e-7
 
 
 def test_samples_at_the_rate_already_stay_as_they_are(tmp_path, panda_motion, joints_of):
     kilohertz = joints_of(panda_motion.joint_names, count=1001)
     write_franka(kilohertz, tmp_path / "arm.csv")
-    assert np.array_equal(read(tmp_path / "arm.csv").positions, kilohertz.positions)
+    assert np.array_equal(lt.read_motion(tmp_path / "arm.csv").positions, kilohertz.positions)
 
 
 def test_a_motion_that_ends_between_cycles_is_held(tmp_path, panda_motion):
     times = panda_motion.times * 0.9997
     write_franka(replace(panda_motion, times=times, events=()), tmp_path / "arm.csv")
-    back = read(tmp_path / "arm.csv")
+    back = lt.read_motion(tmp_path / "arm.csv")
     assert back.times[-1] == 1.0
     assert np.array_equal(back.positions[-1], panda_motion.positions[-1])
     assert not back.velocities[-1].any()
@@ -243,6 +242,6 @@ def test_joints_that_are_faulty_or_without_names_are_left_out(tmp_path):
     lines = (tmp_path / "b.csv").read_text().splitlines()
     lines[3] = lines[3].rpartition(",")[0] + ","
     (tmp_path / "b.csv").write_text("\n".join(lines))
-    assert read(tmp_path / "b.csv").joints is None
+    assert lt.read_motion(tmp_path / "b.csv").joints is None
     with pytest.raises(InvalidInput, match="different, printable joint_names"):
         lt.write_motion(carrying("poses", names=("a", "a", "b")), tmp_path / "c.csv")

@@ -2,40 +2,30 @@
 
 import numpy as np
 import pytest
+from motion_planning.conftest import DOWN, across
 
 import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput, MissingDependency
 from leadthrough.motion_planning import connect_configurations, connection
 
-DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+QUERY = lt.Query(dt=0.02)
+ONCE = {"query": QUERY, "rounds": 1}
+LAST_RESORT = ONCE | {"last_resort": "joint_space"}
 
 
 @pytest.fixture(scope="module")
-def shown():
-    """A reach across the table, the tool pointing down, with the gripper closed on the way."""
-    u = np.linspace(0.0, 1.0, 61)
-    rise, bow = lt.trajectories.minimum_jerk_time_scaling(u), np.sin(np.pi * u)
-    way = np.column_stack([0.45 + 0.05 * bow, 0.6 * rise - 0.3, 0.25 + 0.1 * bow])
-    closed = lt.Event(1.0, "close")
-    return lt.PoseTrajectory(2.0 * u, way, np.tile(DOWN, (61, 1)), [closed])
+def skill():
+    """Of a reach with the gripper closed on the way."""
+    return lt.DMP().fit([across(events=[lt.Event(1.0, "close")])])
 
 
 @pytest.fixture(scope="module")
-def box():
-    """On the way of the hand."""
-    return lt.Box([0.08, 0.06, 0.1], [0.42, 0.0, 0.44])
-
-
-@pytest.fixture(scope="module")
-def planned(panda, shown, box):
+def planned(panda, skill, box):
     pytest.importorskip("ompl")
-    skill = lt.DMP().fit([shown])
-    return lt.plan_motion(
-        skill, panda, [box], lt.Query(dt=0.02), rounds=1, last_resort="joint_space"
-    )
+    return lt.plan_motion(skill, panda, [box], **LAST_RESORT)
 
 
-def test_the_dead_part_is_connected_and_certified(panda, shown, box, planned):
+def test_the_dead_part_is_connected_and_certified(panda, box, planned):
     report = panda.check(planned.joints, [box])
     assert report.ok
     assert planned.clearance == report.obstacles.minimum_distance
@@ -52,8 +42,8 @@ def test_the_dead_part_is_connected_and_certified(panda, shown, box, planned):
     np.testing.assert_allclose(tip, planned.tip.positions, atol=1e-5)
 
 
-def test_the_rest_of_the_path_stays_as_learned(panda, shown, box, planned):
-    alone = lt.DMP().fit([shown]).generate(obstacles=[box], dt=0.02)
+def test_the_rest_of_the_path_stays_as_learned(skill, box, planned):
+    alone = skill.generate(obstacles=[box], dt=0.02)
     times = planned.joints.times
     before = np.flatnonzero(times <= planned.connected[0])
     after = np.flatnonzero(times >= planned.connected[1])
@@ -67,41 +57,34 @@ def test_events_are_kept(planned):
     assert [event.name for event in planned.tip.events] == ["close"]
 
 
-def test_the_answer_has_the_same_bits_each_time(panda, shown, box, planned):
-    skill = lt.DMP().fit([shown])
-    again = lt.plan_motion(
-        skill, panda, [box], lt.Query(dt=0.02), rounds=1, last_resort="joint_space"
-    )
+def test_the_answer_has_the_same_bits_each_time(panda, skill, box, planned):
+    again = lt.plan_motion(skill, panda, [box], **LAST_RESORT)
     np.testing.assert_array_equal(again.joints.positions, planned.joints.positions)
 
 
-def test_it_is_not_needed_where_the_tip_can_give_way(panda, shown, box):
-    skill = lt.DMP().fit([shown])
-    usual = lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02))
-    allowed = lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02), last_resort="joint_space")
+def test_it_is_not_needed_where_the_tip_can_give_way(panda, skill, box):
+    usual = lt.plan_motion(skill, panda, [box], QUERY)
+    allowed = lt.plan_motion(skill, panda, [box], QUERY, last_resort="joint_space")
     assert allowed.connected is usual.connected is None
     np.testing.assert_array_equal(allowed.joints.positions, usual.joints.positions)
 
 
-def test_it_is_off_by_default_and_helps_at_no_end(panda, shown, box):
-    skill = lt.DMP().fit([shown])
+def test_it_is_off_by_default_and_helps_at_no_end(panda, skill, box, roof):
     with pytest.raises(IkFailure, match="blocked"):
-        lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02), rounds=1)
+        lt.plan_motion(skill, panda, [box], **ONCE)
     with pytest.raises(InvalidInput, match="last_resort"):
         lt.plan_motion(skill, panda, last_resort="prayer")
-    roof = lt.Box([0.3, 0.1, 0.1], [0.45, 0.3, 0.4])  # where the hand is at the goal
     with pytest.raises(IkFailure, match="no collision-free configuration found at the goal"):
-        lt.plan_motion(skill, panda, [roof], lt.Query(dt=0.02), last_resort="joint_space")
+        lt.plan_motion(skill, panda, [roof], QUERY, last_resort="joint_space")
 
 
-def test_without_ompl_the_extra_is_named(panda, shown, box, monkeypatch):
+def test_without_ompl_the_extra_is_named(panda, skill, box, monkeypatch):
     def missing(name, *, extra):
         raise MissingDependency("ompl", extra=extra)
 
     monkeypatch.setattr(connection.optional, "load", missing)
-    skill = lt.DMP().fit([shown])
     with pytest.raises(MissingDependency, match=r"leadthrough\[ompl\]"):
-        lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02), rounds=1, last_resort="joint_space")
+        lt.plan_motion(skill, panda, [box], **LAST_RESORT)
 
 
 def test_a_connection_is_clear_or_not_found_in_the_steps_allowed(panda):

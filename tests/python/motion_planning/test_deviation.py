@@ -2,26 +2,19 @@
 
 import numpy as np
 import pytest
+from motion_planning.conftest import across
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 
-DOWN = [0.0, 1.0, 0.0, 0.0]
+QUERY = lt.Query(dt=0.025)
 
 
 @pytest.fixture(scope="module")
 def skill():
     """Reaches across the table, higher or lower in the middle by 4 cm, the tool pointing down."""
-    u = np.linspace(0.0, 1.0, 61)
-    rise, bow = lt.trajectories.minimum_jerk_time_scaling(u), np.sin(np.pi * u)
-    shown = [
-        lt.PoseTrajectory(
-            2.0 * u,
-            np.column_stack([0.45 + a * bow, 0.5 * rise - 0.25, 0.33 + (0.02 + b) * bow]),
-            np.tile(DOWN, (61, 1)),
-        )
-        for a, b in ((-0.002, -0.04), (0.0, 0.0), (0.002, 0.04), (0.001, -0.02), (-0.001, 0.02))
-    ]
+    bows = ((-0.002, -0.04), (0.0, 0.0), (0.002, 0.04), (0.001, -0.02), (-0.001, 0.02))
+    shown = [across(side, 0.02 + height, width=0.5, low=0.33) for side, height in bows]
     return lt.ProMP(weights=8).fit(shown)
 
 
@@ -31,7 +24,7 @@ def post():
 
 
 def test_the_tip_stays_within_the_skills_own_spread(panda, skill, post):
-    planned = lt.plan_motion(skill, panda, [post], lt.Query(dt=0.025), standard_deviations=2.5)
+    planned = lt.plan_motion(skill, panda, [post], QUERY, standard_deviations=2.5)
     assert panda.check(planned.joints, [post]).ok
     assert planned.rounds == 2
     assert "obstacle 0" in planned.reasons[0]
@@ -49,14 +42,14 @@ def test_the_tip_stays_within_the_skills_own_spread(panda, skill, post):
 
 
 def test_the_tip_stays_within_what_is_stated(panda, skill, post):
-    planned = lt.plan_motion(skill, panda, [post], lt.Query(dt=0.025), deviation=(0.06, 0.0))
+    planned = lt.plan_motion(skill, panda, [post], QUERY, deviation=(0.06, 0.0))
     assert panda.check(planned.joints, [post]).ok
     assert 0.01 < planned.deviation < 0.06
     assert planned.tip.times[-1] == skill.generate(dt=0.025).times[-1]
 
 
 def test_where_that_is_not_enough_another_path_is_made(panda, skill, post):
-    planned = lt.plan_motion(skill, panda, [post], lt.Query(dt=0.025), deviation=(0.005, 0.0))
+    planned = lt.plan_motion(skill, panda, [post], QUERY, deviation=(0.005, 0.0))
     assert panda.check(planned.joints, [post]).ok
     assert planned.deviation > 0.01
 

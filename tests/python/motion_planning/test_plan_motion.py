@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from kinds import kind
+from motion_planning.conftest import DOWN, across
 from scipy.interpolate import CubicSpline
 from scipy.spatial import KDTree
 
@@ -13,38 +14,23 @@ from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.motion_planning.blocked_segment import BlockedSegment, CollisionFreeIk
 from leadthrough.motion_planning.tip_paths import detours
 
-DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+QUERY = lt.Query(dt=0.02)
 
 
 @pytest.fixture(scope="module")
 def shown():
-    """Three reaches across the table in front of the arm, the tool pointing down."""
-    u = np.linspace(0.0, 1.0, 61)
-    rise = lt.trajectories.minimum_jerk_time_scaling(u)
-    bow = np.sin(np.pi * u)
-    return [
-        lt.PoseTrajectory(
-            2.0 * u,
-            np.column_stack([0.45 + 0.05 * bow, 0.6 * rise - 0.3, 0.25 + (0.1 + a) * bow]),
-            np.tile(DOWN, (61, 1)),
-        )
-        for a in (-0.01, 0.0, 0.01)
-    ]
+    """Three reaches beside each other."""
+    return [across(height=0.1 + a) for a in (-0.01, 0.0, 0.01)]
 
 
 @pytest.fixture(scope="module")
-def box():
-    """On the way of the hand, and beside that of the tool."""
-    return lt.Box([0.08, 0.06, 0.1], [0.42, 0.0, 0.44])
+def skill(shown):
+    return lt.DMP().fit(shown)
 
 
 @pytest.mark.parametrize(
     "learner",
-    [
-        kind("DMP", "poses"),
-        kind("ProMP", "poses"),
-        kind("FastMarching", "poses", resolution=0.02),
-    ],
+    [kind("DMP", "poses"), kind("ProMP", "poses"), kind("FastMarching", "poses", resolution=0.02)],
     ids=str,
 )
 def test_the_tip_gives_way_where_the_arm_has_no_room(learner, panda, shown, box):
@@ -55,7 +41,7 @@ def test_the_tip_gives_way_where_the_arm_has_no_room(learner, panda, shown, box)
     alone = skill.generate(**query)
     assert box.distance(alone.positions).min() > 0.0
     assert not panda.check(panda.follow(alone), [box]).ok
-    planned = lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02))
+    planned = lt.plan_motion(skill, panda, [box], QUERY)
     report = panda.check(planned.joints, [box])
     assert report.ok
     assert planned.clearance == report.obstacles.minimum_distance
@@ -80,20 +66,19 @@ def test_what_is_closed_is_one_shape_a_round(panda, shown):
         return skill.generate(obstacles=obstacles, **query)
 
     watched = SimpleNamespace(supports=skill.supports, generate=generate, map_with=skill.map_with)
-    planned = lt.plan_motion(watched, panda, [tall], lt.Query(dt=0.02))
+    planned = lt.plan_motion(watched, panda, [tall], QUERY)
     assert planned.rounds > 1
     assert [len(shapes) for shapes in asked] == list(range(1, planned.rounds + 1))
 
 
-def test_nothing_changes_where_the_arm_can_follow(panda, shown):
-    skill = lt.DMP().fit(shown)
+def test_nothing_changes_where_the_arm_can_follow(panda, skill):
     aside = lt.Sphere(0.1, [-0.6, 0.0, 0.5])
     for obstacles in ([], [aside]):
         alone = panda.follow(skill.generate(obstacles=obstacles, dt=0.02))
-        planned = lt.plan_motion(skill, panda, obstacles, lt.Query(dt=0.02))
+        planned = lt.plan_motion(skill, panda, obstacles, QUERY)
         np.testing.assert_array_equal(planned.joints.positions, alone.positions)
         assert (planned.deviation, planned.reasons, planned.rounds) == (0.0, (), 1)
-    assert lt.plan_motion(skill, panda, query=lt.Query(dt=0.02)).clearance == np.inf
+    assert lt.plan_motion(skill, panda, query=QUERY).clearance == np.inf
 
 
 def test_a_skill_of_joints_goes_around_in_the_shown_posture(panda, shown, box):
@@ -105,30 +90,30 @@ def test_a_skill_of_joints_goes_around_in_the_shown_posture(panda, shown, box):
     assert np.abs(planned.joints.positions[0] - alone.positions[0]).max() < 0.05
 
 
-def test_the_answer_has_the_same_bits_each_time(panda, shown, box):
-    skill = lt.DMP().fit(shown)
-    once, again = (lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02)) for _ in range(2))
+def test_the_answer_has_the_same_bits_each_time(panda, skill, box):
+    once, again = (lt.plan_motion(skill, panda, [box], QUERY) for _ in range(2))
     np.testing.assert_array_equal(once.joints.positions, again.joints.positions)
 
 
-def test_where_the_arm_cannot_stand_at_an_end_it_says_so(panda, shown):
-    skill = lt.DMP().fit(shown)
-    roof = lt.Box([0.3, 0.1, 0.1], [0.45, 0.3, 0.4])  # where the hand is at the goal
-    with pytest.raises(
-        IkFailure, match=r"obstacle 0 and .*no collision-free configuration .* goal"
-    ):
-        lt.plan_motion(skill, panda, [roof], lt.Query(dt=0.02))
+def test_where_the_arm_cannot_stand_at_an_end_it_says_so(panda, skill, roof):
+    says = r"obstacle 0 and .*no collision-free configuration .* goal"
+    with pytest.raises(IkFailure, match=says):
+        lt.plan_motion(skill, panda, [roof], QUERY)
 
 
-def test_the_rounds_are_the_callers(panda, shown, box):
-    skill = lt.DMP().fit(shown)
+def test_the_rounds_are_the_callers(panda, skill, box):
     with pytest.raises(IkFailure, match="blocked") as failure:
-        lt.plan_motion(skill, panda, [box], lt.Query(dt=0.02), rounds=1)
+        lt.plan_motion(skill, panda, [box], QUERY, rounds=1)
     assert failure.value.status == "blocked"
+
+
+def test_wrong_arguments_are_refused(panda, skill, box):
     with pytest.raises(InvalidInput, match="rounds"):
         lt.plan_motion(skill, panda, rounds=0)
     with pytest.raises(InvalidInput, match="margin"):
         lt.plan_motion(skill, panda, lt.Scene([box], -0.01))
+    with pytest.raises(InvalidInput, match=r"arm: expected an Arm, got None"):
+        lt.plan_motion(skill, None)
 
 
 def test_an_arm_of_five_joints_stands_where_it_has_to_turn_its_tool(panda, shown):
@@ -137,12 +122,12 @@ def test_an_arm_of_five_joints_stands_where_it_has_to_turn_its_tool(panda, shown
     tilted = lt.rotations.compose(DOWN[None], lt.rotations.exp([[0.0, 0.2, 0.0]]))
     motion = lt.PoseTrajectory(shown[1].times, shown[1].positions, np.tile(tilted, (61, 1)))
     skill = lt.DMP().fit([motion])
-    aside = lt.plan_motion(skill, arm, [lt.Sphere(0.05, [0.6, 0.0, 0.42])], lt.Query(dt=0.02))
+    aside = lt.plan_motion(skill, arm, [lt.Sphere(0.05, [0.6, 0.0, 0.42])], QUERY)
     report = arm.path_report(aside.joints, aside.tip)
     assert report.position_error.max() < 1e-5
     assert 0.1 < report.orientation_error.max() < 0.2
     with pytest.raises(IkFailure, match=r"obstacle 0 and panda_hand$"):
-        lt.plan_motion(skill, arm, [lt.Sphere(0.03, [0.5, 0.0, 0.4])], lt.Query(dt=0.02), rounds=3)
+        lt.plan_motion(skill, arm, [lt.Sphere(0.03, [0.5, 0.0, 0.4])], QUERY, rounds=3)
 
 
 def test_without_obstacles_the_tip_keeps_its_path_or_it_fails(panda):
@@ -176,8 +161,3 @@ def test_a_part_where_the_tip_still_stands_is_not_moved_aside(panda, shown):
     beside = next(detours(ik, waiting, BlockedSegment(places, 2, 2), near))
     np.testing.assert_array_equal(beside.positions[:20], waiting.positions[:20])
     assert np.isfinite(beside.positions).all()
-
-
-def test_an_arm_must_be_given(shown):
-    with pytest.raises(InvalidInput, match=r"arm: expected an Arm, got None"):
-        lt.plan_motion(lt.DMP().fit(shown), None)

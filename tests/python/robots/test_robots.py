@@ -20,15 +20,13 @@ class Robot(NamedTuple):
     joints: tuple[str, ...]
 
 
+UR_PARTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 UR3 = Robot(
     "ur3",
     "ur_description/urdf/ur3_robot.urdf",
     "base_link",
     "tool0",
-    tuple(
-        f"{part}_joint"
-        for part in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
-    ),
+    tuple(f"{part}_joint" for part in UR_PARTS),
 )
 PANDA = Robot(
     "panda",

@@ -17,6 +17,14 @@ FLAGS = [
 
 
 @pytest.fixture(scope="session")
+def joints(panda):
+    """A second in which all joints of the Panda turn by a little."""
+    times = np.linspace(0.0, 1.0, 30)
+    q = np.outer(times, 0.3 * np.ones(7)) + np.array([0, 0, 0, -1.5, 0, 1.5, 0])
+    return lt.JointTrajectory(times, q, joint_names=panda.joint_names)
+
+
+@pytest.fixture(scope="session")
 def shown():
     """Five hands carry something over a table, from its right to its left."""
     rng = np.random.default_rng(1)

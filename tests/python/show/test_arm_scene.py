@@ -14,10 +14,13 @@ STICKS = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
 </robot>"""
 
 
+def middle_of(arm):
+    return 0.5 * (arm.limits.lower + arm.limits.upper)
+
+
 def swing(arm, duration=2.0, count=50):
     times = np.linspace(0.0, duration, count)
-    middle = 0.5 * (arm.limits.lower + arm.limits.upper)
-    q = middle + np.outer(0.3 * np.sin(times), np.ones(len(middle)))
+    q = middle_of(arm) + np.outer(0.3 * np.sin(times), np.ones(len(arm.joint_names)))
     return lt.JointTrajectory(times, q, joint_names=arm.joint_names)
 
 
@@ -55,19 +58,14 @@ def test_each_kind_of_thing_has_its_layer(panda, shown):
     }  # fmt: skip
 
 
-def test_arm_without_a_motion_stands_in_the_middle_of_its_ranges(panda):
-    made = arm_scene(panda, None)
-    middle = 0.5 * (panda.limits.lower + panda.limits.upper)
-    wanted, _ = panda.forward_kinematics(middle)
-    assert np.allclose(made.positions[0, made.links.index(panda.tip)], wanted)
-    assert not [item for item in made.items if item.layer == "path"]
-
-
-def test_joint_without_bounds_stands_at_zero():
-    arm = lt.Arm.load("ur3")  # its last joint turns without an end
+@pytest.mark.parametrize("name", ["panda", "ur3"])
+def test_arm_without_a_motion_stands_in_the_middle_of_its_ranges(name):
+    """The last joint of the UR3 turns without an end, and stands at zero."""
+    arm = lt.Arm.load(name)
     made = arm_scene(arm, None)
-    wanted, _ = arm.forward_kinematics(np.zeros(6))
+    wanted, _ = arm.forward_kinematics(middle_of(arm) if name == "panda" else np.zeros(6))
     assert np.allclose(made.positions[0, made.links.index(arm.tip)], wanted)
+    assert not [item for item in made.items if item.layer == "path"]
 
 
 def test_arm_without_geometry_is_drawn_as_rods():

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-import leadthrough as lt
 from leadthrough.drawing import palette
 from leadthrough.errors import InvalidInput
 from leadthrough.show import page, view
@@ -29,10 +28,8 @@ def unpacked(text):
 
 
 @pytest.fixture
-def made(panda):
-    times = np.linspace(0.0, 1.0, 30)
-    q = np.outer(times, 0.3 * np.ones(7)) + np.array([0, 0, 0, -1.5, 0, 1.5, 0])
-    return arm_scene(panda, lt.JointTrajectory(times, q), goal=(0.5, 0, 0.5))
+def made(panda, joints):
+    return arm_scene(panda, joints, goal=(0.5, 0, 0.5))
 
 
 def test_page_holds_the_scene(made, tmp_path):

@@ -6,9 +6,9 @@ import sys
 import threading
 import time
 
-import numpy as np
 import pytest
 from cli.command_line import run
+from urdfs import one_joint
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, MissingDependency
@@ -16,11 +16,8 @@ from leadthrough.show import inline, open_view, view
 
 
 @pytest.fixture
-def recording(panda, tmp_path):
-    times = np.linspace(0.0, 1.0, 50)
-    q = np.outer(times, 0.2 * np.ones(7)) + np.array([0, 0, 0, -1.5, 0, 1.5, 0])
+def recording(joints, tmp_path):
     path = tmp_path / "motion.csv"
-    joints = lt.JointTrajectory(times, q, joint_names=panda.joint_names)
     lt.io.write_motion(joints, path)
     return path
 
@@ -117,13 +114,8 @@ def until(condition):
 
 
 def test_page_tells_which_mesh_cannot_be_shown(tmp_path):
-    robot = (
-        '<robot name="r"><link name="a"/><link name="b"><visual><geometry>'
-        '<mesh filename="none.stl"/></geometry></visual></link>'
-        '<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>'
-        '<limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>'
-    )
-    view(lt.Arm.from_urdf(robot), html=tmp_path / "a.html")
+    mesh = '<visual><geometry><mesh filename="none.stl"/></geometry></visual>'
+    view(lt.Arm.from_urdf(one_joint(link=mesh)), html=tmp_path / "a.html")
     assert (
         "link b: mesh: none.stl is not found; it is left out" in (tmp_path / "a.html").read_text()
     )

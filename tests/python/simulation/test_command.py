@@ -90,13 +90,7 @@ def test_an_export_begins_where_the_arm_is(folder):
     np.testing.assert_allclose(made.positions[0], start, rtol=0.0, atol=1e-12)
     assert lt.check_limits(made, arm.limits).ok
     assert run("simulate", "from_there.npz", "--robot", "panda")
-    blocked = run(
-        *words,
-        "--start",
-        "0.5,-0.5,0,-2,0,1.6,0.9",
-        "--obstacle",
-        "box:0.1,0.1,1@0.5,0.15,0.5",
-        code=1,
-    )
+    block = ("--obstacle", "box:0.1,0.1,1@0.5,0.15,0.5")
+    blocked = run(*words, "--start", "0.5,-0.5,0,-2,0,1.6,0.9", *block, code=1)
     assert "is not clear" in blocked.stderr
     assert "connect_configurations" not in blocked.stderr

@@ -78,28 +78,21 @@ def test_disturbances_that_are_stated_are_allowed_for(loaded, swing, disturbed, 
     assert report.ok, str(report)
 
 
+def pushed_where_it_stands(arm, controller, push):
+    still = lt.JointTrajectory([0.0, 1.5], np.tile(HOME, (2, 1)))
+    return lt.simulate(arm, still, controller=controller, disturbances=Disturbances(pushes=[push]))
+
+
 def test_a_held_arm_gives_way_to_a_push_by_its_compliance(loaded):
-    still = lt.JointTrajectory([0.0, 1.0], np.tile(HOME, (2, 1)))
     force = np.array([3.0, 0.0, -2.0])
-    report = lt.simulate(
-        loaded,
-        still,
-        controller=JointImpedance(400.0),
-        disturbances=Disturbances(pushes=[Push(0.0, force, 5.0)]),
-    )
+    report = pushed_where_it_stands(loaded, JointImpedance(400.0), Push(0.0, force, 5.0))
     way = loaded.jacobian(HOME)[:3].T @ force / 400.0
     assert np.abs(report.errors[-1] + way).max() < 0.02 * np.abs(way).max()
 
 
 def test_the_tip_gives_way_by_its_stiffness(loaded):
-    still = lt.JointTrajectory([0.0, 1.5], np.tile(HOME, (2, 1)))
-    matrix = np.diag([500.0, 1000.0, 2000.0])
-    report = lt.simulate(
-        loaded,
-        still,
-        controller=CartesianImpedance(matrix),
-        disturbances=Disturbances(pushes=[Push(0.0, (2.0, 3.0, -4.0), 9.0)]),
-    )
+    controller = CartesianImpedance(np.diag([500.0, 1000.0, 2000.0]))
+    report = pushed_where_it_stands(loaded, controller, Push(0.0, (2.0, 3.0, -4.0), 9.0))
     here = loaded.forward_kinematics(report.simulated.positions[-1])[0]
     moved = here - loaded.forward_kinematics(HOME)[0]
     assert np.allclose(moved, [0.004, 0.003, -0.002], atol=1e-4)
