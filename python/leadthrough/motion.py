@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, rotations
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.drawing.drawn import Drawn
-from leadthrough.drawing.panels import of_joints, of_points, of_poses
+from leadthrough.drawing import Drawn, of_joints, of_points, of_poses
 from leadthrough.events import Event, Events, within
 from leadthrough.events import checked as checked_events
 from leadthrough.repr import numbers_text, one_line
@@ -283,7 +282,7 @@ if TYPE_CHECKING:
     # motion; typing.TypeVar takes defaults from Python 3.13 on.
     from typing_extensions import TypeVar as _TypeVar
 
-    from leadthrough.drawing.panels import Panel
+    from leadthrough.drawing import Panel
 
     MotionT_co = _TypeVar("MotionT_co", bound=Motion, default=Motion, covariant=True)
 else:

@@ -7,7 +7,7 @@ from leadthrough.arm.differential_ik import DifferentialIk, JointState
 from leadthrough.arm.following import FollowOptions
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
 from leadthrough.arm.limits import JointLimits, read_limits
-from leadthrough.arm.model import ArmModel
+from leadthrough.arm.model import ArmModel, check_arm
 from leadthrough.arm.path_report import PathReport
 from leadthrough.arm.task_stack import StackRun, StackSolution, TaskReport, TaskStack, resolve
 from leadthrough.arm.tasks import (
@@ -49,6 +49,7 @@ __all__ = [
     "StackSolution",
     "TaskReport",
     "TaskStack",
+    "check_arm",
     "read_limits",
     "resolve",
 ]

@@ -17,9 +17,7 @@ from leadthrough import _core, check, sanity
 from leadthrough.arm.kinematics import joint_rows
 from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.drawing import palette
-from leadthrough.drawing.drawn import Drawn
-from leadthrough.drawing.panels import Line, Panel
+from leadthrough.drawing import Drawn, Line, Panel, palette
 from leadthrough.errors import InvalidRobot
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr

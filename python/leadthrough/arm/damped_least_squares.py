@@ -31,8 +31,7 @@ from leadthrough.arm.inverse_kinematics import (
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.tip_path import TipPath
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.drawing.drawn import Drawn
-from leadthrough.drawing.panels import Panel, over
+from leadthrough.drawing import Drawn, Panel, over
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, with_derivatives
 
 

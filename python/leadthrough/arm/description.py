@@ -17,8 +17,7 @@ from leadthrough.arm.link_poses import link_poses
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.robot_files import find_mesh
 from leadthrough.check import Float64Array
-from leadthrough.drawing import palette
-from leadthrough.drawing.panels import Dot, Line, Panel, bars, on_paper, triad
+from leadthrough.drawing import Dot, Line, Panel, bars, on_paper, palette, triad
 
 if TYPE_CHECKING:
     from leadthrough import _core

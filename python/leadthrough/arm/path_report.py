@@ -11,8 +11,7 @@ from leadthrough.arm import kinematics
 from leadthrough.arm.limits import JointLimits, margins
 from leadthrough.arm.tip_path import TipPath
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.drawing.drawn import Drawn
-from leadthrough.drawing.panels import Panel, over
+from leadthrough.drawing import Drawn, Panel, over
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
 
 # A ratio above 1 by less is rounding of the samples.

@@ -20,7 +20,7 @@ from leadthrough.cli import completion, options, output
 from leadthrough.models.registry import MODELS
 
 if TYPE_CHECKING:
-    from leadthrough.models.protocol import Model
+    from leadthrough.models import Model
 
 _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
 

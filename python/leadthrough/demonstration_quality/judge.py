@@ -21,10 +21,8 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.demonstration_quality.left_out import LeftOut, Material
 from leadthrough.demonstration_quality.traits import TRAITS, Trait, peculiarities, shares_its_path
+from leadthrough.models import Model, ProMP, TargetRegion
 from leadthrough.models.demonstrations import Demonstrations, motions_of
-from leadthrough.models.promp.model import ProMP
-from leadthrough.models.protocol import Model
-from leadthrough.models.targets import TargetRegion
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.repr import ShortRepr
 

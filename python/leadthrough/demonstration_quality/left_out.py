@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from leadthrough import tasks
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.io.atomic import replacing
-from leadthrough.models.protocol import Model, Skill
-from leadthrough.models.targets import Target, TargetRegion
+from leadthrough.models import Model, Skill, Target, TargetRegion
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.preprocess.align import features
 from leadthrough.tasks import Row, Store, Task

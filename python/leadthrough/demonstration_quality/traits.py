@@ -9,8 +9,8 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.motion import Motion
+from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.align import features
-from leadthrough.preprocess.resample import arc_length, by_arc_length
 
 Trait = Literal["shape", "timing", "jerk", "stall"]
 TRAITS: tuple[Trait, ...] = get_args(Trait)

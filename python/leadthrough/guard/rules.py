@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.arm import Arm, JointLimits
-from leadthrough.arm.model import check_arm
+from leadthrough.arm import Arm, JointLimits, check_arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard.admission import CommandedState
 from leadthrough.shapes import Scene, compiled

@@ -1,4 +1,5 @@
 from .archive import FittedSkill, load_skill
+from .certificate import Certificate, ConfidenceInterval
 from .demonstrations import MisalignmentWarning
 from .dmp.discrete import DMP, DMPSkill
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
@@ -21,9 +22,10 @@ from .mixtures.task_gmr import TaskGMR, TaskGMRSkill
 from .promp.combination import blend, combine
 from .promp.inference import Inference, Region, infer
 from .promp.model import ProMP, ProMPSkill
-from .protocol import Parameter, Skill
+from .protocol import Model, Parameter, Skill
 from .queries import generate_all
 from .registry import ModelEntry, model_entry, model_names
+from .targets import Target, TargetRegion
 
 __all__ = [
     "CLFDM",
@@ -31,7 +33,9 @@ __all__ = [
     "GMR",
     "LPVDS",
     "SEDS",
+    "Certificate",
     "Clusters",
+    "ConfidenceInterval",
     "DMPSkill",
     "DynamicalSkill",
     "FastMarching",
@@ -46,6 +50,7 @@ __all__ = [
     "Inference",
     "MisalignmentWarning",
     "Mixture",
+    "Model",
     "ModelEntry",
     "ModifiedDS",
     "OutsideTargets",
@@ -58,6 +63,8 @@ __all__ = [
     "Skill",
     "SkillLibrary",
     "StabilityReport",
+    "Target",
+    "TargetRegion",
     "TaskGMR",
     "TaskGMRSkill",
     "blend",

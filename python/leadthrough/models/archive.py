@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough.check import InvalidInput
-from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing import Drawn
 from leadthrough.errors import UnsupportedQuery
 from leadthrough.io import npz
 from leadthrough.io.atomic import StrPath, replacing
@@ -30,7 +30,7 @@ from leadthrough.motion import Motion, MotionT_co
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:
-    from leadthrough.drawing.panels import Panel
+    from leadthrough.drawing import Panel
 
 
 FORMAT = "leadthrough skill"

@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, optional
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, check_arm
 from leadthrough.arm.clearing import CollisionTest
-from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.shapes import SceneLike, as_scene
 

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.arm import Arm, FollowOptions
+from leadthrough.arm import Arm, FollowOptions, check_arm
 from leadthrough.arm.inverse_kinematics import Axis
-from leadthrough.arm.model import check_arm
 from leadthrough.check import InvalidInput
 from leadthrough.errors import IkFailure
 from leadthrough.models.protocol import Distributed, Skill

@@ -4,7 +4,7 @@ from leadthrough.preprocess.align import align_by_arc_length, align_by_time_warp
 from leadthrough.preprocess.clean import clean, cut_at_gaps
 from leadthrough.preprocess.curve_distance import dtw_distance, frechet_distance
 from leadthrough.preprocess.report import CleaningReport
-from leadthrough.preprocess.resample import sample_evenly
+from leadthrough.preprocess.resample import arc_length, by_arc_length, sample_evenly
 from leadthrough.preprocess.segment import join, segment
 from leadthrough.preprocess.smooth import smooth_by_spline, smooth_motion
 from leadthrough.rest import trim
@@ -13,6 +13,8 @@ __all__ = [
     "CleaningReport",
     "align_by_arc_length",
     "align_by_time_warping",
+    "arc_length",
+    "by_arc_length",
     "clean",
     "cut_at_gaps",
     "dtw_distance",

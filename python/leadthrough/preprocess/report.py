@@ -7,8 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from leadthrough.check import InvalidInput
-from leadthrough.drawing.drawn import Drawn
-from leadthrough.drawing.panels import Panel, spans_over_time
+from leadthrough.drawing import Drawn, Panel, spans_over_time
 from leadthrough.repr import ShortRepr
 
 Span = tuple[float, float]  # from and to, s

@@ -10,8 +10,7 @@ from leadthrough import check, rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import IkFailure
-from leadthrough.models.protocol import Skill
-from leadthrough.models.targets import TargetRegion
+from leadthrough.models import Skill, TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.reachability.reach_map import reached
 from leadthrough.repr import ShortRepr

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check
-from leadthrough.arm import Arm, IkOptions
-from leadthrough.arm.model import check_arm
+from leadthrough.arm import Arm, IkOptions, check_arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.models.targets import TargetRegion

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from leadthrough import check
-from leadthrough.arm import Arm
-from leadthrough.arm.model import check_arm
+from leadthrough.arm import Arm, check_arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.atomic import StrPath
 from leadthrough.models.protocol import Skill, Target

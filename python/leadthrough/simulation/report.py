@@ -10,9 +10,7 @@ import numpy as np
 
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
-from leadthrough.drawing import palette
-from leadthrough.drawing.drawn import Drawn
-from leadthrough.drawing.panels import Line, Panel, over
+from leadthrough.drawing import Drawn, Line, Panel, over, palette
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape

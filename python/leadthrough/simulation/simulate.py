@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, optional, rotations
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, check_arm
 from leadthrough.arm.dynamics import GRAVITY
 from leadthrough.arm.limits import known_acceleration
-from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible, NoPath
 from leadthrough.events import Event

@@ -22,8 +22,7 @@ import numpy as np
 from leadthrough import _core, check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.drawing.drawn import Drawn
-from leadthrough.drawing.panels import Panel, bars
+from leadthrough.drawing import Drawn, Panel, bars
 from leadthrough.errors import LimitsInfeasible
 from leadthrough.motion import JointTrajectory, computed_joints, with_derivatives
 from leadthrough.repr import ShortRepr

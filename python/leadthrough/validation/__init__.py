@@ -1,7 +1,6 @@
 """Success rate of a skill's motions on an arm, measured on random queries, with its bounds."""
 
-from leadthrough.models.certificate import Certificate, ConfidenceInterval
-from leadthrough.models.targets import TargetRegion
+from leadthrough.models import Certificate, ConfidenceInterval, TargetRegion
 from leadthrough.validation.validate import SamplingPlan, validate
 from leadthrough.validation.validation import (
     Failing,

@@ -11,13 +11,10 @@ from typing import Any
 import numpy as np
 
 from leadthrough import check, optional
-from leadthrough.arm import Arm
-from leadthrough.arm.model import check_arm
+from leadthrough.arm import Arm, check_arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import IkFailure, LimitsInfeasible, NoPath
-from leadthrough.models import load_skill
-from leadthrough.models.protocol import Skill
-from leadthrough.models.targets import Target, TargetRegion
+from leadthrough.models import Skill, Target, TargetRegion, load_skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.shapes import Scene, SceneLike, as_scene

@@ -10,9 +10,8 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import Arm
+from leadthrough.models import Skill, TargetRegion
 from leadthrough.models.certificate import Certificate, ConfidenceInterval, ValidatedScene
-from leadthrough.models.protocol import Skill
-from leadthrough.models.targets import TargetRegion
 from leadthrough.motion import Motion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import SceneLike

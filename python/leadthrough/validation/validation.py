@@ -20,8 +20,7 @@ from scipy.special import betaincinv, betaln, xlog1py, xlogy
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.models.certificate import Certificate
-from leadthrough.models.targets import TargetRegion
+from leadthrough.models import Certificate, TargetRegion
 from leadthrough.repr import ShortRepr
 from leadthrough.tasks import Row
 

@@ -17,8 +17,8 @@ from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
 from leadthrough.models.posture import Posture, agreed, demonstrated_posture
 from leadthrough.motion import MotionT, PoseTrajectory, Trajectory
+from leadthrough.preprocess import arc_length
 from leadthrough.preprocess.noise import is_random_walk, without_noise
-from leadthrough.preprocess.resample import arc_length
 from leadthrough.repr import ShortRepr
 
 # A demonstration is reversed where that brings its ends nearer to start and goal, in sum, by half

@@ -27,7 +27,7 @@ from leadthrough.planning.speed_map import (
     quickest,
     speeds_at,
 )
-from leadthrough.preprocess.resample import arc_length, by_arc_length
+from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.smooth import smooth_path
 from leadthrough.shapes import Shape
 
