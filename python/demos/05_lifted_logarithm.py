@@ -1,4 +1,4 @@
-"""Tool turned twice about a slowly moving axis: the plain logarithm jumps, the lifted one does not.
+"""Two turns about a slowly moving axis: the plain logarithm jumps, the lifted one does not.
 
 Writes turns.png: python python/demos/05_lifted_logarithm.py [FOLDER]
 """

@@ -1,4 +1,4 @@
-"""Stable dynamical systems: after any push they lead to the goal; stability tested.
+"""Stable dynamical systems: convergence to the goal after any push, and a test of stability.
 
 Six stable dynamical systems learn a letter (extras `lasa` and `stable`). From where a push leaves
 the tool, each goes on to the goal. Prints how far each motion is from the demonstrations, whether

@@ -39,7 +39,7 @@ class FitError(LeadthroughError):
 
 
 class NotFitted(LeadthroughError, AttributeError):
-    """A model was asked for what only a fitted skill has."""
+    """A model was used like a fitted skill."""
 
 
 class NoPath(LeadthroughError):

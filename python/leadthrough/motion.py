@@ -210,7 +210,7 @@ class PoseTrajectory(Sampled):
 
 @dataclass(frozen=True, eq=False, init=False)
 class JointTrajectory(Sampled):
-    """Timed joint configurations; prismatic joints have m where others have rad.
+    """Timed joint configurations, in rad; prismatic joints in m.
 
     Attributes:
         times: (n,) s, strictly increasing.
@@ -338,7 +338,7 @@ class Demonstration(Drawn, Generic[MotionT_co]):
 
     @property
     def joints(self) -> JointTrajectory | None:
-        """The arm's joints while its tip moved so, or None; of joints, the motion itself."""
+        """The arm's joints during the motion of its tip, or None; for joints, the motion itself."""
         motion: Motion = self.motion
         return motion if isinstance(motion, JointTrajectory) else motion.joints
 

@@ -122,7 +122,7 @@ class Arm(ArmModel):
         return Arm(document, base, tip, complete, locked, mesh_folders=folders)
 
     def describe(self) -> str:
-        """The robot, its joints with their limits, and what it carries, as text to read."""
+        """Summary of the robot, its joints with their limits, and its load, as text."""
         from leadthrough.arm import description  # its tables take longer to load than the arm
 
         return description.describe(self)
@@ -306,7 +306,7 @@ class Arm(ArmModel):
         position_tolerance: float = 1e-4,
         orientation_tolerance: float = 1e-3,
     ) -> PathReport:
-        """How each sample of joints keeps to the motion's sample and to the arm's limits.
+        """Deviation of each sample of joints from the motion, and its use of the arm's limits.
 
         A violation is reported, never raised. The times of the two may differ.
 
@@ -326,7 +326,7 @@ class Arm(ArmModel):
         )
 
     def joints_of(self, trajectory: Motion) -> JointTrajectory:
-        """The arm's own joints of a recording, found by name and in the arm's order.
+        """The arm's own joints of a recording, selected by name, in the arm's order.
 
         Args:
             trajectory: a JointTrajectory. It may have other joints as well, such as a gripper's.
@@ -340,7 +340,7 @@ class Arm(ArmModel):
         return recorded_joints.joints_of(self._chain, trajectory)
 
     def poses(self, trajectory: Motion) -> PoseTrajectory:
-        """The poses that the tip goes through, with the recording's times, events and joints.
+        """Poses of the tip, with the recording's times, events and joints.
 
         `follow` is the way back, in the posture of the joints.
 

@@ -193,7 +193,7 @@ def _closest_pair(
 
 @dataclass(frozen=True, eq=False)
 class ClosestPair(ShortRepr):
-    """Two bodies where they are nearest.
+    """Two bodies at their smallest distance.
 
     Attributes:
         sample: index of a sample; with a fraction, between it and the next.
@@ -234,7 +234,7 @@ class Clearance(ShortRepr):
 
     @property
     def minimum_distance(self) -> float:
-        """Distance of the closest approach in m; infinite where nothing is checked."""
+        """Distance of the closest pair in m; infinite if no pair is checked."""
         return np.inf if self.closest is None else self.closest.distance
 
 
@@ -257,24 +257,24 @@ class CollisionReport(Drawn):
 
     @property
     def ok(self) -> bool:
-        """Whether nothing comes nearer than its margin; bodies that just touch are not nearer."""
+        """Whether every distance is at least its margin."""
         return self.first is None
 
     @property
     def first(self) -> ClosestPair | None:
-        """The first hit of both kinds; None where there is none."""
+        """The first collision of both kinds; None without one."""
         hits = [hit for hit in (self.obstacles.first, self.itself.first) if hit is not None]
         return min(hits, key=lambda hit: hit.sample, default=None)
 
     @property
     def closest(self) -> ClosestPair | None:
-        """The nearest approach of both kinds; None where nothing is checked."""
+        """The closest pair of both kinds; None if no pair is checked."""
         both = (self.obstacles, self.itself)
         return min(both, key=lambda clearance: clearance.minimum_distance).closest
 
     @property
     def minimum_distance(self) -> float:
-        """Distance of the closest approach in m; infinite where nothing is checked."""
+        """Distance of the closest pair in m; infinite if no pair is checked."""
         return min(self.obstacles.minimum_distance, self.itself.minimum_distance)
 
     @property

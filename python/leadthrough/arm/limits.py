@@ -35,7 +35,7 @@ _RATES = ("velocity", "effort", "acceleration", "jerk")
 
 @dataclass(frozen=True, eq=False, init=False)
 class JointLimits(ShortRepr):
-    """Limits of an arm's joints, one value per joint; infinite where there is no limit.
+    """Limits of an arm's joints, one value per joint; infinite if unlimited.
 
     Attributes:
         joint_names: names of the joints.

@@ -88,7 +88,7 @@ class ArmModel(Drawn):
 
     @property
     def attached(self) -> tuple[Shape, ...]:
-        """The shapes of the objects that the arm holds, in the frame of link `tip`."""
+        """Shapes of the attached objects, in the frame of link `tip`."""
         return self.attachment.shapes
 
     def lock_joints(self, values: Mapping[str, float]) -> Self:

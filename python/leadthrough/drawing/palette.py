@@ -1,4 +1,4 @@
-"""The colours of figures and 3D scenes; most colour-blind people can tell them apart.
+"""Colours of figures and 3D scenes, distinguishable with most colour vision deficiencies.
 
 Source: Okabe and Ito 2008, "Color Universal Design".
 """

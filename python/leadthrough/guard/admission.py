@@ -89,7 +89,7 @@ class Reason(ShortRepr):
 
 @dataclass(frozen=True, eq=False)
 class Admission(ShortRepr):
-    """A motion that may run, and the certified one to rest after it.
+    """An admitted motion, and the certified one to rest after it.
 
     Attributes:
         motion: what to execute, the first sample one period from now; the chunk itself where that
@@ -112,7 +112,7 @@ class Admission(ShortRepr):
 
     @property
     def to_rest(self) -> JointTrajectory:
-        """The motion and then the brake, without velocities where the motion has none."""
+        """The motion followed by the brake, without velocities if the motion has none."""
         if self.verdict == "braking":
             return self.motion
         parts = (self.motion, self.brake)

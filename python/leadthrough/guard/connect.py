@@ -1,4 +1,4 @@
-"""Onto a motion and off it: to the first sample from where the arm is, to rest after the last."""
+"""A motion with transitions from the arm's state to its start, and to rest after its end."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ class Guard(ShortRepr):
 
     @property
     def safe(self) -> bool:
-        """Whether what is left to command is certified; see `Admission.safe`."""
+        """Whether the remaining commands are certified; see `Admission.safe`."""
         return self._safe
 
     @property
@@ -120,7 +120,7 @@ class Guard(ShortRepr):
         return 0 if self._stream is None else len(self._stream) - HISTORY - self._at
 
     def next(self) -> CommandedState:
-        """Goes on by one period: the state to command now. At the end of all motion the arm rests.
+        """Advances by one period; the state to command now. After the last command the arm rests.
 
         Raises:
             InvalidInput: if no state was given yet.
@@ -140,7 +140,7 @@ class Guard(ShortRepr):
         chunk: JointTrajectory | ArrayLike,
         state: CommandedState | ArrayLike | None = None,
     ) -> Admission:
-        """Admits a chunk, which replaces all that has not been commanded yet.
+        """Admits a chunk, which replaces all commands not sent yet.
 
         Args:
             chunk: joint motion whose first sample is due one period from now. A trajectory at

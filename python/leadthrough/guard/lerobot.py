@@ -17,7 +17,7 @@ _ENDING = ".pos"
 
 
 class GuardStep:
-    """A processor step that lets through what its guard admits, an action at a time.
+    """A processor step that passes the commands that its guard admits, one action at a time.
 
         pipeline.steps.append(GuardStep(lt.Guard(arm, rate=30.0)))
 

@@ -25,7 +25,7 @@ _EASIEST = 100.0  # 1/s^2: a motion that hardly moves may stop within some perio
 
 
 class Playback(ShortRepr):
-    """A motion to command one period at a time, at a speed that may change at any time.
+    """A motion commanded one period at a time, with adjustable speed.
 
         play = lt.guard.Playback(motion, arm.limits, rate=1000.0)
         while not play.done:
@@ -68,7 +68,7 @@ class Playback(ShortRepr):
 
     @property
     def speed(self) -> float:
-        """The speed that is asked for, 0 to 1; 1 is that of the motion. It may be set."""
+        """Requested speed, 0 to 1, as a fraction of the motion's; can be set."""
         return self._asked
 
     @speed.setter
@@ -77,7 +77,7 @@ class Playback(ShortRepr):
 
     @property
     def speed_now(self) -> float:
-        """The speed now, which follows the one that is asked for; 0 before the first period."""
+        """Current speed, which follows the requested one; 0 before the first period."""
         return 0.0 if self._now is None else float(self._now.position[0])
 
     @property
@@ -104,7 +104,7 @@ class Playback(ShortRepr):
         self._paused = False
 
     def next(self) -> Float64Array:
-        """Goes on by one period: where the joints should be then (joints,)."""
+        """Advances by one period; the joint positions to command (joints,)."""
         target = np.array([0.0 if self._paused else self._asked])
         # The motion begins at rest, where any speed will do.
         before = FilterState.at_rest(target) if self._now is None else self._now

@@ -1,4 +1,4 @@
-"""The formats of files, found by their suffix or, for folders, by what is in them."""
+"""File formats, identified by suffix or, for folders, by contents."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def _suffixes(formats: Sequence[Format]) -> str:
 
 
 def write_motion(motion: Motion, path: StrPath, *, format: str | None = None) -> None:
-    """Writes a motion to a file, which appears whole or not at all.
+    """Writes a motion to a file, completely or not at all.
 
     The joints that a motion of the tip carries along (`motion.joints`) are kept by "csv" and "npz".
 

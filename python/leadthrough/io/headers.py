@@ -1,4 +1,4 @@
-"""Finds what a recording's columns hold by their names, in upper or lower case.
+"""Contents of a recording's columns, identified by their names in either case.
 
 - Time: `time`, `times`, `t`, `timestamp`, `stamp`.
 - Positions: `x`, `y` and, where there is one, `z`, alone or after `p`, `pos`, `position` or

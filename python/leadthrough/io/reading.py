@@ -228,7 +228,7 @@ def stream_recordings(
     frames: Sequence[str] | None = None,
     joints: Mapping[str, tuple[float, float]] | None = None,
 ) -> Iterator[Episode]:
-    """The recordings in files, one after the other; what cannot be read is passed over.
+    """The recordings in files, one after the other; unreadable ones are skipped.
 
     As `read_recordings`, for data sets that do not fit into memory, or have damaged episodes: of a
     LeRobot data set one file is in memory at a time, of a robomimic file 20 demonstrations.

@@ -99,7 +99,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         """Settings, plain values only, and arrays of numbers, for `from_archive` of its model."""
 
     def parameters(self, demonstrations: Demonstrations[Motion] = ()) -> Sequence[Parameter[Any]]:
-        """The parameters that a person may drag: by default the `slider` of its model, if any.
+        """Adjustable parameters: by default the `slider` of its model, if any.
 
         Args:
             demonstrations: those that it was fitted to, to fit it again.
@@ -118,7 +118,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         return certificate
 
     def certified(self, certificate: Certificate | None) -> Self:
-        """The same skill with a certificate, which its file keeps too.
+        """The same skill with a certificate, also saved in its file.
 
         Args:
             certificate: of a validation; None removes it.

@@ -92,12 +92,12 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
         """The result of its validation; None before one, and after a change."""
 
     def certified(self, certificate: Certificate | None) -> Skill[MotionT_co]:
-        """The same skill with a certificate, which its file keeps too; None removes it."""
+        """The same skill with a certificate, also saved in its file; None removes it."""
 
     def parameters(
         self, demonstrations: Demonstrations[Motion] = ()
     ) -> Sequence[Parameter[MotionT_co]]:
-        """The few numbers of its model that a person may drag, as `FittedSkill.parameters`."""
+        """Adjustable parameters of its model, as `FittedSkill.parameters`."""
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads."""

@@ -21,7 +21,7 @@ GROUP = "leadthrough.models"
 
 @dataclass(frozen=True)
 class ModelEntry:
-    """A model: where it is defined, what it learns, and what files call its skills.
+    """A model: its definition, its types of motion, and the kinds of its skills in files.
 
     Attributes:
         name: its name for the command line; of an entry point, the same name.
@@ -45,7 +45,7 @@ class ModelEntry:
         return _imported(self.model)
 
     def restored(self, settings: dict[str, Any], arrays: Mapping[str, Any]) -> Skill:
-        """The skill that its `to_archive` took apart.
+        """The skill restored from its archive.
 
         Args:
             settings: plain values, as JSON holds them.

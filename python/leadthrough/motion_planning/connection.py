@@ -43,7 +43,7 @@ def connect_configurations(
     seed: int = 0,
     steps: int = 200_000,
 ) -> Float64Array | None:
-    """Configurations (m, joints) on straight ways from the start to one of the goals.
+    """Configurations (m, joints) on a piecewise straight path from the start to one of the goals.
 
     The way has been shortened, and is clear all along. Needs the extra `ompl`.
 

@@ -69,7 +69,7 @@ def arrival_times(
     stop: ArrayLike | None = None,
     source_radius: float | None = None,
 ) -> FloatArray:
-    """Times at which a front that leaves the sources at time 0 reaches each cell; inf if never.
+    """Arrival times of a front that leaves the sources at time 0; inf in unreachable cells.
 
     Args:
         speed: 2-D or 3-D map of speeds, length per time, >= 0; 0 is a wall, and the slowest other
@@ -168,7 +168,7 @@ def arrival_times_batch(
 def nearest_sources(
     arrival: ArrayLike, sources: ArrayLike, *, spacing: ArrayLike = 1.0
 ) -> NDArray[np.int32]:
-    """The index of the source from which the front reached each cell; -1 where none did.
+    """Index of the source whose front reached each cell; -1 in unreachable cells.
 
     The index is carried down the characteristics: each cell takes a mean of its earlier
     neighbours' fractions of the sources, by the weights of the differentiated upwind equation.
@@ -208,7 +208,7 @@ class FieldUpdate(ShortRepr):
 
 
 class ArrivalField:
-    """Arrival times of first order from sources, kept up to date with a speed map that changes.
+    """First-order arrival times from sources, updated with a changing speed map.
 
     First order, because only there each time is a function of its neighbours' times alone: at
     second order it also depends on the sequence of the march.
@@ -263,7 +263,7 @@ class ArrivalField:
 
     @property
     def times(self) -> FloatArray:
-        """Arrival times as they are now, of grid.shape, read-only; inf where the front never comes.
+        """Current arrival times of grid.shape, read-only; inf in unreachable cells.
 
         After each update this is a new array, which takes 4 ms for 150^3 cells of float32.
         """

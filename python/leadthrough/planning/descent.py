@@ -57,7 +57,7 @@ def descend(
 
 
 def direction(arrival: ArrayLike, grid: Grid, positions: ArrayLike) -> Float64Array:
-    """Unit vectors (n, d) along which descents from given positions go next; 0 at a source.
+    """Unit vectors (n, d) of the descent at given positions; 0 at a source.
 
     A step of half a cell or less (of the smallest spacing) in that direction enters no wall; in a
     source's cell the vector points to its centre.

@@ -108,7 +108,7 @@ def distance_transform(mask: ArrayLike, *, spacing: ArrayLike = 1.0) -> Float64A
 
 
 class Walls:
-    """The cells whose centre lies in an obstacle, or so near that a path may touch it.
+    """Cells whose centre lies in an obstacle, or so near that a path could touch it.
 
     Args:
         grid: the cells; a 2-D grid is the plane z = 0.

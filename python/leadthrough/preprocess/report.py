@@ -19,7 +19,7 @@ _WRAPPED: dict[str, Any] = {"width": 78, "subsequent_indent": "    ", "break_lon
 
 @dataclass(frozen=True)
 class CleaningReport(Drawn):
-    """Faults of a recording and what was done about them.
+    """Faults of a recording and their corrections.
 
     Times are s on the recording's clock; samples are counted from 0 in the order of the file.
 
@@ -57,7 +57,7 @@ class CleaningReport(Drawn):
 
     @property
     def faults(self) -> int:
-        """Number of faults, where a sample may have several."""
+        """Number of faults; a sample may have several."""
         counted = (self.unordered, self.repeated, self.flipped, self.unnormalised)
         return len(self.invalid) + len(self.spikes) + sum(counted)
 

@@ -1,4 +1,4 @@
-"""A map of the places that an arm reaches, in how many orientations, and how well it moves."""
+"""Map of an arm's reachable positions, with the fraction of orientations and manipulability."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ class ReachMap(ShortRepr):
 
     @property
     def volume(self) -> float:
-        """Of the places that are reached in any orientation, m^3."""
+        """Volume of the positions reached in any orientation, m^3."""
         return float((self.fraction > 0.0).sum()) * self.spacing**3
 
     @property
     def axes(self) -> tuple[Float64Array, Float64Array, Float64Array]:
-        """Coordinates of the places along x, y and z, m."""
+        """Coordinates of the positions along x, y and z, m."""
         x, y, z = (
             start + self.spacing * np.arange(count)
             for start, count in zip(self.origin, self.fraction.shape, strict=True)

@@ -27,7 +27,7 @@ _THIN, _SHEET = 1e-4, 1e-3
 
 @dataclass(frozen=True, eq=False, init=False)
 class Mesh(PointBased, Solid):
-    """A surface of triangles, of which each connected part counts as its convex hull.
+    """A surface of triangles; each connected part counts as its convex hull.
 
     The hulls contain the surface, so that no collision is missed, and the free space inside a
     hollow part counts as occupied: a shelf that is modelled as separate boards stays open, one that

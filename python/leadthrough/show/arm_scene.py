@@ -1,4 +1,4 @@
-"""The animation of an arm on a motion, with what the motion was made from."""
+"""Animation of an arm along a motion, with its demonstrations, paths and obstacles."""
 
 from __future__ import annotations
 

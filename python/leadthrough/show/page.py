@@ -30,7 +30,7 @@ _SCRIPTS = ("vectors.js", "shaders.js", "painter.js", "pace.js", "scene.js")
 
 @dataclass(frozen=True, eq=False)
 class InlineScene(ShortRepr):
-    """A page that a notebook shows where it is the result of a cell.
+    """A page displayed by a notebook as the result of a cell.
 
     Attributes:
         title: of the scene.

@@ -152,7 +152,7 @@ def reach_figure(reach_map: ReachMap) -> Figure:
 
 
 def placement_figure(placement: Placement) -> Figure:
-    """The best manipulability by where the base stands, over all heights and yaws."""
+    """Best manipulability by base position, over all heights and yaws."""
     positions, where = np.unique(placement.bases[:, :2], axis=0, return_inverse=True)
     best, most = np.zeros(len(positions)), np.zeros(len(positions))
     np.maximum.at(best, where.ravel(), placement.manipulability)

@@ -317,7 +317,7 @@ class CartesianImpedance(Controller):
     def of_skill(
         cls, skill: Skill, arm: Arm, *, softest: float = 200.0, stiffest: float = 2000.0
     ) -> Self:
-        """The impedance with which an arm is stiff where demonstrations agree, and soft elsewhere.
+        """Impedance from a skill's covariance: stiff where demonstrations agree, soft elsewhere.
 
         Args:
             skill: with a distribution: a ProMP or GMR of points, poses or the arm's joints.

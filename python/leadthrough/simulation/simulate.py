@@ -1,4 +1,4 @@
-"""A motion run by an arm under gravity, friction and a controller, before the real one runs it."""
+"""Simulation of a motion run by an arm under gravity, friction and a controller."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ _RUNAWAY, _STRONGEST = 1e3, 2e4
 
 @dataclass(frozen=True, eq=False)
 class Push(ShortRepr):
-    """A force on the tip that nobody told the controller of.
+    """A force on the tip, unknown to the controller.
 
     Attributes:
         time: when it begins, s after the start of the motion.
@@ -202,7 +202,7 @@ class SimulatedArm(ShortRepr):
         return _touches(self._mujoco, self.plant.model, self.data)
 
     def step(self, command: CommandedState, *, progress: float = 0.0) -> Float64Array:
-        """Goes on by one period, after which the joints should be as commanded.
+        """Advances by one period, with a command for its end.
 
         Args:
             command: as `Guard.next` returns it: the acceleration is that of this period.

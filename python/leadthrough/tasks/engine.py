@@ -137,7 +137,7 @@ Progress = Callable[[Iterable[Outcome], int, str], Iterator[Outcome]]
 
 
 def with_progress(outcomes: Iterable[Outcome], total: int, label: str) -> Iterator[Outcome]:
-    """The same outcomes, shown on stderr with an estimate of the time that is left.
+    """The same outcomes, with progress and estimated remaining time on stderr.
 
     Args:
         label: shown before the bar, such as "validating".

@@ -1,4 +1,4 @@
-"""Where tasks are run, and what is kept of them."""
+"""Execution of tasks: workers, folder of results, time limit and progress."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from leadthrough.tasks.task import Store, Task
 
 @dataclass(frozen=True, eq=False)
 class Execution(ShortRepr):
-    """Where tasks are run, and what is kept of them.
+    """Execution of tasks: workers, folder of results, time limit and progress.
 
     Attributes:
         on: where to compute, as `leadthrough.tasks.run` takes it; None for this process.
@@ -45,7 +45,7 @@ class Execution(ShortRepr):
     def outcomes(
         self, todo: Sequence[Task], store: Store, folder: Path, label: str
     ) -> Iterator[Outcome]:
-        """The outcomes of tasks as they come, listed in the folder and shown under a label."""
+        """Outcomes of tasks as they finish, listed in the folder, with progress under a label."""
         found = with_manifest(run(todo, store, on=self.on, timeout=self.task_timeout), folder)
         return found if self.progress is None else self.progress(found, len(todo), label)
 

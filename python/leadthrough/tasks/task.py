@@ -141,7 +141,7 @@ def check_importable(function: Callable[..., Any]) -> None:
 
 @dataclass(frozen=True)
 class Store:
-    """Rows and failures by key, with where and how long they were computed.
+    """Rows and failures by key, with host and seconds of their computation.
 
     Attributes:
         folder: made when first written to.
@@ -150,7 +150,7 @@ class Store:
     folder: Path
 
     def identity(self) -> str:
-        """A text in a file of the folder, by which others see that they have the same folder."""
+        """A text in a file of the folder, by which workers recognise the same folder."""
         path = self.folder / _NAME
         self.folder.mkdir(parents=True, exist_ok=True)
         if not path.exists():
@@ -181,7 +181,7 @@ class Store:
         return int(head.get("attempts", 0))
 
     def write(self, report: Report) -> None:
-        """Keep what a report says; rows replace an earlier failure.
+        """Stores a report; rows replace an earlier failure.
 
         Raises:
             InvalidInput: if the file cannot be written.

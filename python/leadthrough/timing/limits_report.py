@@ -111,7 +111,7 @@ class LimitsReport(Drawn):
 
 @dataclass(frozen=True)
 class Binding:
-    """A stretch of time in which one limit is the nearest, and binds throughout or nowhere.
+    """An interval in which one limit is the nearest, and binds throughout or nowhere.
 
     Attributes:
         start: first time, s.

@@ -150,7 +150,7 @@ class SecondOrderFilter(LinearFilter):
 
 @dataclass(frozen=True, eq=False, init=False)
 class TimeOptimalFilter(ShortRepr):
-    """The fastest way to a target, at rest or moving, inside limits of velocity and acceleration.
+    """Time-optimal motion to a target, at rest or moving, within velocity and acceleration limits.
 
     The bang-bang law of the phase plane chatters when sampled; this is its sampled form. From the
     speed v towards the target, equal steps of at most a T bring the reference to rest in k periods
@@ -252,7 +252,7 @@ _MAX_NUMBER = 1e12
 
 @dataclass(frozen=True, eq=False, init=False)
 class JerkFilter(ShortRepr):
-    """The fastest way to rest at a target inside limits of velocity, acceleration and jerk.
+    """Time-optimal motion to rest at a target within limits of velocity, acceleration and jerk.
 
     Each limit is > 0, (d,) or one number for all dimensions.
 
@@ -297,7 +297,7 @@ class JerkFilter(ShortRepr):
         vars(self).update(limits, _limits=_table(limits))
 
     def step(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
-        """The state one period later, each dimension on its own fastest way to the target."""
+        """The state one period later, each dimension time-optimal by itself."""
         states, limits, goal = self._checked(state, target)
         return _state(_core.step_each(states, limits, goal, check_period(period)))
 
@@ -315,7 +315,7 @@ class JerkFilter(ShortRepr):
         return np.asarray(_core.times_to_rest(*self._checked(state, target)))
 
     def resting_place(self, state: FilterState) -> Float64Array:
-        """Positions (d,) at which the dimensions rest if they stop as fast as they may."""
+        """Positions (d,) at which the dimensions rest after the fastest stop."""
         states, limits, _ = self._checked(state, getattr(state, "position", ()))
         return np.asarray(_core.resting_places(states, limits))
 
@@ -401,7 +401,7 @@ class LineState(FilterState):
 
 @dataclass(frozen=True, eq=False)
 class StraightFilter(ShortRepr):
-    """The fastest way to rest at a target along a straight line, inside all dimensions' limits.
+    """Time-optimal motion to rest at a target along a straight line, within all dimensions' limits.
 
     A target that changes during the motion is approached on the same line if it lies on it;
     otherwise the reference stops as fast as it may and leaves for the target from there.

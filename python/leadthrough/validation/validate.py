@@ -1,4 +1,4 @@
-"""A skill on an arm, asked at random: how often is its motion one that the arm can run?"""
+"""Success rate of a skill's motions on an arm, for random queries."""
 
 from __future__ import annotations
 

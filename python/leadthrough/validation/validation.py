@@ -178,7 +178,7 @@ _SMALLEST = 1e-15  # fraction: the bounds lie between this and 1 less this
 
 
 def clopper_pearson(successes: int, runs: int, *, confidence: float = 0.95) -> tuple[float, float]:
-    """Lower and upper bound of the fraction that succeeds, for a number of runs fixed before.
+    """Clopper-Pearson bounds of the success rate, for a number of runs fixed in advance.
 
     Args:
         successes: number of runs that succeeded.

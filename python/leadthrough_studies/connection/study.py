@@ -1,4 +1,4 @@
-"""700 published problems for a Panda: ways by RRT-Connect, ours checked without a gap.
+"""700 published problems for a Panda: paths by RRT-Connect, ours checked continuously.
 
 `connect_configurations` connects the start with the goal, and the answer is checked between its
 configurations. Beside it OMPL's RRT-Connect is run as it comes, with the same arm and the same

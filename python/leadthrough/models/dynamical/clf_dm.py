@@ -86,7 +86,7 @@ class MixtureRegression(ShortRepr):
 
 @dataclass(frozen=True, eq=False)
 class CorrectedMixture(Corrected):
-    """A mixture's regression, corrected so that asymmetric quadratics fall."""
+    """A mixture's regression, corrected so that a sum of asymmetric quadratics decreases."""
 
     regressions: ClassVar[Any] = MixtureRegression
     energies: ClassVar[Any] = AsymmetricQuadratics

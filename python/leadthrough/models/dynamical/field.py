@@ -71,7 +71,7 @@ class Field(ABC):
         """Derivatives (n,) of the energy along the trajectories through states (n, s)."""
 
     def states(self, x: Float64Array) -> Float64Array:
-        """The states (n, s) in which motions start at positions (n, d)."""
+        """Initial states (n, s) of motions from positions (n, d)."""
         return x
 
     def rate(self, states: Float64Array) -> Float64Array:
@@ -170,7 +170,7 @@ class StabilityReport(ShortRepr):
 
     @property
     def violations(self) -> int:
-        """Starts that did not arrive, energies that rose and other places of rest."""
+        """Starts that did not arrive, increasing energies and spurious equilibria."""
         return self.starts - self.arrived + self.rising + self.resting
 
     @property

@@ -174,7 +174,7 @@ def solve_cone_programme(
     bounds: Float64Array,
     cones: Sequence[Any],
 ) -> Float64Array:
-    """The x with the least x^T Q x / 2 + q^T x for which bounds - rows x lies in cones.
+    """Minimiser of x^T Q x / 2 + q^T x subject to bounds - rows x in cones.
 
     Args:
         quadratic: upper triangle of Q (m, m).

@@ -21,7 +21,7 @@ _MAX_PACE = 2.0
 
 
 class DynamicalModel(Unfitted, ABC):
-    """A model that learns a system; a derived frozen dataclass holds its settings.
+    """Base of models that learn a system; a derived frozen dataclass holds the settings.
 
     Attributes:
         system: class of the systems that `learn` returns, which files are read with.

@@ -86,7 +86,7 @@ class StarNetwork(StoredArrays):
 
 @dataclass(frozen=True, eq=False)
 class CorrectedNetwork(Corrected):
-    """A network's regression, corrected so that a star-shaped energy falls."""
+    """A network's regression, corrected so that a star-shaped energy decreases."""
 
     regressions: ClassVar[Any] = NetworkRegression
     energies: ClassVar[Any] = StarNetwork

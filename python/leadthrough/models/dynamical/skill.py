@@ -65,7 +65,7 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
 
     def policy(self, position: ArrayLike, *, goal: Target | None = None) -> Float64Array:
-        """The velocity that leads from a place to the goal.
+        """Velocity at a position, leading to the goal.
 
         Args:
             position: position or joints (d,), or rows (n, d) of them; for poses (position (3,),
@@ -100,7 +100,7 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
 
     @property
     def duration(self) -> float:
-        """Duration of its own motion, s."""
+        """Duration of the nominal motion, s."""
         path = goal_trajectory(self.field, self._situation(None, None).start)
         return self._seconds(path.duration)
 

@@ -310,7 +310,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         goal: Target | None = None,
         obstacles: Sequence[Shape] = (),
     ) -> Query:
-        """Positions and obstacles as `plan` takes them, with what is left out.
+        """Positions and obstacles as `plan` takes them, with defaults filled in.
 
         Args:
             start: as in `generate`.
@@ -360,7 +360,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
     def policy_to(
         self, goal: ArrayLike | None = None, *, obstacles: Sequence[Shape] = ()
     ) -> Policy:
-        """A policy for a goal, among obstacles; what it needs is computed here, once.
+        """A policy for a goal, among obstacles; its field is computed here, once.
 
         It goes by the map of all demonstrations, at the speed that they teach at each position.
         Where they cross themselves it takes the short cut: a position does not tell the phase. A
@@ -383,7 +383,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         self,
         demonstrations: Demonstrations[Motion] = (),  # noqa: ARG002 (no fit is needed)
     ) -> Sequence[Parameter[MotionT_co]]:
-        """Its saturation and, where there is a map, the radius of its tubes.
+        """Its saturation and, if it has a map, the radius of its tubes.
 
         Args:
             demonstrations: not needed, as nothing is fitted again.

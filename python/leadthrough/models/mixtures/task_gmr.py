@@ -204,7 +204,7 @@ class TaskGMRSkill(FittedSkill[MotionT_co]):
 
     @property
     def supports(self) -> frozenset[str]:
-        """Parts of a query that it honours; with frames of its own, use `at` instead."""
+        """Supported parts of a query; for a skill with its own frames, use `at` instead."""
         return frozenset({"start", "goal", "duration"} if self.at_ends else {"duration"})
 
     def at(self, frames: Sequence[Frame]) -> GMRSkill[MotionT_co]:

@@ -224,7 +224,7 @@ class ProMPSkill(FittedSkill[MotionT_co]):
         return skill._motion(skill.weights.mean, times)
 
     def novelty(self, *, start: Target | None = None, goal: Target | None = None) -> float:
-        """How far a start and a goal lie from what was samples, in standard deviations.
+        """Distance of a start and a goal from the demonstrated ones, in standard deviations.
 
         The largest deviation along any principal axis of the distribution of these ends. From
         about 3 on, the motion is an extrapolation: `generate` shifts it there.
