@@ -1,6 +1,5 @@
 """Small files that inflate far, nest deep or never end: each is written by a function here."""
 
-import json
 import sqlite3
 import struct
 import zipfile
@@ -100,69 +99,6 @@ def mat_of_cells_in_cells(path):
         if size > MIB:
             break
     _mat(path, zlib.compress(content, 1))
-
-
-def csv_of_a_million_columns(path):
-    """A header of a million names."""
-    path.write_text(",".join(f"c{i}" for i in range(1_000_000)) + "\n")
-
-
-def csv_of_one_line(path):
-    """A line of 200 megabytes."""
-    path.write_bytes(b"t,x,y\n" + b"1" * (200 * MIB))
-
-
-def csv_of_short_rows(path):
-    """Twenty million rows of one number, 40 megabytes that took gigabytes as lists of texts."""
-    path.write_bytes(b"x\n" + b"1\n" * 20_000_000)
-
-
-def csv_with_a_deep_event(path):
-    """An event whose name nests deep."""
-    path.write_text("# event,0.5," + "[" * 100_000 + "\nt,x,y\n0,1,2\n1,2,3\n")
-
-
-def json_that_nests(path):
-    """A million brackets."""
-    path.write_text("[" * 1_000_000)
-
-
-def json_of_empty_lists(path):
-    """Ten million lists in 30 megabytes."""
-    path.write_text('{"joint_names": ["a"], "points": [' + "[]," * 10_000_000 + "[]]}")
-
-
-def json_of_wide_letters(path):
-    """A hundred megabytes of which one letter takes four bytes, and so all do."""
-    path.write_text('{"joint_names": ["' + "a" * 100_000_000 + '\U0001f600"]}', encoding="utf-8")
-
-
-def yaml_of_aliases(path):
-    """A billion laughs."""
-    lines = ['a0: &a0 ["ha", "ha"]']
-    lines += [f"a{i}: &a{i} [{', '.join(9 * [f'*a{i - 1}'])}]" for i in range(1, 12)]
-    path.write_text("\n".join(lines))
-
-
-def yaml_that_nests(path):
-    """Brackets and blocks within each other, deep enough to overflow the loader's stack."""
-    path.write_text("points: " + "[" * 100_000 + "]" * 100_000)
-
-
-def yaml_of_many_numbers(path):
-    """Ten million numbers, for each of which the loader takes 400 bytes."""
-    path.write_text("points: [" + "1, " * 10_000_000 + "1]")
-
-
-def yaml_in_base_60(path):
-    """One number of two million parts in base 60."""
-    path.write_text("points: 1" + ":1" * 500_000)
-
-
-def yaml_of_colliding_keys(path):
-    """Keys that all have the same hash."""
-    prime = 2**61 - 1
-    path.write_text("".join(f"{i * prime}: 1\n" for i in range(1, 60_000)))
 
 
 def parquet_of_one_number(path):
@@ -332,47 +268,83 @@ def bag_of_zeros(path):
     path.write_bytes(b"#ROSBAG V2.0\n" + first + chunk + connection + info)
 
 
-def stl_of_words(path):
-    """A text mesh whose first vertex is a word of 200 megabytes."""
-    path.write_bytes(b"solid\nvertex " + b"1" * (200 * MIB) + b" 0 0\n")
-
-
-def obj_of_one_polygon(path):
-    """A polygon of forty million corners."""
-    path.write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf" + b" 1" * 40_000_000)
-
-
-def dae_of_entities(path):
-    """A billion laughs, as a COLLADA mesh."""
-    lols = "".join(
-        f'<!ENTITY l{i} "{10 * f"&l{i - 1};"}">' if i else '<!ENTITY l0 "lol">' for i in range(10)
-    )
-    path.write_text(f'<?xml version="1.0"?><!DOCTYPE c [{lols}]><COLLADA>&l9;</COLLADA>')
-
-
-def info_json_that_nests(path):
-    """The description of a LeRobot data set, a million brackets deep."""
-    path.write_text(json.dumps({"features": 1})[:-1] + ', "x": ' + "[" * 1_000_000)
-
-
 def _motion():
     times = np.linspace(0.0, 1.0, 11)
     return lt.JointTrajectory(times, times[:, None], joint_names=("a",))
 
 
+def _laughs(count):
+    return "".join(
+        f'<!ENTITY l{i} "{10 * f"&l{i - 1};"}">' if i else '<!ENTITY l0 "lol">'
+        for i in range(count)
+    )
+
+
+TEXTS = {
+    # A header of a million names.
+    "csv_of_a_million_columns": lambda: ",".join(f"c{i}" for i in range(1_000_000)) + "\n",
+    # A line of 200 megabytes.
+    "csv_of_one_line": lambda: b"t,x,y\n" + b"1" * (200 * MIB),
+    # Twenty million rows of one number, 40 megabytes that took gigabytes as lists of texts.
+    "csv_of_short_rows": lambda: b"x\n" + b"1\n" * 20_000_000,
+    # An event whose name nests deep.
+    "csv_with_a_deep_event": lambda: "# event,0.5," + "[" * 100_000 + "\nt,x,y\n0,1,2\n1,2,3\n",
+    # A million brackets.
+    "json_that_nests": lambda: "[" * 1_000_000,
+    # Ten million lists in 30 megabytes.
+    "json_of_empty_lists": lambda: (
+        '{"joint_names": ["a"], "points": [' + "[]," * 10_000_000 + "[]]}"
+    ),
+    # A hundred megabytes of which one letter takes four bytes, and so all do.
+    "json_of_wide_letters": lambda: '{"joint_names": ["' + "a" * 100_000_000 + '\U0001f600"]}',
+    # A billion laughs.
+    "yaml_of_aliases": lambda: "\n".join(
+        [
+            'a0: &a0 ["ha", "ha"]',
+            *(f"a{i}: &a{i} [{', '.join(9 * [f'*a{i - 1}'])}]" for i in range(1, 12)),
+        ]
+    ),
+    # Brackets and blocks within each other, deep enough to overflow the loader's stack.
+    "yaml_that_nests": lambda: "points: " + "[" * 100_000 + "]" * 100_000,
+    # Ten million numbers, for each of which the loader takes 400 bytes.
+    "yaml_of_many_numbers": lambda: "points: [" + "1, " * 10_000_000 + "1]",
+    # One number of two million parts in base 60.
+    "yaml_in_base_60": lambda: "points: 1" + ":1" * 500_000,
+    # Keys that all have the same hash.
+    "yaml_of_colliding_keys": lambda: "".join(f"{i * (2**61 - 1)}: 1\n" for i in range(1, 60_000)),
+    # A text mesh whose first vertex is a word of 200 megabytes.
+    "stl_of_words": lambda: b"solid\nvertex " + b"1" * (200 * MIB) + b" 0 0\n",
+    # A polygon of forty million corners.
+    "obj_of_one_polygon": lambda: b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf" + b" 1" * 40_000_000,
+    # A billion laughs, as a COLLADA mesh.
+    "dae_of_entities": lambda: (
+        f'<?xml version="1.0"?><!DOCTYPE c [{_laughs(10)}]><COLLADA>&l9;</COLLADA>'
+    ),
+}
+
+
+def _texts(suffix):
+    """Makers of the files of a format that are nothing but a text."""
+
+    def maker(name):
+        def write(path):
+            content = TEXTS[name]()
+            path.write_bytes(content.encode() if isinstance(content, str) else content)
+
+        write.__name__ = name
+        return write
+
+    return tuple(maker(name) for name in TEXTS if name.startswith(f"{suffix}_"))
+
+
 RECORDINGS = {
     "npz": (npz_of_zeros, npz_of_small_numbers, npz_of_nothing, npz_of_empty_members),
     "mat": (mat_of_zeros, mat_of_many_variables, mat_of_empty_cells, mat_of_cells_in_cells),
-    "csv": (csv_of_a_million_columns, csv_of_one_line, csv_of_short_rows, csv_with_a_deep_event),
-    "json": (json_that_nests, json_of_empty_lists, json_of_wide_letters),
-    "yaml": (
-        yaml_of_aliases, yaml_that_nests, yaml_of_many_numbers, yaml_in_base_60,
-        yaml_of_colliding_keys,
-    ),
+    **{suffix: _texts(suffix) for suffix in ("csv", "json", "yaml")},
     "parquet": (parquet_of_one_number, parquet_of_many_rows),
     "hdf5": (hdf5_of_one_chunk, hdf5_of_a_vast_chunk, hdf5_of_another_file),
     "mcap": (mcap_of_zeros, mcap_that_says_so),
     "db3": (db3_without_end, db3_of_vast_messages),
     "bag": (bag_of_zeros,),
 }  # fmt: skip
-MESHES = {"stl": (stl_of_words,), "obj": (obj_of_one_polygon,), "dae": (dae_of_entities,)}
+MESHES = {suffix: _texts(suffix) for suffix in ("stl", "obj", "dae")}

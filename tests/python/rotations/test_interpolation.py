@@ -223,8 +223,3 @@ def test_huge_vectors_have_finite_jacobians():
     assert np.isfinite(rotations.left_jacobian(huge)).all()
     assert np.isfinite(rotations.left_jacobian_inverse(huge)).all()
     assert np.isfinite(rotations.exp(huge)).all()
-
-
-def test_empty_batches_stay_empty():
-    assert rotations.left_jacobian(np.zeros((0, 3))).shape == (0, 3, 3)
-    assert rotations.left_jacobian_inverse(np.zeros((0, 3))).shape == (0, 3, 3)

@@ -145,8 +145,3 @@ def test_recorded_orientations_are_lifted(recordings):
             half = np.linalg.norm(lifted, axis=1).max() / 2
             assert (steps <= 1.01 * half / np.sin(half) * turned + 1e-12).all()
             assert steps.max() < 0.1  # the plain logarithm jumps by a whole turn
-
-
-def test_nothing_lifts_to_nothing():
-    assert rotations.lift(np.zeros((0, 4))).shape == (0, 3)
-    assert rotations.lift(np.zeros((0, 4)), anchor="goal").shape == (0, 3)

@@ -30,26 +30,20 @@ from leadthrough.errors import FitError, UnsupportedQuery
 from leadthrough.preprocess import segment
 
 
-@pytest.mark.parametrize("case", HARD.values(), ids=HARD)
-def test_hard_rotations_are_replayed(case):
-    error = errors_of(fitted(*case), *case)
-    assert error.mean() <= 0.03
-    assert error.max() <= 0.3
-
-
-def test_light_noise_at_100_hz_is_averaged_out():
-    u, q = turn(350, 100)
-    error = errors_of(fitted(u, noisy(q, 0.05)), u, q)
-    assert error.mean() <= 0.03
-    assert error.max() <= 0.3
-
-
-@pytest.mark.parametrize("case", HARD_AT_50_HZ.values(), ids=HARD_AT_50_HZ)
-def test_noise_at_50_hz_is_survived(case):
+@pytest.mark.parametrize(
+    ("case", "noise", "mean", "most"),
+    [
+        *((case, 0.0, 0.03, 0.3) for case in HARD.values()),
+        (turn(350, 100), 0.05, 0.03, 0.3),
+        *((case, 0.1, 0.2, 1.0) for case in HARD_AT_50_HZ.values()),
+    ],
+    ids=[*HARD, "light noise at 100 Hz", *(f"noise, {name}" for name in HARD_AT_50_HZ)],
+)
+def test_hard_rotations_are_replayed_with_their_noise_averaged_out(case, noise, mean, most):
     u, q = case
-    error = errors_of(fitted(u, noisy(q, 0.1)), u, q)
-    assert error.mean() <= 0.2
-    assert error.max() <= 1.0
+    error = errors_of(fitted(u, noisy(q, noise) if noise else q), u, q)
+    assert error.mean() <= mean
+    assert error.max() <= most
 
 
 @pytest.mark.parametrize("rate", [50, 100])
@@ -327,29 +321,19 @@ def test_noise_of_the_samples_is_no_turn_that_lifted_lacks():
 
 @pytest.mark.parametrize(("moved_by", "quicker"), [(20, 1.15), (90, 1.3)])
 @pytest.mark.parametrize(
-    "case", [*HARD.values(), *HARD_AT_50_HZ.values()], ids=[*HARD, *HARD_AT_50_HZ]
+    ("case", "noise"),
+    [*((case, 0.0) for case in (*HARD.values(), *HARD_AT_50_HZ.values())), (turn(350, 100), 0.05)],
+    ids=[*HARD, *HARD_AT_50_HZ, "noisy"],
 )
-def test_goal_turned_off_the_axis_is_reached_without_a_spin(case, moved_by, quicker):
+def test_goal_turned_off_the_axis_is_reached_without_a_spin(case, noise, moved_by, quicker):
     u, q = case
-    skill, shown = fitted(u, q), demonstration(u, q)
+    skill, shown = fitted(u, noisy(q, noise) if noise else q), demonstration(u, q)
     for axis in across(FIXED, 12):
         goal = turned_by(q[-1], moved_by, axis)
         made = skill.generate(goal=((0.5, 0.0, 0.3), goal), dt=0.004)
         assert np.degrees(rotations.distance(made.orientations[-1:], goal[None]))[0] < 1e-6
         np.testing.assert_allclose(made.positions[-1], (0.5, 0.0, 0.3), atol=1e-9)
         assert angle_turned(made.orientations) <= 1.02 * angle_turned(q) + moved_by
-        assert peak_speed(made) <= quicker * peak_speed(shown)
-
-
-@pytest.mark.parametrize(("moved_by", "quicker"), [(20, 1.15), (90, 1.3)])
-def test_goal_of_a_noisy_motion_is_reached_without_a_spin(moved_by, quicker):
-    u, q = turn(350, 100)
-    skill, shown = fitted(u, noisy(q, 0.05)), demonstration(u, q)
-    for axis in across(FIXED, 12):
-        goal = turned_by(q[-1], moved_by, axis)
-        made = skill.generate(goal=((0.5, 0.0, 0.3), goal), dt=0.004)
-        assert np.degrees(rotations.distance(made.orientations[-1:], goal[None]))[0] < 1e-6
-        assert angle_turned(made.orientations) <= 1.02 * 350 + moved_by
         assert peak_speed(made) <= quicker * peak_speed(shown)
 
 
