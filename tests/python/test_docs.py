@@ -1,9 +1,14 @@
-"""What README and the documentation show, run as it stands, page by page and in its order."""
+"""README, documentation and notebooks, run as they stand and type-checked, page by page."""
 
 import ast
+import importlib
+import importlib.util
+import json
 import os
 import re
 import shlex
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -180,3 +185,124 @@ def test_messages_in_the_troubleshooting_are_those_of_the_code():
     assert len(quoted) > 15
     for message in quoted:
         assert message in known, message
+
+
+# The docs' table of speed is the one that the benchmarks print, and --check finds a boast
+
+
+@pytest.fixture
+def benchmarks(monkeypatch):
+    """The modules `printed` and `frame` of the benchmarks."""
+    monkeypatch.setattr(sys, "path", [str(ROOT / "python" / "benchmarks"), *sys.path])
+    yield importlib.import_module("printed"), importlib.import_module("frame")
+    for name in ("printed", "frame"):
+        sys.modules.pop(name)
+
+
+def measured(printed, frame, ratio, error):
+    """A row for every pattern of the table."""
+    rows = []
+    for line in printed._LINES:
+        for pattern in line["of"]:
+            name, _, peer = pattern.partition("@")
+            answer = (name.replace("*", "x"), peer or "peer", error, 1.0, True)
+            rows.append(frame.Row(*answer, ratio=ratio))
+    return rows
+
+
+def test_a_printed_table_holds_until_a_figure_is_over_15_percent_better_than_measured(benchmarks):
+    printed, frame = benchmarks
+    page = f"text\n\n{printed.table(measured(printed, frame, 10.0, 0.5))}<!-- end -->\n"
+    assert printed.too_good(page, measured(printed, frame, 8.8, 0.57)) == []
+    slower = printed.too_good(page, measured(printed, frame, 8.6, 0.5))
+    assert len(slower) == sum(len(line["of"]) for line in printed._LINES)
+    assert "10 is printed, 8.6 measured" in slower[0]
+    worse = printed.too_good(page, measured(printed, frame, 10.0, 0.6))
+    assert len(worse) == sum("{error}" in line["problem"] for line in printed._LINES)
+    cut = printed.too_good(re.sub(r"\| slerp.*\n", "", page), measured(printed, frame, 10.0, 0.5))
+    assert "rows are printed" in cut[0]
+
+
+def test_the_page_on_speed_has_the_rows_of_the_table(benchmarks):
+    printed, frame = benchmarks
+    faults = printed.too_good(
+        (ROOT / "docs" / "speed.md").read_text(), measured(printed, frame, 1e6, 0.0)
+    )
+    assert faults == []
+
+
+# The notebooks, cell by cell, as the pages of the documentation run them
+
+
+NOTEBOOKS = sorted((ROOT / "python" / "notebooks").glob("*.ipynb"))
+
+
+@pytest.fixture(scope="module")
+def shown():
+    file = ROOT / "docs" / "hooks" / "notebooks.py"
+    spec = importlib.util.spec_from_file_location("notebooks", file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.shown
+
+
+def test_there_are_three():
+    assert len(NOTEBOOKS) == 3
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook_runs_and_shows_skills_and_scenes_inline(notebook, shown):
+    page = "\n".join(shown(notebook))
+    assert page.count("<svg") >= 2
+    assert page.count("<iframe") == (0 if "which_model" in notebook.name else 1)
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook_is_kept_without_results(notebook):
+    cells = json.loads(notebook.read_text())["cells"]
+    assert all(not cell.get("outputs") for cell in cells)
+
+
+# The Python of the README and the guide passes the strictest type check, page by page
+
+
+PACKAGE = Path(lt.__file__).parent
+TYPED_PAGES = [ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md"))]
+PYTHON = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
+
+
+def scripts(folder):
+    """A script of each page's examples, in their order and on the page's own lines."""
+    for page in TYPED_PAGES:
+        text = page.read_text()
+        if PYTHON.search(text):
+            script = folder / f"{page.stem}.py"
+            script.write_text(python_of(text))
+            yield script
+
+
+def python_of(text):
+    """The text with its Python blocks alone; all other lines are blank."""
+    kept, end = "", 0
+    for block in PYTHON.finditer(text):
+        kept += "\n" * text.count("\n", end, block.start(1)) + block[1]
+        end = block.end(1)
+    return kept
+
+
+def test_examples_pass_mypy_strict(tmp_path):
+    paths = [str(path) for path in scripts(tmp_path)]
+    assert len(paths) > 3
+    # As in a project of a user's: without our configuration, the package's types as they are.
+    options = ["--strict", "--config-file=", "--follow-imports=silent", "--cache-dir"]
+    result = subprocess.run(
+        [sys.executable, "-m", "mypy", *options, str(ROOT / "build" / "mypy-examples"), *paths],
+        cwd=tmp_path,
+        env=os.environ | {"MYPYPATH": str(PACKAGE.parent)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert (PACKAGE / "py.typed").is_file()

@@ -76,8 +76,7 @@ def test_a_model_loads_no_family_but_its_own():
 
 
 @pytest.mark.parametrize(
-    "module",
-    ["io.formats", "preprocess", "motion", "shapes", "planning", "trajectories", "timing"],
+    "module", ["io.formats", "preprocess", "motion", "shapes", "planning", "trajectories", "timing"]
 )
 def test_what_reads_holds_plans_or_times_motions_loads_neither_scipy_nor_yaml(module):
     assert not modules_after(f"import leadthrough.{module}") & (HEAVY - {"numpy"})

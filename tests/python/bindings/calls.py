@@ -91,13 +91,7 @@ for real in (np.float32, np.float64):
     down = {"arrival": np.tile(STRAIGHT, (3, 1)).astype(real), "spacing": SPACING}
     call(core.descend, "ok", start=[1.0, 3.0], goal=[1.0, 0.0], step=0.5, **down)
     call(core.directions, "ok", points=np.array([[1.0, 2.0]]), **down)
-call(
-    core.nearest_sources,
-    np.zeros((1, 4)),
-    arrival=STRAIGHT,
-    spacing=SPACING,
-    cells=[0],
-)
+call(core.nearest_sources, np.zeros((1, 4)), arrival=STRAIGHT, spacing=SPACING, cells=[0])
 call(core.distance_transform, STRAIGHT, mask=STRAIGHT == 0.0, spacing=SPACING)
 
 # An arm.

@@ -14,20 +14,8 @@ from leadthrough_studies.agriculture.measures import judged
 from leadthrough_studies.agriculture.planners import PLANNERS
 from leadthrough_studies.agriculture.recordings import replay
 from leadthrough_studies.agriculture.skills import LOOKUPS, chain, learn, show
-from leadthrough_studies.agriculture.study import (
-    STUDY,
-    AgricultureConfig,
-    looked_up,
-    on_the_arm,
-)
-from leadthrough_studies.agriculture.tasks import (
-    POSTURES,
-    TASKS,
-    amid,
-    floor,
-    load_arm,
-    targets,
-)
+from leadthrough_studies.agriculture.study import STUDY, AgricultureConfig, looked_up, on_the_arm
+from leadthrough_studies.agriculture.tasks import POSTURES, TASKS, amid, floor, load_arm, targets
 from leadthrough_studies.study import run, selected
 
 ARM = load_arm()
@@ -118,10 +106,7 @@ def test_a_whole_task_is_shown_under_gravity(outcome):
 
 
 def test_the_arm_does_what_the_default_plans(rows):
-    for row in (
-        *planned(rows, "anchored"),
-        *selected(rows, study="whole", planner="anchored"),
-    ):
+    for row in (*planned(rows, "anchored"), *selected(rows, study="whole", planner="anchored")):
         assert row["followed"]
         assert row["limits_kept"]
         assert row["arm_clear"]

@@ -5,13 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from leadthrough_studies.demonstrator import (
-    JointTeaching,
-    Teaching,
-    guide,
-    guide_joints,
-    wander,
-)
+from leadthrough_studies.demonstrator import JointTeaching, Teaching, guide, guide_joints, wander
 from leadthrough_studies.metrics import dimensionless_jerk, turning
 
 ENDS = np.array([[0.0, 0.0, 0.0], [0.4, 0.3, 0.0]])

@@ -119,11 +119,7 @@ def test_a_task_that_fails_is_reported_and_tried_again(tmp_path):
     assert [row["number"] for row in outcome.rows] == [1, 1, 3, 3]
     (failure,) = outcome.failures
     traceback = failure.pop("traceback")
-    assert failure == {
-        "task": {"number": -2},
-        "error": "FitError",
-        "message": "-2 is negative",
-    }
+    assert failure == {"task": {"number": -2}, "error": "FitError", "message": "-2 is negative"}
     assert "in square" in traceback
     failure["traceback"] = traceback
     assert document(tmp_path)["failures"] == [failure]
