@@ -11,6 +11,7 @@ ARM = lt.Arm.load("panda")
 TIMES = np.linspace(0.0, 1.0, 20)
 MIDDLE = 0.5 * (ARM.limits.lower + ARM.limits.upper)
 Q = MIDDLE + 0.3 * np.sin(TIMES[:, None] * np.arange(1, 8))
+NAMED = lt.JointTrajectory(TIMES, Q, joint_names=ARM.joint_names)
 ENDLESS = """<robot name="endless">
 <link name="base"/><link name="upper"/><link name="lower"/>
 <joint name="turn" type="continuous"><parent link="base"/><child link="upper"/>
@@ -87,7 +88,7 @@ def test_poses_of_joints_are_followed_in_the_posture_that_was_shown():
 
 
 def test_a_posture_that_is_asked_for_goes_before_the_shown_one():
-    shown = ARM.poses(lt.JointTrajectory(TIMES, Q, joint_names=ARM.joint_names))
+    shown = ARM.poses(NAMED)
     other = ARM.inverse_kinematics_all(
         shown.positions[0], shown.orientations[0], options=IkOptions(posture=Q[0])
     )
@@ -121,7 +122,7 @@ def test_where_the_shown_posture_ends_early_another_one_is_taken():
 
 
 def test_a_goal_that_moves_changes_the_joints_continuously():
-    skill = lt.DMP().fit([ARM.poses(lt.JointTrajectory(TIMES, Q, joint_names=ARM.joint_names))])
+    skill = lt.DMP().fit([ARM.poses(NAMED)])
     plain = skill.generate(dt=0.05)
     before = None
     for step in np.linspace(-0.06, 0.06, 25):

@@ -8,7 +8,6 @@ from motions import configurations
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.arm.task_stack import TaskStack
 from leadthrough.errors import InvalidInput
 from leadthrough.shapes import surface
 from leadthrough_studies.coal_arm import CoalArm
@@ -138,7 +137,7 @@ def test_a_task_keeps_a_point_away_from_a_cloud(panda):
     position, _ = panda.forward_kinematics(HOME)
     cloud = lt.PointCloud([(0.1, 0.0, 0.0), (0.0, 0.3, 0.0)], 0.02, position)
     task = lt.arm.ObstacleTask(cloud, 0.1)
-    solution = TaskStack(panda, [task]).solve(HOME)
+    solution = lt.arm.TaskStack(panda, [task]).solve(HOME)
     assert solution.report.error[0] == pytest.approx(0.02, abs=1e-9)
 
 

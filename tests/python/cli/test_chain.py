@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli.command_line import facts, run
+from cli.command_line import facts, run, write_limits, write_table
 from foreign_arms import urdf_in_package
 from motions import minimum_jerk
 
@@ -23,8 +23,7 @@ def record(path, arm, seed):
     share = minimum_jerk(times / times[-1])
     turn = np.array([0.8, -0.4, 0.5, -0.3, 0.4, 0.6]) + rng.normal(0, 0.02, 6)
     rows = np.column_stack([times, HOME + share[:, None] * turn])
-    header = ",".join(["time", *arm.joint_names])
-    np.savetxt(path, rows, delimiter=",", header=header, comments="")
+    write_table(path, ",".join(["time", *arm.joint_names]), rows)
 
 
 @pytest.fixture(scope="module")
@@ -32,10 +31,7 @@ def written(tmp_path_factory):
     """A folder with a limits file, three recordings and skills of joints and of poses."""
     folder = tmp_path_factory.mktemp("chain")
     arm = lt.Arm.from_urdf(UR5, tip="tool0")
-    limits = "\n".join(
-        f"{name} = {{ acceleration = 10.0, jerk = 100.0 }}" for name in arm.joint_names
-    )
-    (folder / "ur5.toml").write_text(f'robot = "ur5"\n[joints]\n{limits}\n')
+    write_limits(folder / "ur5.toml", arm.joint_names, head='robot = "ur5"\n')
     for number in range(3):
         record(folder / f"shown{number}.csv", arm, number)
     run("learn", folder / "shown0.csv", "-o", folder / "joints.npz")
@@ -96,7 +92,7 @@ def test_recordings_are_cut_at_pauses_and_one_is_chosen(shown):
     rest = np.repeat(HOME[None], 100, axis=0)
     first, second = rows_of("shown0.csv"), rows_of("shown1.csv")
     whole = np.vstack([rest, first, first[:0:-1], rest, second, rest + second[-1] - HOME])
-    np.savetxt("day.csv", whole, delimiter=",", header=",".join(shown.joint_names), comments="")
+    write_table("day.csv", ",".join(shown.joint_names), whole)
     result = run("learn", "day.csv", "--rate", 100, "--cut", "--motion", 2, *ROBOT, "-o", "s.npz")
     assert "motion 2: day 2" in result.stderr
     assert "motion 3" not in result.stderr

@@ -5,29 +5,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli.command_line import facts, run
+from cli.command_line import facts, run, write_table
 from so101 import TIP, URDF, motions, save
+from urdfs import CUBE
 
 MESHED = URDF.replace(
     '<sphere radius="0.03"/>', '<mesh filename="package://so_arm/meshes/arm/part.obj"/>'
 )
-CUBE = "".join(f"v {x} {y} {z}\n" for x in (0, 0.05) for y in (0, 0.05) for z in (0, 0.05))
 PROFILE = f'robot = "arm.urdf"\ntip = "{TIP}"\nlimits = "arm.toml"\n'
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
+def folder(empty_folder):
     """An arm whose meshes lie elsewhere, and recordings whose columns are q1 to q5."""
-    monkeypatch.chdir(tmp_path)
     Path("arm.urdf").write_text(MESHED)
     Path("recordings").mkdir()
     for number, (q, _) in enumerate(motions()):
         rows = np.column_stack([0.03 * np.arange(len(q)), q])
         header = ",".join(["t", *(f"q{j + 1}" for j in range(5))])
-        name = f"recordings/rec{number}.csv"
-        np.savetxt(name, rows, delimiter=",", header=header, comments="")
+        write_table(f"recordings/rec{number}.csv", header, rows)
     run("info", "arm.urdf", "--tip", TIP, "--write-limits", "arm.toml")
-    return tmp_path
+    return empty_folder
 
 
 def said(result):
@@ -54,7 +52,9 @@ def test_missing_meshes_are_told_at_once_and_found_in_their_folder(folder):
     wrong = said(run("check", "recordings/rec0.csv", code=2))
     assert "name its folder in --mesh-folder" in wrong
     Path("elsewhere/arm").mkdir(parents=True)
-    Path("elsewhere/arm/part.obj").write_text(CUBE)  # without the folders before it
+    Path("elsewhere/arm/part.obj").write_text(
+        CUBE.replace("1", "0.05")
+    )  # without the folders before it
     assert "collision meshes" not in said(run("info", "arm.urdf", "--mesh-folder", "elsewhere"))
     assert "clear" in facts("check", "recordings/rec0.csv", "--mesh-folder", "elsewhere", code=1)
     Path("leadthrough.toml").write_text(PROFILE + 'mesh_folder = "elsewhere"\n')

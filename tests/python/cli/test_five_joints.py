@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import so101
-from cli.command_line import facts, run
+from cli.command_line import facts, run, write_limits
 
 import leadthrough as lt
 
@@ -18,8 +18,7 @@ def arm(tmp_path, monkeypatch):
     """The arm; its URDF, limits and a data set in percent lie in the working directory."""
     monkeypatch.chdir(tmp_path)
     Path("arm.urdf").write_text(so101.URDF)
-    known = "\n".join(f"{name} = {{ acceleration = 10.0, jerk = 100.0 }}" for name in so101.JOINTS)
-    Path("arm.toml").write_text(f"[joints]\n{known}\n")
+    write_limits("arm.toml", so101.JOINTS)
     arm = lt.Arm.from_urdf("arm.urdf", tip=so101.TIP)
     episodes = [
         np.column_stack([so101.percent(q, arm.limits), opening]) for q, opening in so101.motions()

@@ -10,7 +10,7 @@ from pathlib import Path
 import foreign_arms
 import numpy as np
 import pytest
-from cli.command_line import RUNNER, facts, run
+from cli.command_line import RUNNER, facts, run, write_limits
 
 import leadthrough as lt
 from leadthrough import cli
@@ -19,20 +19,19 @@ GOALS = ((), ("--move-goal=0.05,0,0.03",), ("--move-goal=-0.04,0.05,-0.05",))
 
 
 @pytest.fixture(params=foreign_arms.ARMS)
-def shown(request, tmp_path, monkeypatch):
+def shown(request, empty_folder):
     """The options that name an arm, the arm, and the mean joints at the start of its recordings."""
-    monkeypatch.chdir(tmp_path)
     Path("shown").mkdir()
-    urdf, tip = foreign_arms.urdf_of(request.param, tmp_path), foreign_arms.ARMS[request.param][1]
+    urdf, tip = (
+        foreign_arms.urdf_of(request.param, empty_folder),
+        foreign_arms.ARMS[request.param][1],
+    )
     arm = lt.Arm.from_urdf(urdf, tip=tip)
     first = foreign_arms.ARMS[request.param][2]
     starts = [
         foreign_arms.record(f"shown/{seed}.csv", arm, first, seed=seed)[0] for seed in range(3)
     ]
-    known = "\n".join(
-        f"{name} = {{ acceleration = 10.0, jerk = 100.0 }}" for name in arm.joint_names
-    )
-    Path("arm.toml").write_text(f"[joints]\n{known}\n")
+    write_limits("arm.toml", arm.joint_names)
     words = ("--robot", urdf, "--tip", tip, "--limits", "arm.toml")
     return words, lt.Arm.from_urdf(urdf, tip=tip, limits="arm.toml"), np.mean(starts, axis=0)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli.command_line import run
+from cli.command_line import run, write_table
 from rich.console import Console
 
 import leadthrough as lt
@@ -31,8 +31,7 @@ def assert_fits(result):
     assert max(map(len, lines)) <= WIDTH, max(lines, key=len)
 
 
-def test_the_hints_lead_from_the_example_to_the_view(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_hints_lead_from_the_example_to_the_view(empty_folder):
     words, typed = ["example", "reach", "a folder"], []
     while words[0] != "view":
         result = run(*words)
@@ -67,7 +66,7 @@ def chained(*words):
 def test_the_hints_run_as_printed_with_what_says_how_recordings_are_read(folder):
     rows = np.loadtxt("shown/reach1.csv", delimiter=",", skiprows=1)
     turned = np.degrees(rows[:, 1:])
-    np.savetxt("logged.csv", turned, delimiter=",", header="a,b,c,d,e,f", comments="")
+    write_table("logged.csv", "a,b,c,d,e,f", turned)
     reading = ["--column", "joints=a,b,c,d,e,f", "--rate", "125.0", "--angles", "degrees"]
     typed = chained("info", "logged.csv", *reading)
     assert [words[0] for words in typed] == ["info", "learn", "plan", "retime", "check"]

@@ -1,13 +1,11 @@
 """`leadthrough learn`: its errors and warnings name the recordings."""
 
 import numpy as np
-from cli.command_line import run
+from cli.command_line import run, write_table
 
 
 def written(folder, name, rows, header="t,x,y,z"):
-    path = folder / f"{name}.csv"
-    np.savetxt(path, rows, delimiter=",", header=header, comments="")
-    return path
+    return write_table(folder / f"{name}.csv", header, rows)
 
 
 def reach(at=0.5):

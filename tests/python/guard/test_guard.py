@@ -120,7 +120,8 @@ def test_positions_stay_inside_their_limits(panda, guard):
     assert_kept(panda, rows)
 
 
-def towards_the_wall(panda):
+@pytest.fixture(scope="module")
+def hit(panda):
     """A motion of the tip straight into the wall."""
     start, turned = panda.forward_kinematics(Q)
     goal = [0.65, 0.0, start[2]]
@@ -132,8 +133,7 @@ def towards_the_wall(panda):
     return lt.JointTrajectory(3.0 * fast.times, fast.positions, joint_names=panda.joint_names)
 
 
-def test_a_motion_is_cut_before_a_contact(panda, guard):
-    hit = towards_the_wall(panda)
+def test_a_motion_is_cut_before_a_contact(panda, guard, hit):
     assert not panda.check(hit, [WALL]).ok
     answer = guard.admit(hit, hit.positions[0])
     assert (answer.verdict, answer.safe) == ("changed", True)
@@ -172,9 +172,8 @@ def test_chunks_replace_each_other_on_their_clock(panda, guard):
     assert_kept(panda, np.array(commanded))
 
 
-def test_an_obstacle_that_appears_shortens_what_was_admitted(panda):
+def test_an_obstacle_that_appears_shortens_what_was_admitted(panda, hit):
     guard = lt.Guard(panda, rate=RATE)
-    hit = towards_the_wall(panda)
     assert guard.admit(hit, hit.positions[0]).verdict == "allowed"
     before = run(guard, 10)
     answer = guard.update_obstacles([WALL])
@@ -183,9 +182,8 @@ def test_an_obstacle_that_appears_shortens_what_was_admitted(panda):
     assert_kept(panda, np.concatenate([hit.positions[:1], before, finished(guard)[1:]]))
 
 
-def test_an_obstacle_too_near_to_brake_for_is_reported_and_braked_for(panda):
+def test_an_obstacle_too_near_to_brake_for_is_reported_and_braked_for(panda, hit):
     guard = lt.Guard(panda, rate=RATE)
-    hit = towards_the_wall(panda)
     guard.admit(hit, hit.positions[0])
     fastest = int(np.abs(np.diff(hit.positions, axis=0)).max(axis=1).argmax())
     before = run(guard, fastest)
@@ -200,8 +198,7 @@ def test_an_obstacle_too_near_to_brake_for_is_reported_and_braked_for(panda):
     assert worst_use(rows, panda.limits, RATE) <= 1.0 + EXCESS
 
 
-def test_an_obstacle_that_moves_needs_more_room_the_later_it_is_met(panda):
-    hit = towards_the_wall(panda)
+def test_an_obstacle_that_moves_needs_more_room_the_later_it_is_met(panda, hit):
     kept = []
     for speed in (0.0, 0.05, 0.2):
         guard = lt.Guard(panda, [MovingObstacle(WALL, speed)], rate=RATE)
@@ -209,16 +206,16 @@ def test_an_obstacle_that_moves_needs_more_room_the_later_it_is_met(panda):
     assert kept[0] > kept[1] > kept[2]
 
 
-def test_what_was_seen_long_ago_counts_as_having_moved(panda):
+def test_what_was_seen_long_ago_counts_as_having_moved(panda, hit):
     guard = lt.Guard(panda, [MovingObstacle(WALL, 0.1)], rate=RATE)
     guard.admit(Q[None], Q)
-    early = len(guard.admit(towards_the_wall(panda)).motion)
+    early = len(guard.admit(hit).motion)
     guard.stop()
     run(guard, 100)
-    late = len(guard.admit(towards_the_wall(panda)).motion)
+    late = len(guard.admit(hit).motion)
     assert late < early
     guard.update_obstacles([MovingObstacle(WALL, 0.1)])
-    assert len(guard.admit(towards_the_wall(panda)).motion) == early
+    assert len(guard.admit(hit).motion) == early
 
 
 def test_stopping_is_the_fastest_motion_to_rest(panda, guard):

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from hypothesis import strategies as st
 from motions import minimum_jerk
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 
 UR = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 GRIPPER = (lt.Event(0.25, "close gripper"), lt.Event(0.9, 'say "done"'))
@@ -50,21 +48,3 @@ def poses():
     s = np.linspace(0.0, 1.0, 51)
     turned = lt.rotations.exp(np.column_stack([np.sin(s), s**2, 0.5 - s]))
     return lt.PoseTrajectory(s, np.column_stack([s, s**2, np.cos(s)]), turned, GRIPPER)
-
-
-def _damaged_and_read(data, whole):
-    """Reads a file with a few bytes changed and its end cut off; errors have to name the file."""
-    content = bytearray(whole.read_bytes())
-    for i in data.draw(st.lists(st.integers(0, len(content) - 1), max_size=4)):
-        content[i] = data.draw(st.integers(0, 255))
-    path = whole.with_stem("damaged")
-    path.write_bytes(content[: data.draw(st.integers(0, len(content)))])
-    try:
-        lt.read_demonstrations(path)
-    except InvalidInput as error:
-        assert path.name in str(error)
-
-
-@pytest.fixture(scope="session")
-def damaged_and_read():
-    return _damaged_and_read

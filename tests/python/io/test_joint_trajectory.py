@@ -24,15 +24,6 @@ def seconds(stamp):
     return stamp["sec"] + 1e-9 * stamp["nanosec"]
 
 
-def test_csv_reads_back_to_the_same_bits(tmp_path):
-    for trajectory in (PLAIN, FULL):
-        csv.write(trajectory, tmp_path / "arm.csv")
-        motion = lt.read_motion(tmp_path / "arm.csv")
-        assert np.array_equal(motion.times, trajectory.times)
-        assert np.array_equal(motion.positions, trajectory.positions)
-        assert motion.joint_names == NAMES
-
-
 def test_csv_has_the_derivatives_that_the_trajectory_has(tmp_path):
     csv.write(FULL, tmp_path / "arm.csv")
     columns = {"joints": [f"{name}_velocity" for name in NAMES]}

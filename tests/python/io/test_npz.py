@@ -2,8 +2,6 @@ import zipfile
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -74,10 +72,3 @@ def test_what_is_no_archive_is_refused(tmp_path):
             lt.read_motion(path)
     with pytest.raises(InvalidInput):
         lt.read_motion(tmp_path / "text.npz")
-
-
-@given(data=st.data())
-def test_a_damaged_archive_is_read_or_refused(tmp_path_factory, damaged_and_read, data):
-    whole = tmp_path_factory.mktemp("damaged") / "whole.npz"
-    np.savez(whole, times=TIMES, positions=np.zeros((3, 2)))
-    damaged_and_read(data, whole)

@@ -49,13 +49,9 @@ def test_poses_of_clear_configurations_are_reached_and_others_are_not(panda):
 
 
 def test_a_map_is_the_same_on_processes_and_ends_at_the_reach(panda, tmp_path):
-    half = reach_map(panda, volume=TargetRegion([0.0, -1.2, 0.0], [1.2, 1.2, 0.4]), spacing=0.4)
-    same = reach_map(
-        panda,
-        volume=TargetRegion([0.0, -1.2, 0.0], [1.2, 1.2, 0.4]),
-        spacing=0.4,
-        execution=Execution("local:1"),
-    )
+    asked = {"volume": TargetRegion([0.0, -1.2, 0.0], [1.2, 1.2, 0.4]), "spacing": 0.4}
+    half = reach_map(panda, **asked)
+    same = reach_map(panda, **asked, execution=Execution("local:1"))
     assert (half.fraction == same.fraction).all()
     assert (half.manipulability == same.manipulability).all()
     places = np.stack(np.meshgrid(*half.axes, indexing="ij"), axis=-1)

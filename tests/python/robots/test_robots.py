@@ -53,6 +53,12 @@ def urdf(robots, robot):
     return robots / robot.name / f"{robot.name}.urdf"
 
 
+@pytest.fixture
+def root(robots, robot):
+    """The robot's description."""
+    return ElementTree.parse(urdf(robots, robot)).getroot()
+
+
 def limits(robots, robot):
     return tomllib.loads((robots / robot.name / "limits.toml").read_text())
 
@@ -92,8 +98,7 @@ def test_pose_and_jacobian_are_those_of_the_published_description(robots, publis
             np.testing.assert_allclose(value, expected, rtol=0, atol=1e-9)
 
 
-def test_a_robot_is_one_chain_from_its_base_to_its_tip(robots, robot):
-    root = ElementTree.parse(urdf(robots, robot)).getroot()
+def test_a_robot_is_one_chain_from_its_base_to_its_tip(robot, root):
     child_of = {
         joint.find("parent").get("link"): joint.find("child").get("link")
         for joint in root.findall("joint")
@@ -117,8 +122,7 @@ def test_inertias_are_those_of_real_bodies(robots, robot):
         assert moments[0] + moments[1] >= moments[2]
 
 
-def test_every_joint_has_position_velocity_and_effort_limits(robots, robot):
-    root = ElementTree.parse(urdf(robots, robot)).getroot()
+def test_every_joint_has_position_velocity_and_effort_limits(robot, root):
     for name in robot.joints:
         joint = root.find(f"joint[@name='{name}']")
         limit = {key: float(value) for key, value in joint.find("limit").attrib.items()}
@@ -143,8 +147,7 @@ def test_limits_name_every_joint_and_the_source_of_every_quantity(robots, robot)
         assert all(value > 0 for value in values.values())
 
 
-def test_limits_and_urdf_state_the_same_velocity(robots, robot):
-    root = ElementTree.parse(urdf(robots, robot)).getroot()
+def test_limits_and_urdf_state_the_same_velocity(robots, robot, root):
     for name, values in limits(robots, robot)["joints"].items():
         limit = root.find(f"joint[@name='{name}']/limit")
         assert float(limit.get("velocity")) == values["velocity"]
