@@ -51,10 +51,8 @@ def test_missing_meshes_are_told_at_once_and_found_in_their_folder(folder):
     assert "! 3 of 3 collision meshes are not where the URDF says, such as package://so_arm" in told
     wrong = said(run("check", "recordings/rec0.csv", code=2))
     assert "name its folder in --mesh-folder" in wrong
-    Path("elsewhere/arm").mkdir(parents=True)
-    Path("elsewhere/arm/part.obj").write_text(
-        CUBE.replace("1", "0.05")
-    )  # without the folders before it
+    Path("elsewhere/arm").mkdir(parents=True)  # without the folders before it
+    Path("elsewhere/arm/part.obj").write_text(CUBE.replace("1", "0.05"))
     assert "collision meshes" not in said(run("info", "arm.urdf", "--mesh-folder", "elsewhere"))
     assert "clear" in facts("check", "recordings/rec0.csv", "--mesh-folder", "elsewhere", code=1)
     Path("leadthrough.toml").write_text(PROFILE + 'mesh_folder = "elsewhere"\n')

@@ -22,12 +22,9 @@ GOALS = ((), ("--move-goal=0.05,0,0.03",), ("--move-goal=-0.04,0.05,-0.05",))
 def shown(request, empty_folder):
     """The options that name an arm, the arm, and the mean joints at the start of its recordings."""
     Path("shown").mkdir()
-    urdf, tip = (
-        foreign_arms.urdf_of(request.param, empty_folder),
-        foreign_arms.ARMS[request.param][1],
-    )
+    urdf = foreign_arms.urdf_of(request.param, empty_folder)
+    _, tip, first = foreign_arms.ARMS[request.param]
     arm = lt.Arm.from_urdf(urdf, tip=tip)
-    first = foreign_arms.ARMS[request.param][2]
     starts = [
         foreign_arms.record(f"shown/{seed}.csv", arm, first, seed=seed)[0] for seed in range(3)
     ]

@@ -2,11 +2,9 @@
 
 from itertools import pairwise
 
-import coal
 import numpy as np
 import pinocchio as pin
 
-import leadthrough as lt
 from leadthrough.arm.robot_files import find_robot
 from leadthrough_studies.coal_arm import CoalArm
 
@@ -49,8 +47,9 @@ class CoalScene:
             for i in [i for link, i in own if link == pair[0]]:
                 for k in [k for link, k in own if link == pair[1]]:
                     self.geometry.addCollisionPair(pin.CollisionPair(min(i, k), max(i, k)))
+        peer = CoalArm(arm)
         for number, obstacle in enumerate(obstacles):
-            shape, placement = in_coal(obstacle)
+            shape, placement = peer.solid(getattr(obstacle, "shape", obstacle))
             thing = pin.GeometryObject(f"obstacle {number}", 0, 0, placement, shape)
             at = self.geometry.addGeometryObject(thing)
             for i in moving:
@@ -95,20 +94,3 @@ def meeting(arm):
         for pair, gap in zip(arm.collision_pairs.checked, least, strict=True)
         if abs(gap) < _TOUCHING
     }
-
-
-def in_coal(obstacle):
-    """A shape and its place."""
-    if isinstance(obstacle, lt.shapes.MovingObstacle):
-        obstacle = obstacle.shape
-    if isinstance(obstacle, lt.Box):
-        shape = coal.Box(*obstacle.size)
-    elif isinstance(obstacle, lt.Sphere):
-        shape = coal.Sphere(obstacle.radius)
-    else:
-        shape = coal.Capsule(obstacle.radius, obstacle.length)
-    rotation = np.eye(3)
-    if not isinstance(obstacle, lt.Sphere):
-        w, x, y, z = obstacle.orientation
-        rotation = pin.Quaternion(w, x, y, z).toRotationMatrix()
-    return shape, pin.SE3(rotation, np.asarray(obstacle.position))

@@ -48,7 +48,7 @@ def test_poses_and_points_come_back_to_the_same_bits(tmp_path, poses, suffix):
             np.testing.assert_allclose(back.orientations, motion.orientations, atol=1e-15)
 
 
-@pytest.mark.parametrize("suffix", [".json", ".yaml"])
+@pytest.mark.parametrize("suffix", [".json", ".yaml", ".mcap"])
 def test_controller_messages_come_back_a_step_later(tmp_path, ur_motion, suffix):
     back = written_and_read(ur_motion, tmp_path / f"arm{suffix}")
     np.testing.assert_allclose(back.times, ur_motion.times + 0.01, atol=1e-9)

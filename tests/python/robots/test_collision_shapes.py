@@ -1,11 +1,12 @@
 """The robots' collision shapes against the surfaces of the makers' models."""
 
-from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+
+import leadthrough as lt
 
 COVERED_WITHIN = 0.008  # m that the maker's surface may stand out of our shapes
 TIGHT_WITHIN = 0.03  # m that our shapes may reach beyond the maker's surface along an axis
@@ -23,32 +24,6 @@ SURFACES = [
 ]
 
 
-class Shape(NamedTuple):
-    """A box or a cylinder along its own z; half: half its extent along its own x, y and z."""
-
-    round: bool
-    half: np.ndarray
-    position: np.ndarray
-    rotation: np.ndarray
-
-    def distance(self, points):
-        local = (points - self.position) @ self.rotation
-        if self.round:
-            local = np.column_stack([np.linalg.norm(local[:, :2], axis=1), local[:, 2]])
-        outside = np.abs(local) - (self.half[1:] if self.round else self.half)
-        return np.linalg.norm(np.maximum(outside, 0), axis=1) + np.minimum(outside.max(axis=1), 0)
-
-    def bounds(self):
-        axes = np.abs(self.rotation)
-        if self.round:
-            radius, half_length = self.half[1:]
-            sine = np.sqrt(np.maximum(0.0, 1.0 - axes[:, 2] ** 2))
-            reach = radius * sine + half_length * axes[:, 2]
-        else:
-            reach = axes @ self.half
-        return np.array([self.position - reach, self.position + reach])
-
-
 def numbers(element, key):
     text = "0 0 0" if element is None else element.get(key, "0 0 0")
     return np.array(text.split(), dtype=float)
@@ -57,13 +32,12 @@ def numbers(element, key):
 def read_shape(collision):
     origin, solid = collision.find("origin"), collision.find("geometry")[0]
     # URDF turns about fixed x, then y, then z.
-    rotation = Rotation.from_euler("xyz", numbers(origin, "rpy")).as_matrix()
+    turned = Rotation.from_euler("xyz", numbers(origin, "rpy")).as_quat(scalar_first=True)
+    pose = (numbers(origin, "xyz"), turned)
     if solid.tag == "box":
-        return Shape(False, numbers(solid, "size") / 2, numbers(origin, "xyz"), rotation)
+        return lt.Box(numbers(solid, "size"), *pose)
     assert solid.tag == "cylinder"
-    radius, length = float(solid.get("radius")), float(solid.get("length"))
-    half = np.array([radius, radius, length / 2])
-    return Shape(True, half, numbers(origin, "xyz"), rotation)
+    return lt.Cylinder(float(solid.get("radius")), float(solid.get("length")), *pose)
 
 
 def shapes_of(robots, robot, link):
@@ -95,9 +69,10 @@ def test_shapes_fit_the_makers_surface_tightly(robots, published, robot, link, s
     shapes = shapes_of(robots, robot, link)
     points = read_surface(published / surface)
     assert uncovered(shapes, points) < COVERED_WITHIN
-    bounds = np.array([shape.bounds() for shape in shapes])
-    assert (bounds[:, 0].min(axis=0) > points.min(axis=0) - TIGHT_WITHIN).all()
-    assert (bounds[:, 1].max(axis=0) < points.max(axis=0) + TIGHT_WITHIN).all()
+    lowest = np.min([shape.middle - shape.half_extents for shape in shapes], axis=0)
+    highest = np.max([shape.middle + shape.half_extents for shape in shapes], axis=0)
+    assert (lowest > points.min(axis=0) - TIGHT_WITHIN).all()
+    assert (highest < points.max(axis=0) + TIGHT_WITHIN).all()
 
 
 @pytest.mark.parametrize("opening", [0.0, 0.02, 0.04])

@@ -48,9 +48,14 @@ def test_live_view_without_viser_names_the_extra(panda, monkeypatch):
         view(panda)
 
 
-def test_page_is_written_without_viser(panda, monkeypatch, tmp_path):
+def test_pages_of_an_arm_a_skill_and_a_motion_are_written_without_viser(
+    panda, shown, monkeypatch, tmp_path
+):
     monkeypatch.setitem(sys.modules, "viser", None)
-    view(panda, html=tmp_path / "a.html")
+    for number, content in enumerate(({}, {"skill": lt.DMP().fit(shown)})):
+        view(panda, **content, html=tmp_path / f"{number}.html")
+    view(panda, shown[0].motion, html=tmp_path / "tip.html")
+    assert len(list(tmp_path.iterdir())) == 3
 
 
 def test_notebook_shows_the_page_that_view_writes(panda, tmp_path):
@@ -66,14 +71,6 @@ def test_notebook_shows_the_page_that_view_writes(panda, tmp_path):
 def test_scene_of_a_notebook_has_a_height(panda):
     with pytest.raises(InvalidInput, match="height: expected"):
         inline(panda, height=0)
-
-
-def test_skill_without_a_motion_shows_its_own(panda, shown, tmp_path):
-    view(panda, skill=lt.DMP().fit(shown), html=tmp_path / "a.html")
-
-
-def test_motion_of_the_tip_is_followed(panda, shown, tmp_path):
-    view(panda, shown[0].motion, html=tmp_path / "a.html")
 
 
 def test_skill_that_the_arm_cannot_follow_is_refused(panda, shown, tmp_path):
