@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from foreign_arms import urdf_in_package
-from motions import configurations
 
 import leadthrough as lt
 from leadthrough.arm.robot_files import find_robot
@@ -37,11 +36,6 @@ def arm(robot):
 @pytest.fixture
 def posture(robot):
     return robot[3]
-
-
-@pytest.fixture
-def random_configurations():
-    return configurations
 
 
 @pytest.fixture(scope="session")

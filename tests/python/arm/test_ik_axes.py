@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from motions import configurations
 from scipy.spatial.transform import Rotation
 
 import leadthrough as lt
@@ -21,8 +22,8 @@ def offsets(arm, q, positions, orientations):
 
 
 @pytest.fixture
-def targets(arm, random_configurations):
-    return arm.forward_kinematics(random_configurations(arm, 100, 1))
+def targets(arm):
+    return arm.forward_kinematics(configurations(arm, 100, 1))
 
 
 def solved(arm, targets, **options):

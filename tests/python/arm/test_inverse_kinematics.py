@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from motions import configurations
 
 import leadthrough as lt
 from leadthrough.arm import IkOptions
@@ -28,12 +29,12 @@ def assert_inside(arm, q):
 
 
 @pytest.mark.parametrize("gain", [0.0, 1.0])
-def test_every_reachable_target_is_reached_inside_the_limits(arm, random_configurations, gain):
-    positions, orientations = arm.forward_kinematics(random_configurations(arm, 500, 1))
+def test_every_reachable_target_is_reached_inside_the_limits(arm, gain):
+    positions, orientations = arm.forward_kinematics(configurations(arm, 500, 1))
     batch = arm.inverse_kinematics_batch(
         positions,
         orientations,
-        q0=random_configurations(arm, 500, 2),
+        q0=configurations(arm, 500, 2),
         options=IkOptions(nullspace_gain=gain),
     )
     assert batch.success.all()
@@ -46,8 +47,8 @@ def test_every_reachable_target_is_reached_inside_the_limits(arm, random_configu
     np.testing.assert_allclose(angle, batch.orientation_error, atol=1e-9)
 
 
-def test_positions_alone_are_reached(arm, random_configurations):
-    positions, _ = arm.forward_kinematics(random_configurations(arm, 100, 3))
+def test_positions_alone_are_reached(arm):
+    positions, _ = arm.forward_kinematics(configurations(arm, 100, 3))
     batch = arm.inverse_kinematics_batch(positions)
     assert batch.success.all()
     np.testing.assert_allclose(arm.forward_kinematics(batch.q)[0], positions, atol=2e-6)
@@ -96,8 +97,8 @@ def test_self_motion_leaves_the_tool_and_nears_the_middle_as_far_as_it_can(arm, 
     assert not inside.all() or np.linalg.norm(free) < 0.05
 
 
-def test_a_target_just_out_of_reach_ends_with_the_closest_found(arm, random_configurations):
-    positions, orientations = arm.forward_kinematics(random_configurations(arm, 2000, 5))
+def test_a_target_just_out_of_reach_ends_with_the_closest_found(arm):
+    positions, orientations = arm.forward_kinematics(configurations(arm, 2000, 5))
     farthest = np.argmax(np.linalg.norm(positions, axis=1))
     # Turned around, the hand would have to reach out and back at once.
     target = 1.05 * positions[farthest]
@@ -191,11 +192,11 @@ PANDA = lt.Arm.load("panda")
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-3])
 @pytest.mark.parametrize("goal", ["middle", "posture"])
-def test_self_motion_does_not_move_the_tool(random_configurations, goal, tolerance):
+def test_self_motion_does_not_move_the_tool(goal, tolerance):
     """However coarse the tolerance, the tool is where it would be without; 8 joints of the
     TIAGo and 7 of the Panda."""
     for arm in (PANDA, lt.Arm.load("tiago")):
-        starts = random_configurations(arm, 100, 6)
+        starts = configurations(arm, 100, 6)
         positions, orientations = arm.forward_kinematics(starts)
         task = {"nullspace_gain": 1.0} if goal == "middle" else {"posture": starts[::-1][0]}
         moved = arm.inverse_kinematics_batch(
@@ -210,7 +211,7 @@ def test_self_motion_does_not_move_the_tool(random_configurations, goal, toleran
         assert lt.rotations.distance(turned, orientations).max() < 1e-6
 
 
-def test_a_posture_draws_the_elbow(random_configurations):
+def test_a_posture_draws_the_elbow():
     q = np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.1, 0.8])
     pose = PANDA.forward_kinematics(q)
     for side in (-0.9, 0.9):
@@ -256,8 +257,8 @@ def test_iterations_are_a_budget(arm, posture):
 
 
 @pytest.mark.parametrize("options", [{}, {"mode": "closest"}, {"free": ("rz",)}, "damped"])
-def test_threads_and_repetition_do_not_change_a_bit(arm, random_configurations, options):
-    targets = arm.forward_kinematics(random_configurations(arm, 40, 7))
+def test_threads_and_repetition_do_not_change_a_bit(arm, options):
+    targets = arm.forward_kinematics(configurations(arm, 40, 7))
     if options == "damped":
         solve = partial(damped_inverse_kinematics, arm, *targets, max_iterations=300)
     else:

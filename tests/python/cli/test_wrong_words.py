@@ -170,3 +170,14 @@ def test_an_error_names_the_option(folder, name, parameter):
     assert (wrong if by_value else parameter.opts[0]) in said
     assert not PYTHON.search(said), said
     assert not list(Path().glob("out.*"))
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_fits_and_begins_with_a_sentence(name, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    text = run(name, "--help").stdout
+    assert max(map(len, text.splitlines())) <= 80
+    assert COMMANDS[name].help.split("\n\n")[0].endswith(".")
+    for parameter in COMMANDS[name].params:
+        assert parameter.help, f"{name} {parameter.opts[0]}"
+        assert parameter.help.endswith("."), f"{name} {parameter.opts[0]}: {parameter.help}"

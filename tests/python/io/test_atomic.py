@@ -185,6 +185,9 @@ def test_a_file_is_on_the_disk_before_it_takes_its_name(tmp_path, ur_motion, syn
     assert file.parent == tmp_path
     assert f"motion.{suffix}" not in beside
     assert folder == tmp_path  # its new name
+    (tmp_path / "plain").touch()
+    modes = {stat.S_IMODE(path.stat().st_mode) for path in tmp_path.iterdir()}
+    assert len(modes) == 1
 
 
 def test_a_bag_s_folder_is_on_the_disk_before_it_takes_its_name(tmp_path, ur_motion, synced):

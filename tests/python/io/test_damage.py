@@ -10,7 +10,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from robustness import damage
+from robustness import bombs, damage, measured
 
 from leadthrough.errors import InvalidInput, LeadthroughError
 from leadthrough.io import read_limits
@@ -93,3 +93,20 @@ def test_a_header_of_ten_gigabytes_is_refused(tmp_path):
         np.lib.format.write_array_header_1_0(file, header)
     with pytest.raises(InvalidInput, match=r"joints.npy: .* it claims 10,000,000,000"):
         damage.read(path)
+
+
+MAX_MEMORY = 1.5 * 2**30  # bytes
+MAX_SECONDS = 20.0  # of processor time, for all of a format
+ALL = [(suffix, makers) for suffix, makers in {**bombs.RECORDINGS, **bombs.MESHES}.items()]
+
+
+@pytest.mark.parametrize(("suffix", "makers"), ALL, ids=[suffix for suffix, _ in ALL])
+def test_bombs_are_refused_within_the_bounds(tmp_path, suffix, makers):
+    paths = [tmp_path / f"{maker.__name__}.{suffix}" for maker in makers]
+    for maker, path in zip(makers, paths, strict=True):
+        maker(path)
+    told, seconds, memory = measured.read(*paths)
+    for path, answer in zip(paths, told, strict=True):
+        assert path.name in answer
+    assert seconds < MAX_SECONDS
+    assert memory < MAX_MEMORY

@@ -1,6 +1,4 @@
 import json
-import os
-import stat
 from dataclasses import replace
 
 import numpy as np
@@ -82,28 +80,6 @@ def test_json_refuses_what_no_robot_could_execute(tmp_path, trajectory, message)
     with pytest.raises(InvalidInput, match=message):
         joint_trajectory.write_json(trajectory, tmp_path / "arm.json")
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("write", [csv.write, joint_trajectory.write_json])
-def test_a_file_appears_whole_or_not_at_all(tmp_path, monkeypatch, write):
-    path = tmp_path / "arm.out"
-    path.write_text("before")
-
-    def full_disk(*_):
-        raise OSError(28, "No space left on device")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(os, "replace", full_disk)
-        patch.setattr("pathlib.Path.replace", full_disk)
-        with pytest.raises(InvalidInput, match="No space left on device"):
-            write(FULL, path)
-    assert path.read_text() == "before"
-    assert list(tmp_path.iterdir()) == [path]
-    write(FULL, str(path))
-    assert path.read_text() != "before"
-    plain = tmp_path / "plain"
-    plain.touch()
-    assert stat.S_IMODE(path.stat().st_mode) == stat.S_IMODE(plain.stat().st_mode)
 
 
 @pytest.mark.parametrize("write", [csv.write, joint_trajectory.write_json])
