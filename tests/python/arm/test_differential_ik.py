@@ -126,42 +126,28 @@ def test_a_state_and_a_solver_are_left_as_they_were(panda):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "name"),
+    ("options", "arguments", "name"),
     [
-        ({"position": (0.1, 0.2)}, "position"),
-        ({"position": (np.nan, 0.0, 0.0)}, "position"),
-        ({"position": np.array([np.inf, 0.0, 0.0])}, "position"),
-        ({"position": np.array([1e30, 0.0, 0.0])}, "position"),
-        ({"orientation": np.zeros(4)}, "orientation"),
-        ({"orientation": (1.0, 0.0, 0.0)}, "orientation"),
-        ({"twist": np.zeros(3)}, "twist"),
-        ({"state": HOME}, "state"),
-        ({"state": JointState(HOME * np.nan, HOME)}, "state.q"),
-        ({"state": JointState(HOME, HOME[:3])}, "state.qd"),
+        ({}, {"position": (0.1, 0.2)}, "position"),
+        ({}, {"position": (np.nan, 0.0, 0.0)}, "position"),
+        ({}, {"position": np.array([np.inf, 0.0, 0.0])}, "position"),
+        ({}, {"position": np.array([1e30, 0.0, 0.0])}, "position"),
+        ({}, {"orientation": np.zeros(4)}, "orientation"),
+        ({}, {"orientation": (1.0, 0.0, 0.0)}, "orientation"),
+        ({}, {"twist": np.zeros(3)}, "twist"),
+        ({}, {"state": HOME}, "state"),
+        ({}, {"state": JointState(HOME * np.nan, HOME)}, "state.q"),
+        ({}, {"state": JointState(HOME, HOME[:3])}, "state.qd"),
+        ({}, {"start": HOME[:3]}, "q"),
+        ({"dt": 0.0}, {}, "dt"),
+        ({"gain": np.nan}, {}, "gain"),
+        ({"posture": HOME[:2]}, {}, "posture"),
+        ({"nullspace_gain": -1.0}, {}, "nullspace_gain"),
     ],
 )
-def test_steps_that_make_no_sense_are_refused(panda, arguments, name):
-    ik = lt.DifferentialIk(panda)
-    whole = {"state": ik.start(HOME), "position": (0.4, 0.0, 0.4), **arguments}
-    state, position = whole.pop("state"), whole.pop("position")
+def test_solvers_starts_and_steps_that_make_no_sense_are_refused(panda, options, arguments, name):
+    whole = {"start": HOME, "position": (0.4, 0.0, 0.4), **arguments}
     with pytest.raises(InvalidInput, match=name):
-        ik.step(state, position, **whole)
-
-
-@pytest.mark.parametrize(
-    ("options", "name"),
-    [
-        ({"dt": 0.0}, "dt"),
-        ({"gain": np.nan}, "gain"),
-        ({"posture": HOME[:2]}, "posture"),
-        ({"nullspace_gain": -1.0}, "nullspace_gain"),
-    ],
-)
-def test_solvers_that_make_no_sense_are_refused(panda, options, name):
-    with pytest.raises(InvalidInput, match=name):
-        lt.DifferentialIk(panda, **options)
-
-
-def test_a_start_that_makes_no_sense_is_refused(panda):
-    with pytest.raises(InvalidInput, match="q"):
-        lt.DifferentialIk(panda).start(HOME[:3])
+        ik = lt.DifferentialIk(panda, **options)
+        state = ik.start(whole.pop("start"))
+        ik.step(whole.pop("state", state), whole.pop("position"), **whole)

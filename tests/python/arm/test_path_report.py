@@ -69,15 +69,16 @@ def test_points_ask_for_no_orientation_and_unknown_accelerations_for_none():
 
 
 @pytest.mark.parametrize(
-    "joints", [None, Q, lt.JointTrajectory(TIMES[1:], Q[1:]), lt.JointTrajectory(TIMES, Q[:, 1:])]
+    ("joints", "motion", "options", "name"),
+    [
+        (None, MOTION, {}, "trajectory"),
+        (Q, MOTION, {}, "trajectory"),
+        (lt.JointTrajectory(TIMES[1:], Q[1:]), MOTION, {}, "trajectory"),
+        (lt.JointTrajectory(TIMES, Q[:, 1:]), MOTION, {}, "trajectory"),
+        (JOINTS, JOINTS, {}, "motion"),
+        (JOINTS, MOTION, {"position_tolerance": 0.0}, "position_tolerance"),
+    ],
 )
-def test_other_trajectories_are_refused(joints):
-    with pytest.raises(InvalidInput, match="trajectory"):
-        ARM.path_report(joints, MOTION)
-
-
-def test_other_motions_and_tolerances_are_refused():
-    with pytest.raises(InvalidInput, match="motion"):
-        ARM.path_report(JOINTS, JOINTS)
-    with pytest.raises(InvalidInput, match="position_tolerance"):
-        ARM.path_report(JOINTS, MOTION, position_tolerance=0.0)
+def test_other_motions_and_tolerances_are_refused(joints, motion, options, name):
+    with pytest.raises(InvalidInput, match=name):
+        ARM.path_report(joints, motion, **options)
