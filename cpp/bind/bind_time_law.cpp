@@ -82,21 +82,29 @@ py::tuple time_lines_(const Table& points, const Vector& velocity, const Vector&
   return py::make_tuple(motions.failed_at, as_array(motions.steps), std::move(shares));
 }
 
-py::tuple motion_extremes_(const Vector& times, const Table& positions, const Table& velocities,
-                           const Table& accelerations) {
+void check_samples(const Vector& times, const Table& positions, const Table& velocities,
+                   const Table& accelerations) {
   require(times.size() > 1);
   for (const Table* table : {&positions, &velocities, &accelerations})
     require(table->rows() == times.size() && table->cols() == positions.cols());
-  MotionExtremes found;
+}
+
+py::tuple step_extremes_(const Vector& times, const Table& positions, const Table& velocities,
+                         const Table& accelerations) {
+  check_samples(times, positions, velocities, accelerations);
+  StepExtremes found = step_extremes(times, positions, velocities, accelerations);
+  return py::make_tuple(std::move(found.speed), std::move(found.acceleration));
+}
+
+py::tuple motion_peaks_(const Vector& times, const Table& positions, const Table& velocities,
+                        const Table& accelerations) {
+  check_samples(times, positions, velocities, accelerations);
+  MotionPeaks found;
   {
     const py::gil_scoped_release release;
-    found = motion_extremes(times, positions, velocities, accelerations);
+    found = motion_peaks(times, positions, velocities, accelerations);
   }
-  return py::make_tuple(
-      py::make_tuple(std::move(found.lowest), std::move(found.highest), std::move(found.speed),
-                     std::move(found.acceleration)),
-      py::make_tuple(std::move(found.time_of_lowest), std::move(found.time_of_highest),
-                     std::move(found.time_of_speed), std::move(found.time_of_acceleration)));
+  return py::make_tuple(std::move(found.value), std::move(found.time), std::move(found.step));
 }
 
 }  // namespace
@@ -124,9 +132,10 @@ void bind_time_law(py::module_& module) {
   module.def("time_lines", &time_lines_, py::arg("points").noconvert(),
              py::arg("velocity").noconvert(), py::arg("acceleration").noconvert(),
              py::arg("jerk").noconvert(), py::arg("period"), py::arg("longest"));
-  module.def("motion_extremes", &motion_extremes_, py::arg("times").noconvert(),
-             py::arg("positions").noconvert(), py::arg("velocities").noconvert(),
-             py::arg("accelerations").noconvert());
+  for (const auto& [name, function] :
+       {std::pair("step_extremes", &step_extremes_), std::pair("motion_peaks", &motion_peaks_)})
+    module.def(name, function, py::arg("times").noconvert(), py::arg("positions").noconvert(),
+               py::arg("velocities").noconvert(), py::arg("accelerations").noconvert());
 }
 
 }  // namespace leadthrough

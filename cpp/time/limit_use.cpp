@@ -19,8 +19,9 @@ struct Track {
   double slope = 0.0, bend = 0.0;  // the last differences of the positions, of orders 1 and 2
 };
 
-// The ratios of a joint in the step to a sample; `known` samples came before it.
-std::array<double, 3> step_ratios(Track& track, const JointState& now, Index known, double step,
+// By how many times a joint exceeds its limits in the step to a sample, and 0 for those that it
+// keeps; `known` samples came before it.
+std::array<double, 3> step_excess(Track& track, const JointState& now, Index known, double step,
                                   bool between, const std::array<double, 3>& limits) {
   std::array<double, 3> result{};
   const double slope = now.position - track.last.position, bend = slope - track.slope;
@@ -29,13 +30,15 @@ std::array<double, 3> step_ratios(Track& track, const JointState& now, Index kno
     result[1] = std::abs(now.acceleration);
   } else {
     const QuinticStep quintic(step, track.last, now);
-    result[0] = quintic.speed().value;
-    result[1] = quintic.acceleration().value;
+    const double speed = quintic.speed_bound(), acceleration = quintic.acceleration_bound();
+    if (speed > limits[0]) result[0] = quintic.speed().value;
+    if (acceleration > limits[1]) result[1] = quintic.acceleration().value;
     if (known >= kOrders) result[2] = std::abs(bend - track.bend) / (step * step * step);
   }
   if (known > 0)
     result[2] = std::max(result[2], std::abs(now.acceleration - track.last.acceleration) / step);
-  for (std::size_t order = 0; order < 3; ++order) result[order] /= limits[order];
+  for (std::size_t order = 0; order < 3; ++order)
+    result[order] = result[order] > limits[order] ? result[order] / limits[order] : 0.0;
   track = {now, slope, bend};
   return result;
 }
@@ -59,11 +62,12 @@ void measure_use(const PolynomialPath& path, const PathGrid& grid, const RateLim
     states.move_to(law.length[at], law.speed[at], law.push[at]);
     for (Index j = 0; j < joints; ++j) {
       if (limits.velocity[j] == 0.0) continue;  // does not move
-      const auto used = step_ratios(
+      const auto used = step_excess(
           tracks[static_cast<std::size_t>(j)],
           {states.position()[j], states.velocity()[j], states.acceleration()[j]}, k - first, step,
           judged.between, {limits.velocity[j], limits.acceleration[j], limits.jerk[j]});
       for (std::size_t order = 0; order < 3; ++order) {
+        if (used[order] == 0.0) continue;
         ratios.each[order][at] = std::max(ratios.each[order][at], used[order]);
         ratios.largest[order] = std::max(ratios.largest[order], used[order]);
       }

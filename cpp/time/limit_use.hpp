@@ -29,8 +29,9 @@ struct Judged {
   bool between, rests_at_start, rests_at_end;
 };
 
-// By order 1 to 3: the largest ratio, and that of the step that ends at each sample. The jerk is
-// the difference of the acceleration over a step and, between samples, of the positions over three.
+// By order 1 to 3: the largest ratio, and that of the step that ends at each sample; 0 where the
+// limit is kept. The jerk is the difference of the acceleration over a step and, between samples,
+// of the positions over three.
 struct LimitRatios {
   std::array<double, 3> largest{};
   std::array<std::vector<double>, 3> each;

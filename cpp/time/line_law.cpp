@@ -109,8 +109,10 @@ bool keeps(const DoubleS& law, double steps, const LineLimits& limits) {
     const double next = now.position - last.position, turn = next - slope;
     const double jerk = std::max(std::abs(now.acceleration - last.acceleration),
                                  std::abs(turn - bend) - kDifferenceRounding);
-    if (step.speed().value > allowed * limits.speed ||
-        step.acceleration().value > allowed * limits.acceleration || jerk > allowed * limits.jerk)
+    const double speed = allowed * limits.speed, acceleration = allowed * limits.acceleration;
+    if (jerk > allowed * limits.jerk ||
+        (step.speed_bound() > speed && step.speed().value > speed) ||
+        (step.acceleration_bound() > acceleration && step.acceleration().value > acceleration))
       return false;
     last = now;
     slope = next;

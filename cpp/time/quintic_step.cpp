@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
+
+#include "base/constants.hpp"
 
 namespace leadthrough {
 
@@ -22,13 +25,6 @@ double bernstein(std::array<double, size> values, double u) {
   for (std::size_t left = size - 1; left > 0; --left)
     for (std::size_t i = 0; i < left; ++i) values[i] += u * (values[i + 1] - values[i]);
   return values[0];
-}
-
-template <std::size_t size>
-double largest(const std::array<double, size>& values) {
-  double result = 0.0;
-  for (const double value : values) result = std::max(result, std::abs(value));
-  return result;
 }
 
 // The fraction in a bracket at which a polynomial changes sign, by the Illinois false position.
@@ -69,42 +65,41 @@ Extreme largest_at(const std::array<double, size>& values, double rounding, cons
 
 }  // namespace
 
-QuinticStep::QuinticStep(double duration, const JointState& start, const JointState& end)
-    : rounding_(kPositionRounding * std::max(std::abs(start.position), std::abs(end.position)) /
-                duration),
-      duration_(duration) {
-  const double h = duration;
-  velocity_ = {start.velocity, start.velocity + 0.25 * h * start.acceleration, 0.0,
-               end.velocity - 0.25 * h * end.acceleration, end.velocity};
-  velocity_[2] = 5.0 * (end.position - start.position) / h - velocity_[0] - velocity_[1] -
-                 velocity_[3] - velocity_[4];
-  acceleration_ = {start.acceleration, 4.0 * (velocity_[2] - velocity_[1]) / h,
-                   4.0 * (velocity_[3] - velocity_[2]) / h, end.acceleration};
-  position_[0] = start.position;
-  for (std::size_t i = 0; i < 2; ++i) position_[i + 1] = position_[i] + 0.2 * h * velocity_[i];
-  position_[5] = end.position;
-  for (std::size_t i = 5; i > 3; --i) position_[i - 1] = position_[i] - 0.2 * h * velocity_[i - 1];
+std::array<double, 6> QuinticStep::position() const {
+  std::array<double, 6> result{};
+  result[0] = start_;
+  for (std::size_t i = 0; i < 2; ++i) result[i + 1] = result[i] + 0.2 * duration_ * velocity_[i];
+  result[5] = end_;
+  for (std::size_t i = 5; i > 3; --i)
+    result[i - 1] = result[i] - 0.2 * duration_ * velocity_[i - 1];
+  return result;
+}
+
+double QuinticStep::rounding() const {
+  return kPositionRounding * std::max(std::abs(start_), std::abs(end_)) / duration_;
 }
 
 Extreme QuinticStep::speed() const {
   const bool at_ends =
-      largest(velocity_) <= std::max(std::abs(velocity_.front()), std::abs(velocity_.back()));
-  return largest_at(velocity_, rounding_, at_ends ? Roots{} : acceleration_roots());
+      speed_bound() <= std::max(std::abs(velocity_.front()), std::abs(velocity_.back()));
+  return largest_at(velocity_, rounding(), at_ends ? Roots{} : acceleration_roots());
 }
 
 Extreme QuinticStep::acceleration() const {
-  const bool at_ends = largest(acceleration_) <=
+  const bool at_ends = acceleration_bound() <=
                        std::max(std::abs(acceleration_.front()), std::abs(acceleration_.back()));
-  return largest_at(acceleration_, kAccelerationRounding * rounding_ / duration_,
+  return largest_at(acceleration_, kAccelerationRounding * rounding() / duration_,
                     at_ends ? Roots{} : jerk_roots());
 }
 
 Extreme QuinticStep::position_extreme(double side) const {
-  Extreme result{position_.front(), 0.0};
-  if (side * position_.back() > side * result.value) result = {position_.back(), 1.0};
+  Extreme result{start_, 0.0};
+  if (side * end_ > side * result.value) result = {end_, 1.0};
   const Roots inner = velocity_roots();
+  if (inner.count == 0) return result;
+  const std::array<double, 6> values = position();
   for (std::size_t i = 0; i < inner.count; ++i) {
-    const double value = bernstein(position_, inner.at[i]);
+    const double value = bernstein(values, inner.at[i]);
     if (side * value > side * result.value) result = {value, inner.at[i]};
   }
   return result;
@@ -127,6 +122,13 @@ QuinticStep::Roots QuinticStep::jerk_roots() const {
 
 namespace {
 
+// A polynomial lies between its coefficients: where none differs in sign, nor does it.
+template <std::size_t size>
+bool one_sign(const std::array<double, size>& values) {
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  return *least >= 0.0 || *most <= 0.0;
+}
+
 // Where a polynomial changes sign that rises or falls throughout between its derivative's roots.
 template <std::size_t size, typename Roots>
 Roots between(const std::array<double, size>& values, const Roots& turns) {
@@ -144,42 +146,89 @@ Roots between(const std::array<double, size>& values, const Roots& turns) {
 }  // namespace
 
 QuinticStep::Roots QuinticStep::acceleration_roots() const {
-  return between(acceleration_, jerk_roots());
+  return one_sign(acceleration_) ? Roots{} : between(acceleration_, jerk_roots());
 }
 
 QuinticStep::Roots QuinticStep::velocity_roots() const {
-  const auto [least, most] = std::minmax_element(velocity_.begin(), velocity_.end());
-  if (*least >= 0.0 || *most <= 0.0) return {};
-  return between(velocity_, acceleration_roots());
+  return one_sign(velocity_) ? Roots{} : between(velocity_, acceleration_roots());
 }
 
-MotionExtremes motion_extremes(const Eigen::Ref<const Eigen::VectorXd>& times,
-                               const Eigen::Ref<const Rows>& positions,
-                               const Eigen::Ref<const Rows>& velocities,
-                               const Eigen::Ref<const Rows>& accelerations) {
+namespace {
+
+JointState state(const Eigen::Ref<const Rows>& positions, const Eigen::Ref<const Rows>& velocities,
+                 const Eigen::Ref<const Rows>& accelerations, Index row, Index joint) {
+  return {positions(row, joint), velocities(row, joint), accelerations(row, joint)};
+}
+
+// Rows of MotionPeaks.
+enum Peak : std::size_t { kLowest, kHighest, kSpeed, kAcceleration, kJerk, kPeaks };
+
+// One joint's peaks so far. What cannot exceed them is not computed.
+struct JointPeaks {
+  std::array<double, kPeaks> value{kInfinity, -kInfinity, -1.0, -1.0, -1.0};
+  std::array<double, kPeaks> time{};
+  std::array<Index, kPeaks> step{};
+
+  void look(const QuinticStep& quintic, double jerk, double begin, double end, Index at) {
+    const auto note = [&](Peak peak, const Extreme& extreme, double side) {
+      if (!(side * extreme.value > side * value[peak])) return;
+      value[peak] = extreme.value;
+      time[peak] = extreme.at < 1.0 ? begin + extreme.at * (end - begin) : end;
+      step[peak] = at;
+    };
+    if (quintic.reach(-1.0) > -value[kLowest]) note(kLowest, quintic.lowest(), -1.0);
+    if (quintic.reach(1.0) > value[kHighest]) note(kHighest, quintic.highest(), 1.0);
+    if (quintic.speed_bound() > value[kSpeed]) note(kSpeed, quintic.speed(), 1.0);
+    if (quintic.acceleration_bound() > value[kAcceleration])
+      note(kAcceleration, quintic.acceleration(), 1.0);
+    note(kJerk, {jerk, 0.5}, 1.0);
+  }
+};
+
+}  // namespace
+
+StepExtremes step_extremes(const Eigen::Ref<const Eigen::VectorXd>& times,
+                           const Eigen::Ref<const Rows>& positions,
+                           const Eigen::Ref<const Rows>& velocities,
+                           const Eigen::Ref<const Rows>& accelerations) {
   const Index steps = times.size() - 1, joints = positions.cols();
-  MotionExtremes result;
-  for (Rows* rows : {&result.lowest, &result.highest, &result.speed, &result.acceleration,
-                     &result.time_of_lowest, &result.time_of_highest, &result.time_of_speed,
-                     &result.time_of_acceleration})
-    rows->resize(steps, joints);
-  for (Index k = 0; k < steps; ++k) {
+  StepExtremes result{Rows(steps, joints), Rows(steps, joints)};
+  for (Index k = 0; k < steps; ++k)
+    for (Index j = 0; j < joints; ++j) {
+      const QuinticStep step(times[k + 1] - times[k],
+                             state(positions, velocities, accelerations, k, j),
+                             state(positions, velocities, accelerations, k + 1, j));
+      result.speed(k, j) = step.speed().value;
+      result.acceleration(k, j) = step.acceleration().value;
+    }
+  return result;
+}
+
+MotionPeaks motion_peaks(const Eigen::Ref<const Eigen::VectorXd>& times,
+                         const Eigen::Ref<const Rows>& positions,
+                         const Eigen::Ref<const Rows>& velocities,
+                         const Eigen::Ref<const Rows>& accelerations) {
+  const Index joints = positions.cols();
+  std::vector<JointPeaks> peaks(static_cast<std::size_t>(joints));
+  for (Index k = 0; k + 1 < times.size(); ++k) {
     const double duration = times[k + 1] - times[k];
     for (Index j = 0; j < joints; ++j) {
-      const auto state = [&](Index row) -> JointState {
-        return {positions(row, j), velocities(row, j), accelerations(row, j)};
-      };
-      const QuinticStep step(duration, state(k), state(k + 1));
-      const auto note = [&](const Extreme& extreme, Rows& value, Rows& time) {
-        value(k, j) = extreme.value;
-        time(k, j) = extreme.at < 1.0 ? times[k] + extreme.at * duration : times[k + 1];
-      };
-      note(step.lowest(), result.lowest, result.time_of_lowest);
-      note(step.highest(), result.highest, result.time_of_highest);
-      note(step.speed(), result.speed, result.time_of_speed);
-      note(step.acceleration(), result.acceleration, result.time_of_acceleration);
+      const JointState start = state(positions, velocities, accelerations, k, j);
+      const JointState end = state(positions, velocities, accelerations, k + 1, j);
+      const double jerk = std::abs(end.acceleration - start.acceleration) / duration;
+      peaks[static_cast<std::size_t>(j)].look(QuinticStep(duration, start, end), jerk, times[k],
+                                              times[k + 1], k);
     }
   }
+  MotionPeaks result{Rows(kPeaks, joints), Rows(kPeaks, joints), Rows(kPeaks, joints)};
+  for (Index j = 0; j < joints; ++j)
+    for (std::size_t row = 0; row < kPeaks; ++row) {
+      const JointPeaks& peak = peaks[static_cast<std::size_t>(j)];
+      const auto at = static_cast<Index>(row);
+      result.value(at, j) = peak.value[row];
+      result.time(at, j) = peak.time[row];
+      result.step(at, j) = static_cast<double>(peak.step[row]);
+    }
   return result;
 }
 

@@ -851,12 +851,18 @@ def time_lines(
     period: float,
     longest: float,
 ) -> tuple[int, IndexArray, Float64Array]: ...
-def motion_extremes(
+def step_extremes(
     times: Float64Array,
     positions: Float64Array,
     velocities: Float64Array,
     accelerations: Float64Array,
-) -> tuple[tuple[Float64Array, ...], tuple[Float64Array, ...]]: ...
+) -> tuple[Float64Array, Float64Array]: ...
+def motion_peaks(
+    times: Float64Array,
+    positions: Float64Array,
+    velocities: Float64Array,
+    accelerations: Float64Array,
+) -> tuple[Float64Array, Float64Array, Float64Array]: ...
 def fit_spline(
     parameters: Float64Array, q: Float64Array, tolerance: float
 ) -> tuple[IndexArray, Float64Array]: ...

@@ -18,6 +18,7 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import _core, check
 from leadthrough.arm.limits import JointLimits
@@ -168,14 +169,11 @@ def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Bin
     joints = _joint_names(trajectory, limits)
     if len(trajectory.times) == 1:
         return []
-    used = _extremes(with_derivatives(trajectory))
+    used = _used_in_steps(with_derivatives(trajectory))
+    each = (limits.velocity, limits.acceleration, limits.jerk)
     ratios = [
-        np.zeros_like(used.jerk.values) if limit is None else _ratios(values.values, limit)
-        for values, limit in (
-            (used.velocity, limits.velocity),
-            (used.acceleration, limits.acceleration),
-            (used.jerk, limits.jerk),
-        )
+        np.zeros_like(values) if limit is None else _ratios(values, limit)
+        for values, limit in zip(used, each, strict=True)
     ]
     flat = np.hstack(ratios)
     nearest, binds = flat.argmax(axis=1), flat.max(axis=1) >= _BINDS
@@ -214,22 +212,16 @@ def check_positions(positions: Float64Array, limits: JointLimits) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Values:
-    """The largest magnitudes of a quantity in each step, (steps, joints), and when."""
+class _Extremes:
+    """The largest values that joints reach, (quantities, joints), when, and in which steps."""
 
     values: Float64Array
     times: Float64Array
+    steps: Float64Array
 
 
-@dataclass(frozen=True, eq=False)
-class _Extremes:
-    """What a motion reaches in each of its steps."""
-
-    lowest: _Values
-    highest: _Values
-    velocity: _Values
-    acceleration: _Values
-    jerk: _Values
+# Rows of the extremes: positions from below and above, and the rates.
+_LOWEST, _HIGHEST, _RATES = 0, 1, {"velocity": 2, "acceleration": 3, "jerk": 4}
 
 
 def _joint_names(trajectory: JointTrajectory, limits: JointLimits) -> tuple[str, ...]:
@@ -247,29 +239,33 @@ def _joint_names(trajectory: JointTrajectory, limits: JointLimits) -> tuple[str,
     return wanted
 
 
-def _extremes(motion: JointTrajectory) -> _Extremes:
-    """The extremes of the quintics between the samples of a motion with all arrays."""
+def _arrays(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float64Array]:
     assert motion.velocities is not None
     assert motion.accelerations is not None
-    times, arrays = motion.times, (motion.positions, motion.velocities, motion.accelerations)
-    if len(times) == 1:
-        q, velocity, acceleration = arrays
-        rows = (q, q, np.abs(velocity), np.abs(acceleration), np.zeros_like(q))
-        return _Extremes(*(_Values(each, np.broadcast_to(times[0], q.shape)) for each in rows))
-    values, when = _core.motion_extremes(times, *arrays)
-    steps = np.diff(times)[:, None]
+    return motion.positions, motion.velocities, motion.accelerations
+
+
+def _extremes(motion: JointTrajectory) -> _Extremes:
+    """The extremes of the quintics between the samples of a motion with all arrays."""
+    arrays = _arrays(motion)
+    if len(motion.times) > 1:
+        return _Extremes(*_core.motion_peaks(motion.times, *arrays))
+    q, velocity, acceleration = (rows[0] for rows in arrays)
+    values = np.array([q, q, np.abs(velocity), np.abs(acceleration), np.zeros_like(q)])
+    return _Extremes(values, np.full(values.shape, motion.times[0]), np.zeros_like(values))
+
+
+def _used_in_steps(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """The largest velocities, accelerations and jerks (steps, joints) of each step."""
+    arrays = _arrays(motion)
     with np.errstate(over="ignore", invalid="ignore"):
-        jerks = np.abs(np.diff(motion.accelerations, axis=0)) / steps
-    middles = np.broadcast_to(times[:-1, None] + 0.5 * steps, jerks.shape)
-    lowest, highest, fastest, hardest = (_Values(*each) for each in zip(values, when, strict=True))
-    return _Extremes(lowest, highest, fastest, hardest, _Values(jerks, middles))
+        jerks = np.abs(np.diff(arrays[2], axis=0)) / np.diff(motion.times)[:, None]
+    return *_core.step_extremes(motion.times, *arrays), jerks
 
 
 def _standing(motion: JointTrajectory, rests: tuple[bool, bool]) -> JointTrajectory:
     """The motion with a step of standing still beyond each end that it passes but should not."""
-    assert motion.velocities is not None
-    assert motion.accelerations is not None
-    times, states = motion.times, (motion.positions, motion.velocities, motion.accelerations)
+    times, states = motion.times, _arrays(motion)
     begins, ends = (
         rest and bool(states[1][end].any() or states[2][end].any())
         for rest, end in zip(rests, (0, -1), strict=True)
@@ -296,39 +292,52 @@ def _played_straight(trajectory: JointTrajectory, rate: float) -> _Extremes:
     played = np.column_stack(
         [np.interp(clock, trajectory.times, column) for column in trajectory.positions.T]
     )
-    values, slopes = [], played
+    given = trajectory.positions
+    found = [
+        _at(given, trajectory.times, given.argmin(axis=0)),
+        _at(given, trajectory.times, given.argmax(axis=0)),
+    ]
+    slopes = played
     for order in range(1, len(KINDS) + 1):
         standing = ((order > 1,) * 2, (0, 0))
         slopes = np.diff(np.pad(slopes, standing), axis=0) * rate
-        middles = np.linspace(clock[0], clock[-1], len(slopes))
-        values.append(_Values(np.abs(slopes), np.broadcast_to(middles[:, None], slopes.shape)))
-    given = _Values(
-        trajectory.positions,
-        np.broadcast_to(trajectory.times[:, None], trajectory.positions.shape),
-    )
-    return _Extremes(given, given, *values)
+        used = np.abs(slopes)
+        found.append(_at(used, np.linspace(clock[0], clock[-1], len(used)), used.argmax(axis=0)))
+    return _Extremes(*(np.array(rows) for rows in zip(*found, strict=True)))
+
+
+def _at(
+    values: Float64Array, times: Float64Array, steps: NDArray[np.intp]
+) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """The value of each joint in a step of its own, when, and the step."""
+    return values[steps, np.arange(len(steps))], times[steps], steps.astype(np.float64)
 
 
 def _report(used: _Extremes, limits: JointLimits, times: Float64Array) -> LimitsReport:
-    def worst(when: Float64Array, ratios: Float64Array) -> Peak:
-        step, joint = np.unravel_index(int(ratios.argmax()), ratios.shape)
-        peaks = ratios.max(axis=0)
-        peaks.setflags(write=False)
-        time = float(np.clip(when[step, joint], times[0], times[-1]))
-        return Peak(peaks, limits.joint_names[joint], time)
-
     def peak(kind: Kind) -> Peak | None:
-        limit = getattr(limits, kind)
+        limit, row = getattr(limits, kind), _RATES[kind]
         if limit is None:
             return None
-        values: _Values = getattr(used, kind)
-        return worst(values.times, _ratios(values.values, limit))
+        ratios = _ratios(used.values[row], limit)
+        return _peak(ratios, used.times[row], used.steps[row], limits, times)
 
     velocity = peak("velocity")
     assert velocity is not None
-    return LimitsReport(
-        worst(*_position_ratios(used, limits)), velocity, peak("acceleration"), peak("jerk")
-    )
+    position = _peak(*_position_ratios(used, limits), limits, times)
+    return LimitsReport(position, velocity, peak("acceleration"), peak("jerk"))
+
+
+def _peak(
+    ratios: Float64Array,
+    when: Float64Array,
+    steps: Float64Array,
+    limits: JointLimits,
+    times: Float64Array,
+) -> Peak:
+    """The peak of the joints' largest ratios; of equal ones that of the first step."""
+    joint = int(np.lexsort((steps, -ratios))[0])
+    ratios.setflags(write=False)
+    return Peak(ratios, limits.joint_names[joint], float(np.clip(when[joint], times[0], times[-1])))
 
 
 def _ratios(values: Float64Array, limit: Float64Array) -> Float64Array:
@@ -338,16 +347,19 @@ def _ratios(values: Float64Array, limit: Float64Array) -> Float64Array:
     return np.where(np.isnan(ratios), np.inf, ratios)
 
 
-def _position_ratios(used: _Extremes, limits: JointLimits) -> tuple[Float64Array, Float64Array]:
-    """When positions are extreme, and how far from the middle of their ranges."""
+def _position_ratios(
+    used: _Extremes, limits: JointLimits
+) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """How far each joint goes from the middle of its range, when, and in which step."""
     lower, upper = limits.lower, limits.upper
     bounded = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
     low, high = np.where(bounded, lower, -1.0), np.where(bounded, upper, 1.0)
-    q = np.vstack([used.lowest.values, used.highest.values])
+    q = used.values[[_LOWEST, _HIGHEST]]
     inside = (lower <= q) & (q <= upper)
     ratios = np.where(
         bounded,
         np.abs(q - 0.5 * (low + high)) / (0.5 * (high - low)),
         np.where(inside, 0.0, np.inf),
     )
-    return np.vstack([used.lowest.times, used.highest.times]), ratios
+    side = ratios.argmax(axis=0), np.arange(len(lower))  # rows _LOWEST or _HIGHEST
+    return ratios[side], used.times[side], used.steps[side]

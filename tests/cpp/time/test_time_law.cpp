@@ -125,7 +125,7 @@ TEST(TimeLaw, KeepsLimitsOnItsSamples) {
       ASSERT_EQ(law.status, TimeLawStatus::kOk);
       const MotionStates motion = states_along(path, grid, law.length, law.speed, law.push);
       const Rows& q = motion.positions;
-      const MotionExtremes between = motion_extremes(
+      const StepExtremes between = step_extremes(
           1e-3 * Eigen::VectorXd::LinSpaced(q.rows(), 0.0, static_cast<double>(q.rows() - 1)), q,
           motion.velocities, motion.accelerations);
       EXPECT_LE(between.speed.maxCoeff(), 1.0 + 1e-6);

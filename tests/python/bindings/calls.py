@@ -345,7 +345,8 @@ LINE = np.array([[0.0, 0.0], [1.0, -1.0]])
 rates = {"velocity": SPEED, "acceleration": LOOSE, "jerk": np.full(2, 99.0)}
 call(core.time_lines, -1, points=LINE, period=0.01, longest=1e5, **rates)
 sampled = {"positions": LINE, "velocities": 0 * LINE, "accelerations": 0 * LINE}
-call(core.motion_extremes, None, times=np.array([0.0, 1.0]), **sampled)
+call(core.step_extremes, None, times=np.array([0.0, 1.0]), **sampled)
+call(core.motion_peaks, None, times=np.array([0.0, 1.0]), **sampled)
 ramp = np.linspace(0.0, 1.0, 20)
 call(core.fit_spline, [0, 4, 9, 14, 19], parameters=ramp, q=ramp[:, None], tolerance=1e-9)
 call(core.rows_apart, [0, 1], q=LINE, tolerance=1e-9)
