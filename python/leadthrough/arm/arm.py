@@ -11,17 +11,20 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough.arm import collision, following, inverse_kinematics, recorded_joints, robot_files
+from leadthrough import _core, check
+from leadthrough.arm import collision, following, recorded_joints, robot_files
+from leadthrough.arm import inverse_kinematics as ik
 from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.collision import CollisionPairs, CollisionReport
 from leadthrough.arm.following import FollowOptions, OnRateLimit
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
+from leadthrough.arm.kinematics import joint_rows
 from leadthrough.arm.limits import JointLimits, checked_values
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.path_report import PathReport, path_report
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
-from leadthrough.shapes import SceneLike
+from leadthrough.shapes import SceneLike, as_scene
 
 if TYPE_CHECKING:
     from leadthrough.drawing.panels import Panel
@@ -158,9 +161,12 @@ class Arm(ArmModel):
         Raises:
             InvalidInput: if an argument is out of its range, or two contradict each other.
         """
-        return inverse_kinematics.solve_one(
-            self._chain, position, orientation, q0=q0, seed=seed, options=options
-        )
+        chosen = ik.checked_options(options, self._chain, orientation)
+        target = ik.one_pose(position, orientation)
+        start = ik.one_start(self._chain, q0, chosen.posture)
+        core_options = ik.compiled(chosen, ik.random_seed(seed))
+        answer = _core.solve_ik(self._chain, *target, start, core_options)
+        return ik.one_result(self.joint_names, answer)
 
     def inverse_kinematics_batch(
         self,
@@ -186,9 +192,13 @@ class Arm(ArmModel):
         Raises:
             InvalidInput: if an argument is out of its range, or two contradict each other.
         """
-        return inverse_kinematics.solve_batch(
-            self._chain, positions, orientations, q0=q0, threads=threads, seed=seed, options=options
-        )
+        chosen = ik.checked_options(options, self._chain, orientations)
+        targets = ik.many_poses(positions, orientations)
+        workers = check.integer(threads, "threads", at_least=1, at_most=256)
+        starts = ik.many_starts(self._chain, q0, len(targets[0]), chosen.posture)
+        core_options = ik.compiled(chosen, ik.random_seed(seed))
+        columns = _core.solve_ik_batch(self._chain, *targets, starts, core_options, workers)
+        return ik.batch_of_results(columns)
 
     def inverse_kinematics_all(
         self,
@@ -218,16 +228,16 @@ class Arm(ArmModel):
         Returns:
             One row per configuration; none where no solution was found.
         """
-        return inverse_kinematics.solve_all(
+        chosen = ik.checked_options(options, self._chain, orientation)
+        columns = _core.solve_ik_all(
             self._chain,
-            position,
-            orientation,
-            count=count,
-            separation=separation,
-            q0=q0,
-            seed=seed,
-            options=options,
+            *ik.one_pose(position, orientation),
+            ik.one_start(self._chain, q0, chosen.posture),
+            ik.compiled(chosen, ik.random_seed(seed), find_all=True),
+            check.integer(count, "count", at_least=1, at_most=64),
+            check.number(separation, "separation", above=0.0),
         )
+        return ik.batch_of_results(columns)
 
     def follow(
         self,
@@ -369,7 +379,8 @@ class Arm(ArmModel):
         Where they overlap it is the depth of the overlap, negative; without obstacles it is
         infinite. The scene's margins are not used.
         """
-        return collision.distance(self._collision, self._chain, q, scene, threads)
+        pairs = collision.against(self._collision, self._chain, as_scene(scene).shapes)
+        return collision.nearest(self._chain, q, pairs, threads)
 
     @overload
     def self_distance(self, q: Sequence[float], *, threads: int = 1) -> float: ...
@@ -382,7 +393,7 @@ class Arm(ArmModel):
 
         `collision_pairs` lists the parts that are compared.
         """
-        return collision.self_distance(self._collision, self._chain, q, threads)
+        return collision.nearest(self._chain, q, _core.itself(self._collision), threads)
 
     @overload
     def is_clear(self, q: Sequence[float], scene: SceneLike = ...) -> bool: ...
@@ -390,7 +401,9 @@ class Arm(ArmModel):
     def is_clear(self, q: ArrayLike, scene: SceneLike = ...) -> bool | NDArray[np.bool_]: ...
     def is_clear(self, q: ArrayLike, scene: SceneLike = ()) -> bool | NDArray[np.bool_]:
         """Whether the whole arm keeps the margins of a scene; quicker than distances."""
-        return collision.is_clear(self._collision, self._chain, q, scene)
+        batch, (rows,) = joint_rows(self._chain, q=q)
+        clear = CollisionTest(self._collision, as_scene(scene)).clear_rows(rows)
+        return np.array(clear) if batch else clear[0]
 
     def check(
         self,
@@ -432,4 +445,5 @@ class Arm(ArmModel):
             InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
             MissingDependency: if a mesh's format needs a package that is not installed.
         """
-        return collision.pairs_of(self._collision)
+        model = self._collision
+        return CollisionPairs(tuple(model.pairs), {(a, b): why for a, b, why in model.left_out})

@@ -59,8 +59,12 @@ class CollisionTest:
 
     def clear_at(self, q: Float64Array) -> bool:
         """Whether the arm keeps the margins at every row of q (n, joints); quick to say no."""
+        return all(self.clear_rows(q))
+
+    def clear_rows(self, q: Float64Array) -> list[bool]:
+        """Whether the arm keeps the margins, for each row of q (n, joints)."""
         margins = self.scene.margin, self.scene.self_collision_margin
-        return all(_core.clear_batch(self.model, self.shapes, q, *margins))
+        return _core.clear_batch(self.model, self.shapes, q, *margins)
 
     @cached_property
     def shapes(self) -> list[_core.Shape]:

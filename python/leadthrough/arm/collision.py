@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from leadthrough import _core, check, sanity
 from leadthrough.arm.kinematics import joint_rows
@@ -48,35 +48,6 @@ def collision_model(
     return model
 
 
-def distance(
-    model: _core.CollisionModel,
-    chain: _core.Chain,
-    q: ArrayLike,
-    scene: SceneLike,
-    threads: int,
-) -> float | Float64Array:
-    """See `Arm.distance`."""
-    return _nearest(chain, q, _against(model, chain, as_scene(scene).shapes), threads)
-
-
-def self_distance(
-    model: _core.CollisionModel, chain: _core.Chain, q: ArrayLike, threads: int
-) -> float | Float64Array:
-    """See `Arm.self_distance`."""
-    return _nearest(chain, q, _core.itself(model), threads)
-
-
-def is_clear(
-    model: _core.CollisionModel, chain: _core.Chain, q: ArrayLike, scene: SceneLike
-) -> bool | NDArray[np.bool_]:
-    """See `Arm.is_clear`."""
-    batch, (rows,) = joint_rows(chain, q=q)
-    around = as_scene(scene)
-    margins = around.margin, around.self_collision_margin
-    clear = _core.clear_batch(model, compiled(around.shapes), rows, *margins)
-    return np.array(clear) if batch else clear[0]
-
-
 def check_motion(
     model: _core.CollisionModel,
     chain: _core.Chain,
@@ -89,7 +60,7 @@ def check_motion(
     """See `Arm.check`."""
     q, times = _configurations(trajectory, tuple(chain.joint_names))
     around = as_scene(scene)
-    pairs = (_against(model, chain, around.shapes), _core.itself(model))
+    pairs = (against(model, chain, around.shapes), _core.itself(model))
     margins = (around.margin, around.self_collision_margin)
     exact = check.number(tolerance, "tolerance", at_least=_MIN_TOLERANCE)
     count = check.integer(threads, "threads", at_least=1, at_most=256)
@@ -101,14 +72,10 @@ def check_motion(
     return CollisionReport(from_obstacles, from_itself, tolerance=exact)
 
 
-def pairs_of(model: _core.CollisionModel) -> CollisionPairs:
-    """See `Arm.collision_pairs`."""
-    return CollisionPairs(tuple(model.pairs), {(a, b): why for a, b, why in model.left_out})
-
-
-def _against(
+def against(
     model: _core.CollisionModel, chain: _core.Chain, shapes: Sequence[Shape]
 ) -> _core.CollisionScene:
+    """Pairs of the arm's bodies and obstacles; warns of obstacles that are too far away."""
     _warn_of_far_obstacles(chain.reach, shapes)
     return _core.against(model, compiled(shapes))
 
@@ -126,9 +93,10 @@ def _warn_of_far_obstacles(reach: float, shapes: Sequence[Shape]) -> None:
             )
 
 
-def _nearest(
+def nearest(
     chain: _core.Chain, q: ArrayLike, pairs: _core.CollisionScene, threads: int
 ) -> float | Float64Array:
+    """Smallest distances of pairs, a number or (m,) for a batch."""
     batch, (rows,) = joint_rows(chain, q=q)
     count = check.integer(threads, "threads", at_least=1, at_most=256)
     distances = _core.nearest_bodies(pairs, rows, count)[0]

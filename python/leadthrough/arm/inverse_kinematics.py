@@ -188,66 +188,6 @@ class IkBatch(ShortRepr):
         return len(self.q)
 
 
-def solve_one(
-    chain: _core.Chain,
-    position: ArrayLike,
-    orientation: ArrayLike | None,
-    *,
-    q0: ArrayLike | None,
-    seed: int,
-    options: IkOptions | None,
-) -> IkResult:
-    """See `Arm.inverse_kinematics`."""
-    chosen = _checked(options, chain, orientation)
-    target = one_pose(position, orientation)
-    start = one_start(chain, q0, chosen.posture)
-    answer = _core.solve_ik(chain, *target, start, compiled(chosen, random_seed(seed)))
-    return one_result(tuple(chain.joint_names), answer)
-
-
-def solve_batch(
-    chain: _core.Chain,
-    positions: ArrayLike,
-    orientations: ArrayLike | None,
-    *,
-    q0: ArrayLike | None,
-    threads: int,
-    seed: int,
-    options: IkOptions | None,
-) -> IkBatch:
-    """See `Arm.inverse_kinematics_batch`."""
-    chosen = _checked(options, chain, orientations)
-    targets = many_poses(positions, orientations)
-    workers = check.integer(threads, "threads", at_least=1, at_most=256)
-    starts = many_starts(chain, q0, len(targets[0]), chosen.posture)
-    core_options = compiled(chosen, random_seed(seed))
-    return batch_of_results(_core.solve_ik_batch(chain, *targets, starts, core_options, workers))
-
-
-def solve_all(
-    chain: _core.Chain,
-    position: ArrayLike,
-    orientation: ArrayLike | None,
-    *,
-    count: int,
-    separation: float,
-    q0: ArrayLike | None,
-    seed: int,
-    options: IkOptions | None,
-) -> IkBatch:
-    """See `Arm.inverse_kinematics_all`."""
-    chosen = _checked(options, chain, orientation)
-    columns = _core.solve_ik_all(
-        chain,
-        *one_pose(position, orientation),
-        one_start(chain, q0, chosen.posture),
-        compiled(chosen, random_seed(seed), find_all=True),
-        check.integer(count, "count", at_least=1, at_most=64),
-        check.number(separation, "separation", above=0.0),
-    )
-    return batch_of_results(columns)
-
-
 def one_start(
     chain: _core.Chain, q0: ArrayLike | None, posture: ArrayLike | None = None
 ) -> Float64Array:
@@ -334,7 +274,7 @@ def all_axes(free: Collection[Axis]) -> _core.IkAxes:
     return _core.IkAxes([name in free for name in AXES], [math.inf] * len(AXES), np.ones(6))
 
 
-def _checked(
+def checked_options(
     options: IkOptions | None, chain: _core.Chain, orientation: ArrayLike | None
 ) -> IkOptions:
     """The options, if they fit the arm and the target."""

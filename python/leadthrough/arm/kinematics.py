@@ -16,18 +16,8 @@ _SINGULAR = 6 * np.finfo(np.float64).eps
 ROTATION_WEIGHT = 0.3
 
 
-def forward_kinematics(chain: _core.Chain, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
-    """See `Arm.forward_kinematics`."""
-    pose = chain.pose(q)  # one configuration, without the cost of checks
-    if pose is not None:
-        return pose
-    batch, (rows,) = joint_rows(chain, q=q)
-    positions, orientations = chain.forward_kinematics(rows)
-    return (positions, orientations) if batch else (positions[0], orientations[0])
-
-
 def jacobian(chain: _core.Chain, q: ArrayLike) -> Float64Array:
-    """See `Arm.jacobian`."""
+    """Jacobian (6, joints) of a configuration, or (m, 6, joints) of a batch."""
     matrix = _core.jacobian_of_one(chain, q)
     if matrix is not None:
         return matrix

@@ -7,17 +7,21 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import _core, check
-from leadthrough.arm import dynamics, kinematics
+from leadthrough.arm import kinematics
 from leadthrough.arm.attachment import Attachment, Load
 from leadthrough.arm.collision import collision_model
 from leadthrough.arm.limits import JointLimits, checked_values, require_inside, require_unlocked
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing.drawn import Drawn
+from leadthrough.errors import InvalidRobot
 from leadthrough.shapes import Shape, Solid
 
+# m/s^2, down in a base frame whose z axis points up.
+GRAVITY = (0.0, 0.0, -9.81)
 _IDENTITY = (1.0, 0.0, 0.0, 0.0)
 _NO_INERTIA = ((0.0, 0.0, 0.0),) * 3
 
@@ -149,7 +153,12 @@ class ArmModel(Drawn):
 
     def forward_kinematics(self, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
         """Position (3,) in m and orientation (4,) w, x, y, z of the tip in the base frame."""
-        return kinematics.forward_kinematics(self._chain, q)
+        pose = self._chain.pose(q)  # one configuration, without the cost of checks
+        if pose is not None:
+            return pose
+        batch, (rows,) = kinematics.joint_rows(self._chain, q=q)
+        positions, orientations = self._chain.forward_kinematics(rows)
+        return (positions, orientations) if batch else (positions[0], orientations[0])
 
     def jacobian(self, q: ArrayLike) -> Float64Array:
         """Geometric Jacobian J, (6, joints), of the tip: linear rows first, in the base frame."""
@@ -198,7 +207,7 @@ class ArmModel(Drawn):
         return kinematics.condition_number(self.jacobian(q), weight)
 
     def inverse_dynamics(
-        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike = dynamics.GRAVITY
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike = GRAVITY
     ) -> Float64Array:
         """Joint torques (joints,) in N m (forces in N for prismatic joints) that produce a motion.
 
@@ -212,11 +221,14 @@ class ArmModel(Drawn):
         Raises:
             InvalidRobot: if the URDF states no masses.
         """
-        return dynamics.inverse_dynamics(self._chain, q, qd, qdd, gravity)
+        self._require_masses()
+        batch, rows = kinematics.joint_rows(self._chain, q=q, qd=qd, qdd=qdd)
+        pull = check.array(gravity, "gravity", shape=(3,))
+        kernel = _core.inverse_dynamics
+        torques = kinematics.finite(kernel(self._chain, rows[0], rows[1], rows[2], pull))
+        return torques if batch else torques[0]
 
-    def gravity_torques(
-        self, q: ArrayLike, *, gravity: ArrayLike = dynamics.GRAVITY
-    ) -> Float64Array:
+    def gravity_torques(self, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Float64Array:
         """Joint torques (joints,) in N m (N) that hold the arm still against gravity.
 
         They are of the links as in `inverse_dynamics`.
@@ -227,7 +239,10 @@ class ArmModel(Drawn):
         Raises:
             InvalidRobot: if the URDF states no masses.
         """
-        return dynamics.gravity_torques(self._chain, q, gravity)
+        batch, (rows,) = kinematics.joint_rows(self._chain, q=q)
+        still = np.zeros_like(rows)
+        torques = self.inverse_dynamics(rows, still, still, gravity=gravity)
+        return torques if batch else torques[0]
 
     def mass_matrix(self, q: ArrayLike) -> Float64Array:
         """Joint-space mass matrix M (joints, joints): accelerations qdd need the torques M qdd.
@@ -237,7 +252,18 @@ class ArmModel(Drawn):
         Raises:
             InvalidRobot: if the URDF states no masses.
         """
-        return dynamics.mass_matrix(self._chain, q)
+        self._require_masses()
+        batch, (rows,) = kinematics.joint_rows(self._chain, q=q)
+        joints = self._chain.joints
+        matrices = kinematics.finite(_core.mass_matrix(self._chain, rows))
+        shaped = matrices.reshape(len(rows), joints, joints)
+        return shaped if batch else shaped[0]
+
+    def _require_masses(self) -> None:
+        if self._chain.mass == 0.0:
+            raise InvalidRobot(
+                "robot", "no link that the arm moves has a mass: its URDF states no <inertial>"
+            )
 
 
 def check_arm(arm: object) -> None:

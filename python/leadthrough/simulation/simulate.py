@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, optional, rotations
 from leadthrough.arm import Arm, check_arm
-from leadthrough.arm.dynamics import GRAVITY
 from leadthrough.arm.limits import known_acceleration
+from leadthrough.arm.model import GRAVITY
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible, NoPath
 from leadthrough.events import Event

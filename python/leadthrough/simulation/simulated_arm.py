@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, optional
 from leadthrough.arm import Arm
-from leadthrough.arm.dynamics import GRAVITY
+from leadthrough.arm.model import GRAVITY
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard import CommandedState
 from leadthrough.repr import ShortRepr
