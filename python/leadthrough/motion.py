@@ -103,10 +103,6 @@ class Trajectory(Sampled):
         positions: (n, d) m; drawings may use any unit.
         events: at times between the first and the last sample, in their order.
         joints: as of a `PoseTrajectory`.
-
-    Raises:
-        InvalidInput: if a shape is wrong, a number is not finite, the times do not increase, or an
-            event is outside of them.
     """
 
     times: Float64Array
@@ -150,10 +146,6 @@ class PoseTrajectory(Sampled):
         joints: of the arm that moved so, n samples on the motion's own clock, or None. In a motion
             that a skill generated they are those that the arm was shown with at the same phase:
             where a start or goal is new, the posture to stay near to.
-
-    Raises:
-        InvalidInput: if a shape is wrong, a number is not finite, a quaternion's length is not 1,
-            the times do not increase, or an event is outside of them.
     """
 
     times: Float64Array
@@ -219,10 +211,6 @@ class JointTrajectory(Sampled):
         accelerations: (n, joints) rad/s^2, or None.
         joint_names: one per column, or none at all.
         events: at times between the first and the last sample, in their order.
-
-    Raises:
-        InvalidInput: if a shape is wrong, a number is not finite, the names don't fit the columns,
-            the times do not increase, or an event is outside of them.
     """
 
     times: Float64Array

@@ -159,7 +159,7 @@ class Arm(ArmModel):
             options: tolerances, free axes, preferred posture and budget.
 
         Raises:
-            InvalidInput: if an argument is out of its range, or two contradict each other.
+            InvalidInput: if two arguments contradict each other.
         """
         chosen = ik.checked_options(options, self._chain, orientation)
         target = ik.one_pose(position, orientation)
@@ -190,7 +190,7 @@ class Arm(ArmModel):
             One row per pose.
 
         Raises:
-            InvalidInput: if an argument is out of its range, or two contradict each other.
+            InvalidInput: if two arguments contradict each other.
         """
         chosen = ik.checked_options(options, self._chain, orientations)
         targets = ik.many_poses(positions, orientations)
@@ -285,8 +285,7 @@ class Arm(ArmModel):
                 the answer is the one without a scene. Only with "slow" and "exceed_limits".
 
         Raises:
-            InvalidInput: if an argument is out of its range, or the motion isn't of poses or
-                points in 3-D.
+            InvalidInput: if the motion isn't of poses or points in 3-D.
             IkFailure: if a sample is not reached. It carries the first such sample's index and a
                 status: one of IkResult's; "jump" where the pose can be reached, but not from the
                 sample before; "too_fast"; or "blocked" where there is no room for the arm, with
@@ -423,8 +422,8 @@ class Arm(ArmModel):
             tolerance: in m, >= 1e-6; a hit between samples that is deeper than this isn't missed.
 
         Raises:
-            InvalidInput: if the joints are not the arm's, the scene is malformed, a number is out
-                of its range, or two samples are too far apart to be checked to the tolerance.
+            InvalidInput: if the joints are not the arm's, or two samples are too far apart for the
+                tolerance.
 
         Source: Mirtich 1996.
         """

@@ -90,17 +90,13 @@ class Attachment(ShortRepr):
         return chain.with_tool(self.position, self.orientation)
 
     def _rotation(self) -> Float64Array:
-        return _matrix(self.orientation)
+        return np.asarray(rotations.to_matrix(self.orientation[None])[0])
 
     def _in_link(self, point: Float64Array) -> Float64Array:
         return np.asarray(self.position + self._rotation() @ point)
 
     def _rotated(self, orientation: Float64Array) -> Float64Array:
         return np.asarray(rotations.compose(self.orientation[None], orientation[None])[0])
-
-
-def _matrix(orientation: Float64Array) -> Float64Array:
-    return np.asarray(rotations.to_matrix(orientation[None])[0])
 
 
 def _inertia(value: ArrayLike) -> Float64Array:

@@ -75,7 +75,7 @@ class IkOptions(ShortRepr):
             answer then depends on the machine.
 
     Raises:
-        InvalidInput: if an option is out of its range, or two contradict each other.
+        InvalidInput: if two options contradict each other.
     """
 
     position_tolerance: ArrayLike = 1e-6

@@ -136,7 +136,7 @@ class ArmModel(Drawn):
             inertia: tensor (3, 3) about the centre of mass in kg m^2.
 
         Raises:
-            InvalidInput: if one has another shape, or no body has such an inertia.
+            InvalidInput: if no body has such an inertia.
         """
         load = Load(mass, center, inertia)
         return replace(self, attachment=self.attachment.with_load(load))

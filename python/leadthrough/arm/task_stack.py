@@ -140,8 +140,7 @@ class TaskStack(ShortRepr):
                 default they stay.
 
         Raises:
-            InvalidInput: if an argument has another shape or is out of its range, or the number of
-                tasks changes.
+            InvalidInput: if the number of tasks changes.
         """
         state = self._joints(q, "q"), np.zeros(len(self.arm.joint_names))
         if qd is not None:

@@ -66,7 +66,8 @@ def check(
         "duration": joints.duration,
     }
     if simulated is not None:
-        found["simulated"] = _simulated(simulated, as_json)
+        stated = _simulation_facts(simulated, as_json=True) if as_json else str(simulated)
+        found["simulated"] = stated
     output.facts(found, as_json=as_json, units={"duration": "s"})
     if not as_json:
         fails = simulated is not None and not simulated.ok
@@ -106,11 +107,6 @@ def _hint_after_check(
         output.hint(
             ctx, "leadthrough", "view", motion, *arm, *output.typed(ctx, "obstacle"), "--html", page
         )
-
-
-def _simulated(report: lt.SimulationReport, as_json: bool) -> object:
-
-    return _simulation_facts(report, as_json=True) if as_json else str(report)
 
 
 def _peak(peak: lt.timing.Peak | None, as_json: bool) -> object:

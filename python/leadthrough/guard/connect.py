@@ -48,7 +48,7 @@ def connect(
         places on the trajectory.
 
     Raises:
-        InvalidInput: if an argument has another shape, or a limit is not known.
+        InvalidInput: if a limit is not known.
         LimitsInfeasible: if no bridge inside the limits leads onto the trajectory, or to rest.
         NoPath: if the bridge would come too near something; `reason` is "ease_in" or "ease_out".
     """

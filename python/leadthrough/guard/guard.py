@@ -67,7 +67,7 @@ class Guard(ShortRepr):
         rate: commands per second, 1 to 1e4.
 
     Raises:
-        InvalidInput: if a limit is not known, an obstacle is no shape, or a number is out of range.
+        InvalidInput: if a limit is not known.
         InvalidRobot: if the robot has no collision geometry, or a mesh is missing or flat.
     """
 
@@ -150,8 +150,7 @@ class Guard(ShortRepr):
                 start: a `CommandedState`, or positions (joints,) at which the arm rests.
 
         Raises:
-            InvalidInput: if an argument has another shape, or the first call has no state. What
-                was admitted before then stays.
+            InvalidInput: if the first call has no state. What was admitted before then stays.
         """
         given = chunk_of(chunk, self._arm, self._period)
         if state is not None:

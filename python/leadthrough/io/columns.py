@@ -151,10 +151,6 @@ def _stacked(
     return parts[0] if len(parts) == 1 and parts[0].ndim == 2 else np.column_stack(parts)
 
 
-def _scaled(numbers: Float64Array, factor: float) -> Float64Array:
-    return numbers if factor == 1.0 else numbers * factor
-
-
 def _in_si(
     table: Table, name: str, role: str, angles: AngleUnit | None, request: Request
 ) -> Float64Array:
@@ -164,7 +160,8 @@ def _in_si(
     if role in ("velocities", "accelerations"):
         unit = None if angles == "percent" else angles
         return in_radians(name, numbers, unit, request)
-    return _scaled(numbers, headers.unit(name, role)[1] or 1.0)
+    factor = headers.unit(name, role)[1] or 1.0
+    return numbers if factor == 1.0 else numbers * factor
 
 
 def _times(table: Table, time: Columns | None, asked: float | None, count: int) -> Float64Array:

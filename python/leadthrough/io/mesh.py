@@ -40,8 +40,7 @@ def read_mesh(
         orientation: w, x, y, z of the mesh's own frame in the base frame, (4,).
 
     Raises:
-        InvalidInput: if the file cannot be read or has no triangles, there are more than a thousand
-            parts, or an argument is out of its range.
+        InvalidInput: if the file cannot be read, has no triangles or more than a thousand parts.
         MissingDependency: if its format needs the extra `mesh`.
     """
     unit = check.number(scale, "scale", above=0.0)

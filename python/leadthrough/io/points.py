@@ -62,8 +62,7 @@ def read_point_cloud(
         orientation: w, x, y, z of that frame in the base frame, (4,).
 
     Raises:
-        InvalidInput: if the file cannot be read or has no points or too many, or an argument is
-            out of its range.
+        InvalidInput: if the file cannot be read or has no points or too many.
     """
     unit = check.number(scale, "scale", above=0.0)
     return PointCloud(unit * read_points(Path(path)), radius, position, orientation)

@@ -68,8 +68,7 @@ def read_demonstrations(
         rest: s of standing still to keep before and after, >= 0; `math.inf` keeps all of it.
 
     Raises:
-        InvalidInput: if an argument is wrong, or a file cannot be read or has faults; the message
-            says which and where.
+        InvalidInput: if a file cannot be read or has faults; the message says which and where.
         MissingDependency: if the format needs an extra.
     """
     request = as_request(columns, rate, angles, quaternions, topic, frames=frames, joints=joints)
@@ -241,7 +240,6 @@ def stream_recordings(
         An episode for each recording.
 
     Raises:
-        InvalidInput: if an argument is wrong.
         MissingDependency: if the format needs an extra.
     """
     request = as_request(columns, rate, angles, quaternions, topic, frames=frames, joints=joints)

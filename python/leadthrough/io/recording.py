@@ -107,22 +107,11 @@ class Recording(ShortRepr):
 def recording_of(demonstration: Demonstration) -> Recording:
     """The recording with a demonstration's motion and name."""
     motion = demonstration.motion
-    if isinstance(motion, JointTrajectory):
-        return Recording(
-            motion.times,
-            motion.positions,
-            joint_names=motion.joint_names,
-            velocities=motion.velocities,
-            accelerations=motion.accelerations,
-            events=motion.events,
-            name=demonstration.name,
-        )
-    orientations = motion.orientations if isinstance(motion, PoseTrajectory) else None
+    optional = ("orientations", "joint_names", "velocities", "accelerations", "joints")
     return Recording(
         motion.times,
         motion.positions,
-        orientations,
-        joints=motion.joints,
+        **{name: getattr(motion, name, None) for name in optional},
         events=motion.events,
         name=demonstration.name,
     )

@@ -58,7 +58,6 @@ def connect_configurations(
         The way; None if none was found.
 
     Raises:
-        InvalidInput: if an argument is wrong.
         MissingDependency: if OMPL is not installed.
     """
     check_arm(arm)

@@ -71,7 +71,6 @@ def plan_motion(
             tip goes anywhere: the answer's `connected` says when. Needs the extra `ompl`.
 
     Raises:
-        InvalidInput: if an argument is wrong.
         UnsupportedQuery: for a part of the query that the skill does not support.
         NoPath: where obstacles leave the tip no way.
         MissingDependency: if `last_resort` is needed and OMPL is not installed.

@@ -87,8 +87,7 @@ def arrival_times(
         Times of the map's shape.
 
     Raises:
-        InvalidInput: if an argument is malformed, a source lies in a wall, or the speeds' range is
-            too wide for the dtype.
+        InvalidInput: if a source lies in a wall, or the speeds' range is too wide for the dtype.
     """
     precision = precision_of(dtype)
     check.integer(order, "order", at_least=1, at_most=2)
@@ -153,7 +152,8 @@ def arrival_times_batch(
     maps = [checked_speeds(speed) for speed in _entries(speeds, "speeds")]
     starts = _entries(sources, "sources")
     count = _count(len(maps), len(starts))
-    _check_shapes({field.shape for field in maps})
+    if len(shapes := {field.shape for field in maps}) > 1:
+        raise InvalidInput(f"speeds: expected maps of one shape, got {sorted(shapes)}")
     steps = spacings(spacing, maps[0].ndim)
     for field in maps:
         check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
@@ -223,7 +223,7 @@ class ArrivalField:
         dtype: float32 or float64, of times and arithmetic.
 
     Raises:
-        InvalidInput: if the map does not fit the grid, or a source lies outside it or in a wall.
+        InvalidInput: if a source lies outside the grid or in a wall.
     """
 
     def __init__(
@@ -277,8 +277,7 @@ class ArrivalField:
         """Replaces the whole speed map; the changed part is determined first.
 
         Raises:
-            InvalidInput: if the map is malformed or puts a source in a wall; nothing is changed
-                then.
+            InvalidInput: if the map puts a source in a wall; nothing is changed then.
         """
         field = regular(speed, "speed")
         if field.shape != self._grid.shape or field.dtype.kind not in "fiu":
@@ -298,8 +297,7 @@ class ArrivalField:
             speed: of the part's shape, or one number.
 
         Raises:
-            InvalidInput: if an argument is malformed or puts a source in a wall; nothing is
-                changed then.
+            InvalidInput: if the part puts a source in a wall; nothing is changed then.
         """
         low, shape = self._box(part)
         values = finite_speeds(np.broadcast_to(_fitting(speed, shape), shape))
@@ -371,11 +369,6 @@ def _count(maps: int, sources: int) -> int:
             f"got {sources} for {maps}"
         )
     return count
-
-
-def _check_shapes(shapes: set[tuple[int, ...]]) -> None:
-    if len(shapes) > 1:
-        raise InvalidInput(f"speeds: expected maps of one shape, got {sorted(shapes)}")
 
 
 def _radius(source_radius: float | None, order: int) -> float:

@@ -36,7 +36,7 @@ def descend(
         step: longest step in cells (of the smallest spacing), below 1.
 
     Raises:
-        InvalidInput: if an argument is malformed, or the goal does not lie in a source's cell.
+        InvalidInput: if the goal does not lie in a source's cell.
         NoPath: with reason "start_outside", "start_unreached" or "other_source".
     """
     times = _times(arrival, grid)
@@ -68,7 +68,6 @@ def direction(arrival: ArrayLike, grid: Grid, positions: ArrayLike) -> Float64Ar
         positions: points (n, d), in the grid's unit.
 
     Raises:
-        InvalidInput: if an argument is malformed.
         NoPath: if a position lies in a wall or is walled off, with reason "start_unreached", or
             lies outside the grid, with reason "start_outside".
     """

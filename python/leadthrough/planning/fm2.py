@@ -65,9 +65,6 @@ def fm2_speed(
 
     Returns:
         Speeds of grid.shape.
-
-    Raises:
-        InvalidInput: if the walls do not fit the grid, or not exactly one distance is given.
     """
     blocked = _walls(walls, grid)
     if (saturation is None) == (area_of_influence is None):

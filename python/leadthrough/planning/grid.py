@@ -54,7 +54,7 @@ class Grid(ShortRepr):
             spacing: distance between neighbours' centres, > 0, (d,) or one number.
 
         Raises:
-            InvalidInput: if an argument is malformed or the grid would have too many cells.
+            InvalidInput: if the grid would have too many cells.
         """
         p = check.array(points, "points", shape=("n", "d"))
         if len(p) == 0 or p.shape[1] not in (2, 3):
@@ -124,7 +124,7 @@ class Grid(ShortRepr):
             points: (n, d).
 
         Raises:
-            InvalidInput: if they are malformed or one lies outside the grid; ask `contains` first.
+            InvalidInput: if a point lies outside the grid; ask `contains` first.
         """
         inside = self.contains(points)
         if not inside.all():

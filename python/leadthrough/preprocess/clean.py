@@ -111,7 +111,7 @@ def clean(
             without a rate at that of the median step. None does not smooth.
 
     Raises:
-        InvalidInput: if an argument is out of bounds, no sample is left, or a gap is too long.
+        InvalidInput: if no sample is left, or a gap is too long.
     """
     factor = None if spike_factor is None else check.number(spike_factor, "spike_factor", above=0.0)
     window = None if smoothing is None else check.number(smoothing, "smoothing", above=0.0)

@@ -60,7 +60,7 @@ def place_base(
         seed: of the random number generator.
 
     Raises:
-        InvalidInput: if an argument is wrong, or the motion is not of poses.
+        InvalidInput: if the motion is not of poses.
         InvalidRobot: if the robot has no collision geometry.
     """
     poses = motion if isinstance(motion, PoseTrajectory) else motion.generate()

@@ -105,7 +105,7 @@ def reach_map(
         execution: where the tasks run, and where finished ones are kept; by default here.
 
     Raises:
-        InvalidInput: if an argument is wrong, or the grid has too many places.
+        InvalidInput: if the grid has too many places.
         InvalidRobot: if the robot has no collision geometry.
         MissingDependency: for a Dask cluster, if the extra `dask` is not installed.
         SchedulerUnreachable: if its scheduler does not answer any more.

@@ -25,8 +25,8 @@ def mean(quaternions: ArrayLike, *, weights: ArrayLike | None = None) -> Float64
         quaternions.
 
     Raises:
-        InvalidInput: if the arguments are malformed, or rotations of weight > 0 lie a quarter turn
-            or more from their unweighted middle, where more than one mean is possible.
+        InvalidInput: if rotations of weight > 0 lie a quarter turn or more from their unweighted
+            middle, where more than one mean is possible.
 
     Source: Markley et al. 2007, "Averaging quaternions", for the start; Manton 2004, "A
         globally convergent numerical algorithm for computing the centre of mass on compact Lie

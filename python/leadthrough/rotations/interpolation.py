@@ -72,8 +72,7 @@ def squad(times: ArrayLike, quaternions: ArrayLike, at: ArrayLike) -> Float64Arr
         at: times of the result, s, (m,), not before the first sample or after the last.
 
     Raises:
-        InvalidInput: if the arguments are malformed, a time lies outside the samples', or steps are
-            too uneven.
+        InvalidInput: if steps are too uneven.
 
     Source: Shoemake 1987, "Quaternion calculus and fast animation".
     """
@@ -132,8 +131,7 @@ def left_jacobian_inverse(rotation_vectors: ArrayLike) -> Float64Array:
         rotation_vectors: phi, rad, (n, 3).
 
     Raises:
-        InvalidInput: if they are not finite numbers of that shape, or one is within 1e-6 rad of
-            2 pi n, n >= 1, where there is no inverse.
+        InvalidInput: if one is within 1e-6 rad of 2 pi n, n >= 1, where there is no inverse.
 
     Source: Sola et al. 2018, eq. 146.
     """
@@ -159,8 +157,7 @@ def angular_velocity(times: ArrayLike, quaternions: ArrayLike) -> Float64Array:
         quaternions: unit quaternions (n, 4); any three neighbours turn less than half a turn.
 
     Raises:
-        InvalidInput: if the arguments are malformed, neighbours turn too far, or steps are too
-            short for finite derivatives.
+        InvalidInput: if neighbours turn too far, or steps are too short for finite derivatives.
     """
     return _derivative(*timed(times, quaternions, at_least=2), order=1)
 
@@ -175,8 +172,7 @@ def angular_acceleration(times: ArrayLike, quaternions: ArrayLike) -> Float64Arr
         quaternions: unit quaternions (n, 4); any four neighbours turn less than half a turn.
 
     Raises:
-        InvalidInput: if the arguments are malformed, neighbours turn too far, or steps are too
-            short for finite derivatives.
+        InvalidInput: if neighbours turn too far, or steps are too short for finite derivatives.
     """
     return _derivative(*timed(times, quaternions, at_least=3), order=2)
 

@@ -33,8 +33,7 @@ class PointCloud(PointBased):
             same.
 
     Raises:
-        InvalidInput: if one of them is malformed, the radius is not > 0, or there are no points or
-            more than a million.
+        InvalidInput: if there are no points or more than a million.
     """
 
     points: Float64Array

@@ -41,8 +41,7 @@ class Mesh(PointBased, Solid):
         parts: the hulls, in the mesh's own frame.
 
     Raises:
-        InvalidInput: if one of them is malformed, a part is too thin for its size, or there are
-            more than a thousand parts.
+        InvalidInput: if a part is too thin for its size, or there are more than a thousand parts.
     """
 
     vertices: Float64Array
@@ -64,7 +63,7 @@ class Mesh(PointBased, Solid):
             vertices=corners,
             faces=triangles,
             **pose(position, orientation),
-            parts=_hulls_of_parts(corners, triangles),
+            parts=tuple(_hull(part) for part in _parts(corners, triangles)),
         )
 
     def surface(self) -> Surface:
@@ -110,11 +109,6 @@ def _triangles(faces: ArrayLike, vertices: int) -> NDArray[np.int64]:
         )
     whole.setflags(write=False)
     return whole
-
-
-def _hulls_of_parts(vertices: Float64Array, faces: NDArray[np.int64]) -> tuple[Surface, ...]:
-    """The convex hull of each connected part of a mesh, in the order of their first vertices."""
-    return tuple(_hull(part) for part in _parts(vertices, faces))
 
 
 def _parts(vertices: Float64Array, faces: NDArray[np.int64]) -> list[Float64Array]:

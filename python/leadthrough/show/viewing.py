@@ -48,7 +48,7 @@ def view(
         port: port of the live page; 0 picks a free one.
 
     Raises:
-        InvalidInput: if an argument is wrong, or the skill plans no motion that the arm can follow.
+        InvalidInput: if the skill plans no motion that the arm can follow.
         IkFailure: if the arm cannot follow the motion of the tip.
         MissingDependency: for the live page, if the extra `view` is not installed.
     """
@@ -80,7 +80,6 @@ def open_view(
     """The live page of `view`, served in the background until it is closed.
 
     Raises:
-        InvalidInput: if an argument is wrong.
         IkFailure: if the arm cannot follow the motion of the tip that is given.
         MissingDependency: if the extra `view` is not installed.
     """
@@ -113,7 +112,7 @@ def inline(
         height: px, >= 100.
 
     Raises:
-        InvalidInput: if an argument is wrong, or the skill plans no motion that the arm can follow.
+        InvalidInput: if the skill plans no motion that the arm can follow.
         IkFailure: if the arm cannot follow the motion of the tip.
     """
     tall = check.integer(height, "height", at_least=100)

@@ -326,7 +326,7 @@ class CartesianImpedance(Controller):
             stiffest: largest stiffness, N/m, >= softest.
 
         Raises:
-            InvalidInput: if the skill has no distribution of places, or a number is out of range.
+            InvalidInput: if the skill has no distribution of places.
         """
         if not isinstance(skill, Distributed):
             raise InvalidInput(

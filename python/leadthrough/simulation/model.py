@@ -65,7 +65,8 @@ def plant(
     spec = mujoco.MjSpec()
     _set_options(mujoco, spec, gravity, period)
     _add_links(mujoco, spec, arm, link_inertias(arm, payload=payload))
-    _add_obstacles(spec, obstacles)
+    for i, shape in enumerate(obstacles):
+        _add_solids(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
     for a, b in _never_touching(arm):
         spec.add_exclude(bodyname1=_body_name(a), bodyname2=_body_name(b))
     own = _core.Chain(arm._robot, arm.base, arm.tip)
@@ -191,11 +192,6 @@ def _add_part(part: ConvexPart, spec: Any, body: Any) -> None:
         mesh.uservert = part.vertices.ravel()
         mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
         geom.meshname = mesh.name
-
-
-def _add_obstacles(spec: Any, obstacles: Sequence[Shape]) -> None:
-    for i, shape in enumerate(obstacles):
-        _add_solids(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
 
 
 def _add_joints(

@@ -67,8 +67,7 @@ def simulate(
         The motion as planned and as simulated, with torques, errors, contacts and a verdict.
 
     Raises:
-        InvalidInput: if an argument is malformed or out of its range, or a payload is changed of an
-            arm that carries none.
+        InvalidInput: if a payload is changed of an arm that carries none.
         InvalidRobot: if the URDF states no masses, or no bodies have its inertias.
         MissingDependency: if the extra `simulation` is not installed.
     """

@@ -116,8 +116,7 @@ class SimulatedArm(ShortRepr):
         rate: commands per second, 100 to 1e4.
 
     Raises:
-        InvalidInput: if an argument is malformed or out of its range, or a payload is changed of an
-            arm that carries none.
+        InvalidInput: if a payload is changed of an arm that carries none.
         InvalidRobot: if the URDF states no masses, or no bodies have its inertias.
         MissingDependency: if the extra `simulation` is not installed.
     """

@@ -41,7 +41,8 @@ def digest(module: str) -> str:
     Args:
         module: full name of the module.
     """
-    total = hashlib.sha256(f"{platform.python_version()} {_versions()}".encode())
+    versions = " ".join(f"{name} {_version(name)}" for name in _LIBRARIES)
+    total = hashlib.sha256(f"{platform.python_version()} {versions}".encode())
     for name, path in sorted(sources(module).items()):
         total.update(name.encode())
         total.update(path.read_bytes())
@@ -219,10 +220,6 @@ def _chain(node: ast.AST) -> list[str]:
         names.insert(0, node.attr)
         node = node.value
     return [node.id, *names] if isinstance(node, ast.Name) else []
-
-
-def _versions() -> str:
-    return " ".join(f"{name} {_version(name)}" for name in _LIBRARIES)
 
 
 def _version(name: str) -> str:

@@ -74,8 +74,8 @@ def run(
         An outcome for each task.
 
     Raises:
-        InvalidInput: if an argument is wrong, the store cannot be written, a function cannot be
-            imported by its name, or a worker of the cluster has other code.
+        InvalidInput: if the store cannot be written, a function cannot be imported by its name, or
+            a worker of the cluster has other code.
         MissingDependency: for a cluster, if the extra `dask` is not installed.
         SchedulerUnreachable: if the scheduler does not answer any more.
     """

@@ -76,7 +76,6 @@ def retime(
         events stay where they are on the path.
 
     Raises:
-        InvalidInput: if an argument is malformed or does not fit the path.
         LimitsInfeasible: if a position lies outside its limits, a joint moves whose limit is 0, a
             velocity at an end is too fast, the arm cannot hold itself, or the motion found exceeds
             a limit by more than 1e-6 of it.
@@ -123,7 +122,6 @@ def keep_timing(
         Samples at `rate`, with their velocities and accelerations, as of `retime`.
 
     Raises:
-        InvalidInput: if an argument is malformed or does not fit the motion.
         LimitsInfeasible: as from `retime`.
     """
     if not isinstance(motion, (JointTrajectory, Curve)):

@@ -97,8 +97,7 @@ class Bezier(PointCurve):
             continuity: m of C^m, 0 to 20: the highest derivative that agrees.
 
         Raises:
-            InvalidInput: if the points are malformed or of another dimension, the curve would have
-                more than 100, the duration is not > 0 or the continuity out of range.
+            InvalidInput: if the curve would have more than 100 points.
         """
         free = curve.points(points, "points")
         if free.shape[1] != self.points.shape[1]:
@@ -149,8 +148,7 @@ def joined(pieces: Sequence[Bezier]) -> Spline:
         pieces: at least one; they may differ in degree.
 
     Raises:
-        InvalidInput: if there is none, the dimensions differ, or one does not begin where and when
-            the one before ends.
+        InvalidInput: if one does not begin where and when the one before ends.
     """
     if not pieces:
         raise InvalidInput("pieces: expected at least one Bezier curve, got none")

@@ -265,7 +265,7 @@ class JerkFilter(ShortRepr):
         jerk_down: limit in the negative direction, by default the same.
 
     Raises:
-        InvalidInput: if a limit is not > 0 or above 1e12, or not all are of one dimension.
+        InvalidInput: if a limit is above 1e12.
     """
 
     velocity: Float64Array
@@ -424,8 +424,7 @@ class StraightFilter(ShortRepr):
             state: at rest, or one that this method returned.
 
         Raises:
-            InvalidInput: if the state moves and is not on a line, the shapes do not fit or a number
-                is out of its range.
+            InvalidInput: if the state moves and is not on a line.
         """
         line = self._on_a_line(state)
         goal = check.array(target, "target", shape=line.position.shape)

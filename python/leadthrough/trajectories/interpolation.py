@@ -114,7 +114,7 @@ def smooth(
             from the highest down.
 
     Raises:
-        InvalidInput: if the times do not rise or are too uneven, or the shapes do not fit.
+        InvalidInput: if the times are too uneven.
     """
     from scipy.interpolate import BSpline
     from scipy.sparse import vstack

@@ -172,7 +172,7 @@ def point_to_point(
         jerk: limit > 0, (d,) or one number for all dimensions.
 
     Raises:
-        InvalidInput: if the states are the same or outside the limits, or the shapes do not fit.
+        InvalidInput: if the states are the same or outside the limits.
         MissingDependency: if ruckig is not installed.
     """
     first = checked_state(start, "start", None)

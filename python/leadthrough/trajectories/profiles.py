@@ -47,8 +47,8 @@ def trapezoid(
         end_velocity: the same at the end.
 
     Raises:
-        InvalidInput: if nothing is to move, the shapes do not fit, a limit is not > 0, or a
-            velocity is not along the line or not within its limit.
+        InvalidInput: if nothing is to move, or a velocity is not along the line or not within its
+            limit.
     """
     x, way, length = _move(start, end, start_velocity, end_velocity)
     v, a = _scalar(velocity, "velocity", way), _scalar(acceleration, "acceleration", way)
@@ -169,28 +169,24 @@ def _straight(
 ) -> Spline:
     """A move whose derivative of an order is constant in each phase; it begins at a rate."""
     total = sum(duration for duration, _ in phases)
+    factorials = np.array([math.factorial(k) for k in range(order + 1)], dtype=np.float64)
     state, knots, rows = np.zeros(order), [0.0], []
     state[1] = rate
     for duration, value in phases:
         if duration <= _NO_PHASE * total:
             continue
         derivatives = np.append(state, value)
-        row = derivatives / [math.factorial(k) for k in range(order + 1)]
-        rows.append(row)
+        rows.append(derivatives / factorials)
         knots.append(knots[-1] + duration)
         state = np.array(
             [
-                np.polyval((derivatives[k:] / _factorials(order + 1 - k))[::-1], duration)
+                np.polyval((derivatives[k:] / factorials[: order + 1 - k])[::-1], duration)
                 for k in range(order)
             ]
         )
     table = np.array(rows)[:, :, None] * way
     table[:, 0] += x
     return Spline(np.array(knots), table)
-
-
-def _factorials(count: int) -> Float64Array:
-    return np.array([math.factorial(k) for k in range(count)], dtype=np.float64)
 
 
 # Duration and value of the highest derivative.

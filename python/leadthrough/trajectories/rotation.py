@@ -115,7 +115,7 @@ class Squad(RotationCurve):
             made continuous in sign.
 
     Raises:
-        InvalidInput: if the samples are malformed or turn too far, or the times are too uneven.
+        InvalidInput: if the times are too uneven.
     """
 
     times: Float64Array
@@ -339,7 +339,6 @@ class RotationSpline(RotationCurve):
         velocities: rad/s in the base frame at all times, (n, 3).
 
     Raises:
-        InvalidInput: if an argument is malformed, or neighbours are half a turn apart.
         FitError: if the turns are too large or uneven.
     """
 

@@ -81,7 +81,7 @@ def validate(
             by default here.
 
     Raises:
-        InvalidInput: if an argument is wrong or a worker has other code.
+        InvalidInput: if a worker has other code.
         UnsupportedQuery: if the skill takes no start or no goal, and one is asked for.
         MissingDependency: if the extra `dask` is needed for a cluster, or `simulation` for a
             controller, and it is not installed.
