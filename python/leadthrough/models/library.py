@@ -105,29 +105,17 @@ class SkillLibrary(ShortRepr):
 
         Args:
             task: name of the task.
-            subtask: name of the part of the task.
+            subtask: name of the part of the task, of which there is a skill.
             target: (d,).
-
-        Raises:
-            InvalidInput: if there is no skill for the subtask, or the target is of another shape.
         """
         known, point = self._asked(task, subtask, target)
         gaps = [float(np.linalg.norm(each.target - point)) for each in known]
         return known[int(np.argmin(gaps))].skill
 
     def distance(self, task: str, subtask: str, target: ArrayLike) -> float:
-        """Distance of a target from the demonstrated ones, in their unit.
+        """Distance of a target from the demonstrated ones: from their convex hull, in their unit.
 
-        Args:
-            task: name of the task.
-            subtask: name of the part of the task.
-            target: (d,).
-
-        Returns:
-            The distance from their convex hull; 0 inside.
-
-        Raises:
-            InvalidInput: if there is no skill for the subtask, or the target is of another shape.
+        Arguments are those of `nearest`.
         """
         known, point = self._asked(task, subtask, target)
         return _distance_from_hull(np.array([each.target for each in known]), point)
@@ -139,15 +127,9 @@ class SkillLibrary(ShortRepr):
         learned anew with the settings of the nearest. Springs are linear: for points and joints
         this interpolates the weights. Outside of all targets it is the nearest skill, and beside
         targets on a line or plane that of the foot there, with an `OutsideTargets` warning that
-        tells the distance.
-
-        Args:
-            task: name of the task.
-            subtask: name of the part of the task.
-            target: (d,).
+        states the distance. Arguments are those of `nearest`.
 
         Raises:
-            InvalidInput: if there is no skill for the subtask, or the target is of another shape.
             UnsupportedQuery: for other skills than of `DMP`, and for orientations too
                 far apart for a mean.
         """

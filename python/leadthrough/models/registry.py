@@ -60,7 +60,7 @@ def _system(name: str, model: str) -> ModelEntry:
     """The row of a dynamical system of the package."""
     folder = "leadthrough.models.dynamical"
     return ModelEntry(
-        name, f"{folder}.{model}", ("dynamical",), restore=f"{folder}.saved:from_archive"
+        name, f"{folder}.{model}", ("dynamical",), restore=f"{folder}.skill:from_archive"
     )
 
 

@@ -6,7 +6,7 @@ us by summaries only; the modules say what is ours.
 
 from leadthrough.models import ModelEntry
 
-_RESTORE = "leadthrough.models.dynamical.saved:from_archive"
+_RESTORE = "leadthrough.models.dynamical.skill:from_archive"
 FSM_DM = ModelEntry(
     "fsm-dm", "leadthrough_studies.systems.fsm_dm:FSMDM", ("dynamical",), restore=_RESTORE
 )

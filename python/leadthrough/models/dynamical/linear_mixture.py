@@ -20,6 +20,7 @@ from leadthrough import optional
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models.dynamical.field import Field, StoredArrays
+from leadthrough.models.gaussians.em import monomials
 
 _EXTRA = "stable"
 
@@ -117,12 +118,6 @@ class GaussianGates(StoredArrays):
         doubled = np.where(rows == columns, -0.5, -1.0)
         quadratic = precision[:, rows, columns] * doubled
         return np.ascontiguousarray(np.hstack([constant[:, None], linear, quadratic]).T)
-
-
-def monomials(x: Float64Array) -> Float64Array:
-    """1, x_i and, for i <= j, x_i x_j of points (n, d)."""
-    rows, columns = np.triu_indices(x.shape[1])
-    return np.hstack([np.ones((len(x), 1)), x, x[:, rows] * x[:, columns]])
 
 
 def stable_matrices(

@@ -32,12 +32,12 @@ from leadthrough.models.dynamical.lyapunov import fitted_quadratics
 from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Samples
 from leadthrough.models.gaussians.em import Blocks, fit_blocks
+from leadthrough.models.gaussians.fitting import least_criterion
 
 _DECAY, _RIDGE = 0.1, 1e-6
 # The least deviation of a component, of positions and of directions.
 _MIN_VARIANCE = 0.02**2
 _MAX_COMPONENTS = 10
-_PATIENCE = 3  # numbers of components without improvement after which the search ends
 
 
 @dataclass(frozen=True)
@@ -76,21 +76,15 @@ class LPVDS(DynamicalModel):
         if self.components is not None:
             return self._fitted(x, directions, self.components)[0]
         d = x.shape[1]
-        best: tuple[float, Blocks] | None = None
-        worse = 0
-        for count in range(1, min(_MAX_COMPONENTS, len(x)) + 1):
-            blocks, likelihood = self._fitted(x, directions, count)
-            free = count * (1 + 2 * d + d * (d + 1)) - 1
+
+        def criterion(fit: tuple[Blocks, float]) -> float:
+            blocks, likelihood = fit
+            free = len(blocks.weights) * (1 + 2 * d + d * (d + 1)) - 1
             # Neighbouring samples tell little that is new: ten count as one.
-            criterion = free * np.log(len(x)) - 2.0 * 0.1 * len(x) * likelihood
-            if best is None or criterion < best[0]:
-                best, worse = (float(criterion), blocks), 0
-            else:
-                worse += 1
-                if worse == _PATIENCE:
-                    break
-        assert best is not None
-        return best[1]
+            return float(free * np.log(len(x)) - 2.0 * 0.1 * len(x) * likelihood)
+
+        most = min(_MAX_COMPONENTS, len(x))
+        return least_criterion(lambda count: self._fitted(x, directions, count), criterion, most)[0]
 
     def _fitted(
         self, x: Float64Array, directions: Float64Array, count: int

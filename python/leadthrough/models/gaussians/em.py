@@ -111,7 +111,7 @@ class Steps:
         least: float = MIN_VARIANCE,
     ) -> None:
         self._sizes = [block.shape[1] for block in blocks]
-        self._monomials = [_monomials(block) for block in blocks]
+        self._monomials = [monomials(block) for block in blocks]
         self._before = before
         self._least = least
 
@@ -230,7 +230,7 @@ def _triangle(size: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     return np.triu_indices(size)
 
 
-def _monomials(points: Float64Array) -> Float64Array:
+def monomials(points: Float64Array) -> Float64Array:
     """1, x_i and, for i <= j, x_i x_j of points (n, d)."""
     rows, columns = _triangle(points.shape[1])
     ones = np.ones((len(points), 1))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +20,7 @@ from leadthrough.models.gaussians.kmeans import clustered, seeds
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.repr import ShortRepr
 
+FitT = TypeVar("FitT")
 # The search for a number of components ends after this many numbers without improvement.
 _PATIENCE = 3
 _ROTATION_UNIT = 1.0  # rad
@@ -91,21 +93,23 @@ def choose_components(
     data = check.array(points, "points", shape=("n", "d"))
     most = min(check.integer(at_most, "at_most", at_least=1), len(data))
     return least_criterion(
-        lambda count: fit_mixture(data, count, seed=seed, starts=starts), len(data), most
+        lambda count: fit_mixture(data, count, seed=seed, starts=starts),
+        lambda fit: bic(fit, len(data)),
+        most,
     )
 
 
 def least_criterion(
-    fitted: Callable[[int], FittedMixture], samples: int, most: int
-) -> FittedMixture:
-    """The fit of least Bayesian information criterion, of those with 1, 2, ... components."""
+    fitted: Callable[[int], FitT], criterion: Callable[[FitT], float], most: int
+) -> FitT:
+    """The fit of least criterion, of those with 1, 2, ... components."""
     best, least = 1, np.inf
     fits = {}
     for count in range(1, most + 1):
         fits[count] = fitted(count)
-        criterion = bic(fits[count], samples)
-        if criterion < least:
-            best, least = count, criterion
+        value = criterion(fits[count])
+        if value < least:
+            best, least = count, value
         if count - best == _PATIENCE:
             break
     return fits[best]

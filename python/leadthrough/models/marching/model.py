@@ -287,13 +287,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
     ) -> Route:
         """The path of `generate`, without a time law, and how it was planned.
 
-        Args:
-            start: as in `generate`.
-            goal: as in `generate`.
-            obstacles: as in `generate`.
-
-        Raises:
-            NoPath: as `generate`.
+        Arguments and errors are those of `generate`.
         """
         query = self.query(start=start, goal=goal, obstacles=obstacles)
         if start is None and goal is None and not query.obstacles:
@@ -310,13 +304,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         goal: Target | None = None,
         obstacles: Sequence[Shape] = (),
     ) -> Query:
-        """Positions and obstacles as `plan` takes them, with defaults filled in.
-
-        Args:
-            start: as in `generate`.
-            goal: as in `generate`.
-            obstacles: as in `generate`.
-        """
+        """Positions and obstacles as `plan` takes them, with defaults filled in."""
         return query_of(self.demonstrated, start, goal, check_shapes(obstacles))
 
     def live_map(self, workspace: ArrayLike, *, cells: int = 1_000_000) -> LiveMap:

@@ -29,6 +29,7 @@ from leadthrough.models.gaussians.em import (
 from leadthrough.models.gaussians.fitting import (
     FittedMixture,
     Units,
+    bic,
     in_order,
     least_criterion,
     own_units,
@@ -64,7 +65,7 @@ def choose_phases(points: Float64Array, *, poses: bool, seed: int, starts: int) 
     """The mixture of `fit_phases` with the least Bayesian information criterion."""
     return least_criterion(
         lambda count: fit_phases(points, count, poses=poses, seed=seed, starts=starts),
-        len(points),
+        lambda fit: bic(fit, len(points)),
         _MAX_COMPONENTS,
     )
 
