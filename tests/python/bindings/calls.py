@@ -55,13 +55,8 @@ call(core.so3_mean, QUARTER[:1], layers=QUARTER, weights=np.ones(2))
 call(core.so3_lift, 2 * HALF_PI_Z, quaternions=core.so3_exp(2 * HALF_PI_Z))
 call(core.so3_left_jacobian, rows(*np.eye(3).ravel()), rotation_vectors=0 * X)
 call(core.so3_left_jacobian_inverse, rows(*np.eye(3).ravel()), rotation_vectors=0 * X)
-call(
-    core.so3_integrate,
-    [ONE[0], QUARTER[0]],
-    times=np.array([0.0, 1.0]),
-    angular_velocities=HALF_PI_Z,
-    start=ONE[0],
-)
+TURNING = {"times": np.array([0.0, 1.0]), "angular_velocities": HALF_PI_Z, "start": ONE[0]}
+call(core.so3_integrate, [ONE[0], QUARTER[0]], **TURNING)
 
 # Fields of arrival times: a map without walls, left from one corner.
 MAP, CORNER, SPACING = np.ones((3, 4)), np.array([0]), [1.0, 1.0]
@@ -288,15 +283,9 @@ for state, learned, size in ((point, forces, 2), (pose, forces6, 6)):
     call(state.pushed, None, forces=learned, dt=0.1, acceleration=push)
     call(state.led_around, None, forces=learned, dt=0.1, acceleration=push, surroundings=around)
 phases = {"phases": BREAKS, "value": REST[0], "slope": REST[0]}
-call(core.dmp_rollout, [[0, 0], [1, 2]], forces=forces, course=course, **phases)
-call(
-    core.dmp_rollout_around,
-    [[0, 0], [1, 2]],
-    forces=forces,
-    course=course,
-    surroundings=around,
-    **phases,
-)
+rolled = {"forces": forces, "course": course, **phases}
+call(core.dmp_rollout, [[0, 0], [1, 2]], **rolled)
+call(core.dmp_rollout_around, [[0, 0], [1, 2]], surroundings=around, **rolled)
 call(core.dmp_offset, HALF_PI_Z[0], wanted=QUARTER[0], demonstrated=ONE[0], near=0 * X[0])
 on_curve = {"curve": curve, "offset": bent}
 call(core.dmp_orientations, ONE, phases=BREAKS, values=np.zeros((2, 3)), **on_curve)
@@ -401,40 +390,15 @@ PASSABLE = make(core.passable_speeds, free=TUBE, walls=WALLS, band=1.0, reach=3.
 call(PASSABLE.at, [0.0, 1.0, 0.5], **SOME)
 
 # Calls of what evaluates and makes curves.
-call(
-    core.so3_slerp_through,
-    [ONE[0], QUARTER[0]],
-    times=np.array([0.0, 1.0]),
-    quaternions=np.vstack([ONE[0], QUARTER[0]]),
-    at=np.array([0.0, 1.0]),
-)
-call(
-    core.polynomial_values,
-    [[3.0], [5.0]],
-    knots=np.array([0.0, 1.0]),
-    coefficients=np.array([[1.0], [1.0], [1.0]]),
-    times=np.array([1.0, 2.0]),
-    order=1,
-)
-call(
-    core.bezier_values,
-    [[0.5, 1.0]],
-    points=np.array([[0.0, 2.0], [1.0, 0.0]]),
-    fractions=np.array([0.5]),
-)
-call(
-    core.cubic_through,
-    [[0.0], [1.0], [0.0], [0.0]],
-    parameters=np.array([0.0, 2.0]),
-    q=np.array([[0.0], [2.0]]),
-)
-call(
-    core.spline_slopes,
-    [[0.0], [0.0]],
-    parameters=np.array([0.0, 2.0]),
-    q=np.array([[0.0], [2.0]]),
-    at_rest=True,
-)
+ENDS = np.vstack([ONE[0], QUARTER[0]])
+call(core.so3_slerp_through, ENDS, times=BREAKS, quaternions=ENDS, at=BREAKS)
+SQUARE = {"knots": BREAKS, "coefficients": np.ones((3, 1))}
+call(core.polynomial_values, [[3.0], [5.0]], **SQUARE, times=BREAKS + 1.0, order=1)
+HALF = np.array([0.5])
+call(core.bezier_values, [[0.5, 1.0]], points=np.array([[0.0, 2.0], [1.0, 0.0]]), fractions=HALF)
+SLOPE = {"parameters": 2.0 * BREAKS, "q": np.array([[0.0], [2.0]])}
+call(core.cubic_through, [[0.0], [1.0], [0.0], [0.0]], **SLOPE)
+call(core.spline_slopes, [[0.0], [0.0]], **SLOPE, at_rest=True)
 
 # Calls of the guard: limits per sample of 1, 0.1 and 0.01 rad, two joints.
 ROOMY = np.full(2, 10.0)
@@ -473,15 +437,8 @@ call(core.arc_lengths, [0.0, 1.0, 2.0], points=CORNER)
 call(core.by_arc_length, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], points=CORNER, count=3)
 call(core.all_finite, True, values=np.arange(3.0))
 call(core.is_covariance, True, matrix=np.eye(2))
-call(
-    core.normalised_basis,
-    [[0.5, 0.5]],
-    phases=np.array([0.5]),
-    centres=np.array([0.0, 1.0]),
-    sharpness=2.0,
-    periodic=False,
-    order=0,
-)
+GAUSSIAN = {"centres": BREAKS, "sharpness": 2.0, "periodic": False}
+call(core.normalised_basis, [[0.5, 0.5]], phases=HALF, **GAUSSIAN, order=0)
 MOTIONS = {"weights": np.array([[2.0, 4.0, 1.0, 3.0]]), "most": 1, "threads": 1}  # two curves each
 call(
     core.curves_over,
@@ -490,26 +447,13 @@ call(
     bases=2,
     **MOTIONS,
 )
-call(
-    core.curves_over_basis,
-    [[[[[3.0, 2.0]]]]],
-    phases=np.array([0.5]),
-    centres=np.array([0.0, 1.0]),
-    sharpness=2.0,
-    periodic=False,
-    factors=np.ones(1),
-    **MOTIONS,
-)
+OVER = {"phases": HALF, "factors": np.ones(1), **GAUSSIAN}
+call(core.curves_over_basis, [[[[[3.0, 2.0]]]]], **OVER, **MOTIONS)
 call(core.product, [[2.0, 3.0]], left=np.ones((1, 2)), right=np.array([[1.0, 1.0], [1.0, 2.0]]))
 call(core.solve_definite, [[0.5], [2.0]], matrix=2.0 * np.eye(2), right=np.array([[1.0], [4.0]]))
-call(
-    core.sample_truncated_gaussian,
-    [[0.0, 2.0]],
-    walls=np.eye(2),
-    limits=np.full(2, 5.0),
-    start=np.ones(2),
-    velocities=np.array([[0.0, 2.0]]),
-)
+WALLED = {"walls": np.eye(2), "limits": np.full(2, 5.0), "start": np.ones(2)}
+AHEAD = np.array([[0.0, 2.0]])
+call(core.sample_truncated_gaussian, AHEAD, velocities=AHEAD, **WALLED)
 call(
     core.condition_weights,
     False,
@@ -527,13 +471,11 @@ call(
     [0.5, 0.5],
     mean=np.zeros(2),
     covariance=np.eye(2),
-    centres=np.array([0.0, 1.0]),
-    sharpness=2.0,
-    periodic=False,
+    **GAUSSIAN,
     scale=np.ones(1),
     duration=2.0,
     time=1.0,
-    position=np.array([1.0]),
-    noise=np.array([[0.5]]),
+    position=np.ones(1),
+    noise=HALF[:, None],
     least=1e-9,
 )

@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 from kinds import kind
+from models.marching.paths import lead_out
 from motions import reach
 
 from leadthrough import rotations
@@ -100,9 +101,7 @@ def assert_bounded(skill, query, offset):
         paths = [by_arc_length(route.path, SAMPLES) for route in (plain, found)]
         assert apart(*paths) <= MOST * offset + skill.area_of_influence
         return
-    region = np.concatenate([*skill.experience, found.path[[0, -1]]])
-    beyond = np.maximum(region.min(axis=0) - found.path, found.path - region.max(axis=0))
-    assert beyond.max() <= offset
+    assert lead_out(skill, found.path) <= offset
 
 
 @cache

@@ -22,44 +22,25 @@ ROUND = np.column_stack([np.cos(2 * np.pi * T), np.sin(2 * np.pi * T), 0.0 * T])
 STILL = np.repeat(TURNS[:1], len(T), axis=0)
 
 # Models none of whose settings is the default one, what they learn from, and what may be dragged.
+DMP = {"weights": 30, "form": "hoffmann", "regression": "ridge", "orientation": "log"}
+RHYTHM = {"weights": 20, "period": 0.5}
+PROMP = {"basis": "gaussian", "width": 0.8, "estimator": "em", "regularization": 1e-4}
+MARCHING = {"area_of_influence": 0.02, "saturation": 0.1, "resolution": 0.01, "method": "map"}
+SPACE = ((-0.5, -0.5), (0.8, 0.8))
 LEARNERS = {
-    "DMP": (
-        kind("DMP", weights=30, form="hoffmann", regression="ridge", orientation="log"),
-        ARCHES,
-        {"weights"},
-    ),
-    "DMP of poses": (
-        kind("DMP", "poses", weights=30, form="hoffmann", regression="ridge", orientation="log"),
-        POSES,
-        {"weights"},
-    ),
-    "RhythmicDMP": (
-        kind("RhythmicDMP", weights=20, period=0.5),
-        [lt.Trajectory(T, ROUND)],
-        {"weights"},
-    ),
+    "DMP": (kind("DMP", **DMP), ARCHES, {"weights"}),
+    "DMP of poses": (kind("DMP", "poses", **DMP), POSES, {"weights"}),
+    "RhythmicDMP": (kind("RhythmicDMP", **RHYTHM), [lt.Trajectory(T, ROUND)], {"weights"}),
     "RhythmicDMP of poses": (
-        kind("RhythmicDMP", "poses", weights=20, period=0.5),
+        kind("RhythmicDMP", "poses", **RHYTHM),
         [lt.PoseTrajectory(T, ROUND, STILL)],
         {"weights"},
     ),
-    "ProMP": (
-        kind("ProMP", weights=12, basis="gaussian", width=0.8, estimator="em", regularization=1e-4),
-        ARCHES,
-        {"weights"},
-    ),
+    "ProMP": (kind("ProMP", weights=12, **PROMP), ARCHES, {"weights"}),
     "GMR": (kind("GMR", components=5, seed=3), ARCHES, {"components"}),
     "TaskGMR": (kind("TaskGMR", components=5, seed=3), ARCHES, {"components"}),
     "FastMarching": (
-        kind(
-            "FastMarching",
-            area_of_influence=0.02,
-            saturation=0.1,
-            resolution=0.01,
-            method="map",
-            timing="constant",
-            workspace=((-0.5, -0.5), (0.8, 0.8)),
-        ),
+        kind("FastMarching", timing="constant", workspace=SPACE, **MARCHING),
         ARCHES,
         {"saturation", "area of influence, m"},
     ),

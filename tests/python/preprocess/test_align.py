@@ -23,12 +23,14 @@ def paused(at, *, seed=0, noise=0.0):
 
 def spread(demonstrations):
     """Root mean square distance from the mean curve at equal fractions of the duration."""
-    u = np.linspace(0.0, 1.0, 400)
-    curves = []
-    for each in demonstrations:
-        fractions = each.motion.times / each.motion.duration
-        curves.append([np.interp(u, fractions, column) for column in each.motion.positions.T])
-    return np.sqrt(np.var(curves, axis=0).sum(axis=0).mean())
+    curves = [at(each.motion, np.linspace(0.0, 1.0, 400)) for each in demonstrations]
+    return np.sqrt(np.var(curves, axis=0).sum(axis=1).mean())
+
+
+def at(motion, u):
+    """Positions at fractions of the duration."""
+    own = motion.times / motion.duration
+    return np.column_stack([np.interp(u, own, column) for column in motion.positions.T])
 
 
 @pytest.mark.parametrize("align", ALIGN)
@@ -53,12 +55,7 @@ def test_recorded_hands_that_pause_are_aligned(align, recordings):
 def test_the_reference_keeps_its_timing():
     shown = [paused(0.3), paused(0.7)]
     aligned = align_by_time_warping(shown, reference=1)
-    resampled = np.column_stack(
-        [
-            np.interp(aligned[1].motion.times, shown[1].motion.times, column)
-            for column in shown[1].motion.positions.T
-        ]
-    )
+    resampled = at(shown[1].motion, aligned[1].motion.times / shown[1].motion.duration)
     np.testing.assert_allclose(aligned[1].motion.positions, resampled, atol=0.01)
 
 
@@ -166,9 +163,3 @@ def test_demonstrations_in_step_keep_their_timing():
     u = np.linspace(0.0, 1.0, 50)
     for each, given in zip(align_by_time_warping(shown), shown, strict=True):
         np.testing.assert_allclose(at(each.motion, u), at(given.motion, u), atol=0.05)  # mm
-
-
-def at(motion, u):
-    """Positions at fractions of the duration."""
-    own = motion.times / motion.duration
-    return np.column_stack([np.interp(u, own, column) for column in motion.positions.T])

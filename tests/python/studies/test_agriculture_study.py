@@ -63,12 +63,8 @@ def planned(rows, planner, **values):
 
 def test_every_subtask_is_reproduced_by_every_planner(rows):
     for planner in PLANNERS:
-        assert [row["subtask"] for row in planned(rows, planner)] == [
-            "4-1",
-            "4-2",
-            "4-3",
-            "4-4",
-        ] * 2
+        subtasks = [row["subtask"] for row in planned(rows, planner)]
+        assert subtasks == ["4-1", "4-2", "4-3", "4-4"] * 2
 
 
 @pytest.mark.parametrize("planner", ["lifted", "lauretti", "anchored"])

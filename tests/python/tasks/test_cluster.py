@@ -28,20 +28,10 @@ class RunningCluster:
             "distributed.cli.dask_scheduler", *common, "--host", "127.0.0.1", "--port", "0",
             log=self.log,
         )  # fmt: skip
+        alone = ("--no-nanny", "--nthreads", "1", "--local-directory", folder)
+        worker = ("distributed.cli.dask_worker", *common, *alone)
         self.workers = [
-            running.program(
-                "distributed.cli.dask_worker",
-                *common,
-                "--no-nanny",
-                "--nthreads",
-                "1",
-                "--name",
-                name,
-                "--local-directory",
-                folder,
-                log=self.log,
-            )
-            for name in range(WORKERS)
+            running.program(*worker, "--name", name, log=self.log) for name in range(WORKERS)
         ]
         running.wait(self.file.exists, self.scheduler, self.log)
         self.client = Client(scheduler_file=str(self.file), set_as_default=False)
@@ -66,23 +56,19 @@ def run(todo, store, cluster, **options):
     return sorted(found, key=lambda each: each.index)
 
 
-def rows_of(todo, store):
-    return [store.rows(task.key) for task in todo]
-
-
 @pytest.fixture(scope="module")
 def serial(tmp_path_factory):
     """Rows by seed of a serial run."""
     folder = tmp_path_factory.mktemp("serial")
     todo = work.draws_of(of_numbers.COUNT, folder / "log")
     list(tasks.run(todo, Store(folder)))
-    return rows_of(todo, Store(folder))
+    return work.rows_of(todo, Store(folder))
 
 
 def test_rows_are_those_of_a_serial_run_and_several_workers_make_them(cluster, tmp_path, serial):
     todo = work.draws_of(12, tmp_path / "log", 0.05)
     outcomes = run(todo, Store(tmp_path), cluster)
-    assert rows_of(todo, Store(tmp_path)) == serial[:12]
+    assert work.rows_of(todo, Store(tmp_path)) == serial[:12]
     assert len({each.host for each in outcomes}) >= 2
 
 
@@ -96,7 +82,7 @@ def test_a_file_comes_to_the_workers_by_its_content(cluster, tmp_path):
         for file in files
     ]
     run(todo, Store(tmp_path / "store"), cluster)
-    assert rows_of(todo[::2], Store(tmp_path / "store")) == [
+    assert work.rows_of(todo[::2], Store(tmp_path / "store")) == [
         [{"text": times * "shown", "suffix": ".csv"}] for times in range(1, 4)
     ]
     kept = list(cluster.file.parent.rglob("leadthrough/*.csv"))
@@ -109,7 +95,15 @@ def test_rows_come_back_where_the_workers_do_not_see_the_store(cluster, tmp_path
     todo = [Task(work.reads, {}, {"recording": tmp_path / "a.txt"})]
     (tmp_path / "a.txt").write_text("shown")
     list(tasks.run(todo, store, on=cluster.client.scheduler.address))
-    assert rows_of(todo, store) == [[{"text": "shown", "suffix": ".txt"}]]
+    assert work.rows_of(todo, store) == [[{"text": "shown", "suffix": ".txt"}]]
+
+
+def failing_experiment(cluster, out, *words):
+    """What the command line says of an experiment with failures, and its results."""
+    words = ["experiment", "ur3", "--out", str(out), "--on", str(cluster.file), *words]
+    result = CliRunner().invoke(cli.app, words)
+    assert result.exit_code == 1, result.output
+    return result, json.loads((out / "results.json").read_text())
 
 
 def test_a_task_that_ends_its_process_is_one_failure_of_the_study(cluster, tmp_path, monkeypatch):
@@ -119,10 +113,7 @@ def test_a_task_that_ends_its_process_is_one_failure_of_the_study(cluster, tmp_p
         Task(work.lasts, {"seconds": 60.0}),
     ]
     monkeypatch.setitem(catalogue.STUDIES, "ur3", of_numbers.study_of(todo))
-    words = ["experiment", "ur3", "--out", str(tmp_path), "--on", str(cluster.file)]
-    result = CliRunner().invoke(cli.app, [*words, "--task-timeout", "1"])
-    assert result.exit_code == 1, result.output
-    document = json.loads((tmp_path / "results.json").read_text())
+    _, document = failing_experiment(cluster, tmp_path, "--task-timeout", "1")
     assert [failure["error"] for failure in document["failures"]] == ["WorkerKilled", "Timeout"]
     assert [row["seed"] for row in document["rows"]] == [0, 1, 2]
 
@@ -145,7 +136,7 @@ def test_a_killed_client_goes_on_with_what_is_missing(cluster, tmp_path, serial)
     assert 3 <= known < of_numbers.COUNT
     assert sum(each.known for each in run(todo, store, cluster)) == known
     assert len((out / "log").read_text().split()) == of_numbers.COUNT
-    assert rows_of(todo, store) == serial
+    assert work.rows_of(todo, store) == serial
 
 
 def until_quiet(out):
@@ -168,7 +159,7 @@ def test_a_killed_worker_changes_no_row(cluster, tmp_path, serial):
         assert each.failure is None
         if number == 2:
             cluster.workers[0].send_signal(signal.SIGKILL)
-    assert rows_of(todo, store) == serial
+    assert work.rows_of(todo, store) == serial
 
 
 def test_a_result_that_is_lost_on_its_way_is_a_lost_cluster(cluster, tmp_path, monkeypatch):
@@ -185,11 +176,8 @@ def test_a_result_that_is_lost_on_its_way_is_a_lost_cluster(cluster, tmp_path, m
 def test_without_its_scheduler_a_study_keeps_what_is_finished(cluster, tmp_path, monkeypatch):
     todo = Ending(work.draws_of(of_numbers.COUNT, tmp_path / "log", 0.02), cluster.scheduler)
     monkeypatch.setitem(catalogue.STUDIES, "ur3", of_numbers.study_of(todo))
-    words = ["experiment", "ur3", "--out", str(tmp_path), "--on", str(cluster.file)]
-    result = CliRunner().invoke(cli.app, words)
-    assert result.exit_code == 1, result.output
+    result, document = failing_experiment(cluster, tmp_path)
     assert "scheduler" in result.stderr and "Traceback" not in result.stderr
-    document = json.loads((tmp_path / "results.json").read_text())
     done = of_numbers.COUNT - document["unfinished"]
     assert 8 <= len(document["rows"]) == done < of_numbers.COUNT
     assert len(list(tmp_path.glob("cache/??/[!.]*.json"))) == done

@@ -12,17 +12,13 @@ from leadthrough.errors import InvalidInput
 from leadthrough.tasks import Store, Task, code
 
 
-def rows_of(todo, store):
-    return [store.rows(task.key) for task in todo]
-
-
 def test_processes_make_the_rows_of_a_serial_run(tmp_path):
     todo = work.draws_of(6, tmp_path / "log")
     runs = {name: Store(tmp_path / name) for name in ("serial", "processes")}
     assert len(list(tasks.run(todo, runs["serial"]))) == 6
     hosts = {each.host for each in tasks.run(todo, runs["processes"], on="local:2")}
     assert len(hosts) == 2
-    assert rows_of(todo, runs["serial"]) == rows_of(todo, runs["processes"])
+    assert work.rows_of(todo, runs["serial"]) == work.rows_of(todo, runs["processes"])
 
 
 def test_what_is_stored_is_not_done_again(tmp_path):
@@ -70,7 +66,7 @@ def test_a_file_is_known_by_its_content(tmp_path):
     todo = [Task(work.reads, {}, {"recording": file}) for file in files]
     assert todo[0].key == todo[1].key != todo[2].key
     assert [each.known for each in tasks.run(todo, store)] == [False, True, False]
-    assert rows_of(todo, store)[1:] == [
+    assert work.rows_of(todo, store)[1:] == [
         [{"text": "x", "suffix": ".csv"}],
         [{"text": "y", "suffix": ".csv"}],
     ]

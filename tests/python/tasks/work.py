@@ -48,5 +48,9 @@ def reads(*, recording, times=1):
     return [{"text": recording.read_text() * times, "suffix": recording.suffix}]
 
 
+def rows_of(todo, store):
+    return [store.rows(task.key) for task in todo]
+
+
 def draws_of(count, log, wait=0.0):
     return [Task(draws, {"seed": seed, "log": str(log), "wait": wait}) for seed in range(count)]

@@ -32,6 +32,12 @@ def gaps_to(path, points):
     return np.linalg.norm(points[:, None] - path[None], axis=2).min(axis=1)
 
 
+def lead_out(skill, path):
+    """How far a path leads out of the box around the demonstrations and its own ends."""
+    region = np.concatenate([*skill.experience, path[[0, -1]]])
+    return np.maximum(region.min(axis=0) - path, path - region.max(axis=0)).max()
+
+
 def apart(one, other, count=200):
     """The Fréchet distance of two paths."""
     return frechet_distance(by_arc_length(one, count), by_arc_length(other, count))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models.marching.paths import apart, arcs, gaps_to, size_of
+from models.marching.paths import apart, arcs, gaps_to, lead_out, size_of
 from motions import minimum_jerk
 
 import leadthrough as lt
@@ -46,9 +46,7 @@ def test_moved_ends_move_the_motion_in_proportion(seed, count, closed):
                 bound = 1.5 * offset * size + skill.area_of_influence
                 assert apart(usual.path, found.path) <= bound
                 continue
-            region = np.concatenate([*skill.experience, found.path[[0, -1]]])
-            beyond = np.maximum(region.min(axis=0) - found.path, found.path - region.max(axis=0))
-            assert beyond.max() <= offset * size
+            assert lead_out(skill, found.path) <= offset * size
 
 
 def test_ends_moved_past_each_other_do_not_turn_the_motion_around():
@@ -177,9 +175,7 @@ def test_scattered_ends_lead_out_of_the_region_by_no_more_than_they_are_moved(na
             move = rng.normal(size=(2, 2))
             move *= offset / np.linalg.norm(move, axis=1)[:, None]
             found = skill.plan(start=query.start + move[0], goal=query.goal + move[1])
-            region = np.concatenate([*skill.experience, found.path[[0, -1]]])
-            low, high = region.min(axis=0), region.max(axis=0)
-            assert np.maximum(low - found.path, found.path - high).max() <= offset
+            assert lead_out(skill, found.path) <= offset
 
 
 FAR_MIDDLE = np.array(

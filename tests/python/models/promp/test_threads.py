@@ -5,39 +5,30 @@ import os
 import subprocess
 import sys
 
-FITTED = """
-import hashlib
-import numpy as np
-import leadthrough as lt
-from leadthrough import rotations
+BEFORE = "import hashlib, numpy as np, leadthrough as lt\n"
+AFTER = 'print(hashlib.sha256(b"".join(np.asarray(a).tobytes() for a in arrays)).hexdigest())'
 
+FITTED = """
 u = np.linspace(0.0, 1.0, 150)
 shown = []
 for i in range(9):
-    turned = rotations.exp(np.column_stack([2.5 * u, 0.3 * np.sin(4.0 * u), 0.1 * i * u]))
+    turned = lt.rotations.exp(np.column_stack([2.5 * u, 0.3 * np.sin(4.0 * u), 0.1 * i * u]))
     sway = 0.1 * np.sin(2.0 * u + 0.05 * i)
     points = np.column_stack([0.2 * u, sway, 0.01 * i * np.sin(3.0 * u)])
     shown.append(lt.PoseTrajectory(2.0 * u, points, turned))
 skill = lt.ProMP(weights=WEIGHTS, estimator="ESTIMATOR").fit(shown)
 made = skill.generate(start=(shown[0].positions[0] + 0.01, shown[0].orientations[0]))
-digest = hashlib.sha256()
 passing = skill.condition(1.0, (shown[1].positions[75], shown[1].orientations[75]))
 arrays = [skill.weights.mean, skill.weights.covariance, made.positions, made.orientations]
 arrays += [skill.noise, passing.weights.mean, passing.weights.covariance]
 arrays += skill.distribution(np.linspace(0.0, 2.0, 40))
 for drawn in skill.sample(3, seed=1):
     arrays += [drawn.positions, drawn.orientations]
-arrays += [skill.log_likelihood(shown[1])]
-for array in arrays:
-    digest.update(np.ascontiguousarray(array).tobytes())
-print(digest.hexdigest())
+arrays += [np.array(skill.log_likelihood(shown[1]))]
 """
 
 
 WITHIN = """
-import hashlib
-import numpy as np
-import leadthrough as lt
 
 u = np.linspace(0.0, 1.0, 100)
 shown = []
@@ -49,13 +40,9 @@ skill = lt.ProMP(weights=20).fit(shown)
 limited = skill.within(all_of.min(axis=0) + 0.02, all_of.max(axis=0) - 0.02)
 arrays = [limited.generate().positions, *limited.distribution(np.linspace(0.0, 1.0, 40))]
 arrays += [drawn.positions for drawn in limited.sample(3, seed=1)]
-print(hashlib.sha256(b"".join(each.tobytes() for each in arrays)).hexdigest())
 """
 
 INFERRED = """
-import hashlib
-import numpy as np
-import leadthrough as lt
 
 u = np.linspace(0.0, 1.0, 100)
 rng = np.random.default_rng(0)
@@ -66,7 +53,6 @@ for i in range(12):
 skill = lt.ProMP(weights=35).fit(shown[1:])
 found = lt.models.infer(shown[0][:40], [skill])
 arrays = [found.durations, found.skills[0].weights.mean, found.skills[0].weights.covariance]
-print(hashlib.sha256(b"".join(each.tobytes() for each in arrays)).hexdigest())
 """
 
 
@@ -84,7 +70,7 @@ def digests(threads):
     names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
     run = "import json, sys\nfor code in json.load(sys.stdin):\n    exec(code, {})"
     environment = {**os.environ, **dict.fromkeys(names, str(threads))}
-    codes = json.dumps(list(CODES.values()))
+    codes = json.dumps([f"{BEFORE}{code}\n{AFTER}" for code in CODES.values()])
     words = [sys.executable, "-c", run]
     printed = subprocess.run(
         words, input=codes, env=environment, capture_output=True, text=True, check=True
