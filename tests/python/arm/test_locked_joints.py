@@ -84,21 +84,15 @@ def test_joints_that_cannot_be_locked_are_refused(tiago, values, message):
         tiago.lock_joints(values)
 
 
-def test_one_joint_stays_and_none_is_locked_twice(tiago):
+def test_one_joint_stays_none_is_locked_twice_and_limits_are_those_of_the_others(tiago):
+    torso = {"torso_lift_joint": 0.1}
     with pytest.raises(InvalidInput, match="at least one"):
         tiago.lock_joints(dict.fromkeys(tiago.joint_names, 0.1))
     with pytest.raises(InvalidInput, match=r"locked at 0\.1"):
-        tiago.lock_joints({"torso_lift_joint": 0.1}).lock_joints({"torso_lift_joint": 0.2})
-
-
-def test_a_robot_all_of_whose_joints_are_locked_is_no_arm():
-    document = one_joint()
-    with pytest.raises(InvalidRobot, match="no joint moves"):
-        lt.Arm.from_urdf(document, locked_joints={"j": 0.1})
-    with pytest.raises(InvalidInput, match="j"):
-        lt.Arm.from_urdf(document, locked_joints={"j": np.inf})
-
-
-def test_the_limits_must_be_those_of_the_joints_that_are_left(tiago):
+        tiago.lock_joints(torso).lock_joints({"torso_lift_joint": 0.2})
     with pytest.raises(InvalidInput, match="limits"):
-        lt.Arm(tiago.document, tiago.base, tiago.tip, tiago.limits, {"torso_lift_joint": 0.1})
+        lt.Arm(tiago.document, tiago.base, tiago.tip, tiago.limits, torso)
+    with pytest.raises(InvalidRobot, match="no joint moves"):
+        lt.Arm.from_urdf(one_joint(), locked_joints={"j": 0.1})
+    with pytest.raises(InvalidInput, match="j"):
+        lt.Arm.from_urdf(one_joint(), locked_joints={"j": np.inf})

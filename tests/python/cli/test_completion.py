@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from cli.command_line import RUNNER, run
+from cli.command_line import RUNNER
 
 from leadthrough import cli
 from leadthrough.cli import completion, parse
@@ -23,20 +23,15 @@ main()
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(learned):
     """A folder with the example, a skill, a page, and a program `leadthrough` in bin."""
-    folder = tmp_path_factory.mktemp("example")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        run("example", "reach", ".")
-        Path("skill.npz").touch()
-        Path("notes.md").touch()
-        Path("page.html").touch()
-        Path("bin").mkdir()
-        program = Path("bin/leadthrough")
-        program.write_text(PROGRAM.format(python=sys.executable))
-        program.chmod(0o755)
-    return folder
+    (learned / "notes.md").touch()
+    (learned / "page.html").touch()
+    (learned / "bin").mkdir()
+    program = learned / "bin" / "leadthrough"
+    program.write_text(PROGRAM.format(python=sys.executable))
+    program.chmod(0o755)
+    return learned
 
 
 @pytest.fixture
@@ -126,8 +121,7 @@ def test_bash_completes_a_word(folder):
     assert result.stdout.strip() == "fast-marching", result.stderr
 
 
-def test_a_faulty_profile_does_not_disturb(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_faulty_profile_does_not_disturb(empty_folder):
     Path("leadthrough.toml").write_text("nonsense")
     assert offered("leadthrough check x.json --tip a") == []
     assert offered("leadthrough check x.json --mar") == ["--margin"]
