@@ -50,7 +50,8 @@ while guard.remaining:
     commanded.append(guard.next().q)
 clock = np.arange(len(commanded)) / RATE
 sent = lt.connect(q, lt.JointTrajectory(clock, commanded), arm, [table, post])
-kept, clear = lt.check_limits(sent, arm.limits).ok, arm.check(sent, [table, post]).ok
+kept = lt.check_limits(sent, arm.limits, linear_rate=RATE).ok
+clear = arm.check(sent, [table, post]).ok
 lt.write_motion(sent, folder / "commanded.json")
 axes.plot(clock, np.array(commanded)[:, 0], "C0")
 axes.set(title="asked for (dashed) and sent", xlabel="time in s", ylabel="first joint in rad")

@@ -23,8 +23,8 @@ def check(
     rate: Annotated[
         float | None,
         typer.Option(
-            help="Rate in Hz at which a file without velocities and accelerations is run, straight "
-            "from position to position; by default the file's own."
+            help="Rate in Hz of a receiver that runs the positions alone, straight from one to the "
+            "next; by default so are files without velocities and accelerations, at their own."
         ),
     ] = None,
     physics: Annotated[
@@ -77,11 +77,12 @@ def check(
 
 
 def _linear_rate(joints: lt.JointTrajectory, rate: float | None) -> float | None:
-    """The rate of a receiver of positions; None where the file has all that a controller reads."""
-    if joints.velocities is not None and joints.accelerations is not None:
-        return None
+    """The rate of a receiver of positions; None if it reads velocities and accelerations too."""
+    whole = joints.velocities is not None and joints.accelerations is not None
     steps = len(joints.times) - 1
-    return rate if rate is not None or not steps else steps / joints.duration
+    if rate is not None or whole or not steps:
+        return rate
+    return steps / joints.duration
 
 
 def _hint_after_check(

@@ -194,8 +194,8 @@ def guard(
     units = {"duration_before": "s", "duration": "s", "rate": "Hz"}
     output.facts(found, as_json=as_json, units=units)
     if answer.safe and not as_json and reading.can_read(out):
-        output.hint(
-            ctx, "leadthrough", "check", out, *output.arm_words(ctx), *output.typed(ctx, "obstacle")
-        )
+        words = (*output.arm_words(ctx), *output.typed(ctx, "obstacle"))
+        # Commands of a guard keep the limits where they are run straight, one a period.
+        output.hint(ctx, "leadthrough", "check", out, *words, "--rate", f"{per_second:.12g}")
     if answer.verdict == "braking" or not answer.safe:
         raise typer.Exit(1)

@@ -33,7 +33,8 @@ def connect(
     as the limits of position, velocity, acceleration and jerk allow; after the last sample the arm
     brakes as fast as it may. Both are certified to be clear between samples. Joints that may turn
     further take the whole turns that bring the motion nearest to the state. The samples themselves
-    stay as they are, but for these turns; `lt.Guard` and `Arm.check` judge them.
+    stay as they are, but for these turns; `lt.Guard` and `Arm.check` judge them. The limits are
+    kept where each sample is commanded when due: `check_limits` with `linear_rate` judges that.
 
     Args:
         state: what is commanded now: a `CommandedState`, or positions (joints,) at which the arm

@@ -41,6 +41,18 @@ def test_the_nearest_motion_that_is_allowed_is_written(written):
     assert found["duration"] == pytest.approx(motion.times[-1])
 
 
+@pytest.mark.parametrize("robot", ["panda", "ur3"])
+def test_the_hinted_check_agrees_with_the_guard(tmp_path, robot):
+    arm, times = lt.Arm.load(robot), 0.01 * np.arange(150)
+    q = HOMES[robot] + 0.3 * np.outer(np.sin(3.0 * times), np.ones(len(arm.joint_names)))
+    motion = lt.JointTrajectory(times, q, joint_names=arm.joint_names)
+    lt.write_motion(motion, tmp_path / "moving.npz")
+    files = (tmp_path / "moving.npz", "-o", tmp_path / "safe.npz")
+    assert facts("guard", *files, "--robot", robot)["safe"]
+    found = facts("check", tmp_path / "safe.npz", "--robot", robot, "--rate", "100")
+    assert found["limits_kept"]
+
+
 def test_nothing_runs_from_inside_an_obstacle_and_the_exit_code_says_so(written):
     tip = lt.Arm.load("panda").forward_kinematics(Q)[0]
     place = ",".join(f"{x:.4f}" for x in tip)
