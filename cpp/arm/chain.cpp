@@ -99,7 +99,7 @@ void set_drives(const Joints& moving, Chain& chain) {
   for (const Joint* joint : moving)
     if (!joint->mimic) chain.joint_names.push_back(joint->name);
   const auto& names = chain.joint_names;
-  std::fill_n(chain.turns.begin(), names.size(), true);
+  std::fill_n(chain.periodic.begin(), names.size(), true);
   for (std::size_t k = 0; k < moving.size(); ++k) {
     const auto index = std::find(names.begin(), names.end(), driver(*moving[k])) - names.begin();
     Drive& drive = chain.drives[k];
@@ -110,7 +110,7 @@ void set_drives(const Joints& moving, Chain& chain) {
       chain.mimics = true;
     }
     if (chain.prismatic[k] || std::trunc(drive.multiplier) != drive.multiplier)
-      chain.turns[static_cast<std::size_t>(index)] = false;
+      chain.periodic[static_cast<std::size_t>(index)] = false;
   }
 }
 

@@ -38,7 +38,7 @@ struct Chain {
   // narrow position and velocity of the joint that drives them.
   JointVector lower, upper, velocity, effort;
   // Whether a whole turn of the joint leaves the arm as it was.
-  std::array<bool, kMaxJoints> turns{};
+  std::array<bool, kMaxJoints> periodic{};
 
   int moving = 0;
   bool mimics = false;

@@ -25,26 +25,26 @@ template <bool SECOND>
 void move(const Chain& chain, const double* rates, const double* second_rates,
           MovingChain& moving) {
   const std::size_t n = moving_count(chain);
-  Eigen::Vector3d turning = Eigen::Vector3d::Zero();   // the link's angular velocity
-  Eigen::Vector3d speeding = Eigen::Vector3d::Zero();  // its angular acceleration
+  Eigen::Vector3d omega = Eigen::Vector3d::Zero();  // the link's angular velocity
+  Eigen::Vector3d alpha = Eigen::Vector3d::Zero();  // its angular acceleration
   moving.origins[0].first.setZero();
   moving.origins[0].second.setZero();
   for (std::size_t i = 0; i < n; ++i) {
     Motion& axis = moving.axes[i];
     const Motion& origin = moving.origins[i];
     Motion& next = i + 1 < n ? moving.origins[i + 1] : moving.tip;
-    axis.first = turning.cross(axis.value);
-    if constexpr (SECOND) axis.second = speeding.cross(axis.value) + turning.cross(axis.first);
+    axis.first = omega.cross(axis.value);
+    if constexpr (SECOND) axis.second = alpha.cross(axis.value) + omega.cross(axis.first);
     if (!chain.prismatic[i]) {
-      turning += rates[i] * axis.value;
-      if constexpr (SECOND) speeding += second_rates[i] * axis.value + rates[i] * axis.first;
+      omega += rates[i] * axis.value;
+      if constexpr (SECOND) alpha += second_rates[i] * axis.value + rates[i] * axis.first;
     }
     const Eigen::Vector3d arm = next.value - origin.value;
-    Eigen::Vector3d velocity = turning.cross(arm);
+    Eigen::Vector3d velocity = omega.cross(arm);
     if (chain.prismatic[i]) velocity += rates[i] * axis.value;
     next.first = origin.first + velocity;
     if constexpr (SECOND) {
-      next.second = origin.second + speeding.cross(arm) + turning.cross(velocity);
+      next.second = origin.second + alpha.cross(arm) + omega.cross(velocity);
       if (chain.prismatic[i]) next.second += second_rates[i] * axis.value + rates[i] * axis.first;
     }
   }

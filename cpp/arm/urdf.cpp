@@ -17,7 +17,7 @@ namespace leadthrough::urdf {
 namespace {
 
 // Shorter axes are a mistake and not a direction with rounding.
-constexpr double kShortestAxis = 1e-6;
+constexpr double kMinAxisLength = 1e-6;
 
 Transform to_transform(const ::urdf::Pose& pose) {
   const auto& r = pose.rotation;
@@ -86,7 +86,7 @@ Joint to_joint(const ::urdf::Joint& source) {
   if (has_axis(joint.type)) {
     const Eigen::Vector3d axis(source.axis.x, source.axis.y, source.axis.z);
     const double length = axis.stableNorm();
-    joint.axis = axis / (length < kShortestAxis ? 0.0 : length);
+    joint.axis = axis / (length < kMinAxisLength ? 0.0 : length);
   }
   const bool limited = source.limits != nullptr;
   joint.velocity = limited ? source.limits->velocity : kInfinity;

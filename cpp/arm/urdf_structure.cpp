@@ -41,8 +41,8 @@ std::string element_text(const Element& element) {
 }
 
 // No robot is larger or heavier; beyond it products of what a robot states overflow.
-constexpr double kLargest = 1e9;  // m, kg, kg m^2
-constexpr double kLargestFinite = std::numeric_limits<double>::max();
+constexpr double kMaxNumber = 1e9;  // m, kg, kg m^2
+constexpr double kMaxFinite = std::numeric_limits<double>::max();
 
 // As urdfdom reads it, whatever the process's locale; infinite and undefined numbers are none.
 bool is_number(const std::string& text, double largest) {
@@ -101,7 +101,7 @@ std::optional<Error> check_numbers(const Elements& elements) {
       // lead, and a vast friction holds a joint.
       const bool is_free =
           element.name == "limit" || element.name == "mimic" || element.name == "dynamics";
-      const double largest = is_free ? kLargestFinite : kLargest;
+      const double largest = is_free ? kMaxFinite : kMaxNumber;
       if (count == 0 || are_numbers(value, count, largest)) continue;
       const Element* part = owner(elements, element);
       if (part == nullptr) continue;
@@ -123,7 +123,7 @@ std::optional<Error> collect(const Elements& elements, Structure& structure) {
     const bool is_new = is_link
                             ? structure.links.try_emplace(*name, &element).second
                             : structure.joints.try_emplace(*name, JointElement{&element}).second;
-    if (!is_new) return Error{element_text(element), "the name stands twice"};
+    if (!is_new) return Error{element_text(element), "the name appears twice"};
   }
   if (structure.links.empty()) return Error{"robot", "has no link"};
   if (structure.links.size() > kMaxLinks)

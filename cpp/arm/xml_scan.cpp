@@ -149,7 +149,7 @@ class Scanner {
     }
     const std::string_view value = text_.substr(start, end - start);
     if (value.find('<') != value.npos) fail("'<' in attribute '" + std::string(key) + "'");
-    if (element.find(key) != nullptr) fail("attribute '" + std::string(key) + "' stands twice");
+    if (element.find(key) != nullptr) fail("attribute '" + std::string(key) + "' appears twice");
     if (element.attributes.size() >= bounds_.attributes)
       fail("an element has more than " + std::to_string(bounds_.attributes) + " attributes");
     element.attributes.emplace_back(key, value);

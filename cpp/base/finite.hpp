@@ -6,7 +6,7 @@
 
 namespace leadthrough {
 
-// Whether none of the numbers is infinite or NaN: those have an exponent of ones alone.
+// True if all numbers are finite: infinity and NaN have an exponent of ones alone.
 inline bool all_finite(const double* values, std::size_t count) {
   constexpr std::uint64_t kExponent = 0x7ff0000000000000;
   std::uint64_t wrong = 0;

@@ -10,13 +10,13 @@
 
 namespace leadthrough {
 
-// Asks for pages of 2 MiB where the system has them: memory that is read and written in no order
-// then costs fewer look-ups of pages, and fewer are to be handed out. Small or refused, it stays as
-// it is.
+// Requests pages of 2 MiB if the system has them: random access then costs fewer page look-ups and
+// fewer page faults. Small memory stays as it is, and so does memory whose request is refused; no
+// result depends on it.
 inline void ask_for_huge_pages([[maybe_unused]] const void* memory,
                                [[maybe_unused]] std::size_t bytes) {
 #ifdef __linux__
-  constexpr std::size_t kMin = std::size_t{4} << 20;  // has a huge page wherever it begins
+  constexpr std::size_t kMin = std::size_t{4} << 20;  // holds a huge page at any alignment
   constexpr std::uintptr_t kPage = 4096;              // of most processors; others refuse
   if (bytes < kMin) return;
   const auto begin = reinterpret_cast<std::uintptr_t>(memory);
@@ -30,7 +30,7 @@ template <typename Value>
 std::vector<Value> in_huge_pages(std::size_t count, Value value) {
   std::vector<Value> values;
   values.reserve(count);
-  ask_for_huge_pages(values.data(), count * sizeof(Value));  // before a page of it is handed out
+  ask_for_huge_pages(values.data(), count * sizeof(Value));  // before its first page fault
   values.resize(count, value);
   return values;
 }

@@ -7,7 +7,7 @@
 
 namespace leadthrough {
 
-// One-sided Jacobi, Hestenes 1958, "Inversion of matrices by biorthogonalization": turns pairs of
+// One-sided Jacobi, Hestenes 1958, "Inversion of matrices by biorthogonalization": rotates pairs of
 // columns of `a` until all are orthogonal, and those of `v` with them. From v = I follows A V = W,
 // the singular value decomposition of A: the lengths of W's columns are the singular values, V's
 // columns the right singular vectors. Small singular values keep their digits (Demmel and Veselic

@@ -31,7 +31,7 @@ void for_each_index(std::size_t count, int threads, const Work& work) {
     for (int n = 1; n < threads && static_cast<std::size_t>(n) < count; ++n)
       helpers.emplace_back(run);
   } catch (const std::system_error&) {
-    // The system has no more threads: those that there are do the work.
+    // The system has no more threads: the existing ones do the work.
   }
   run();
   for (std::thread& helper : helpers) helper.join();

@@ -4,7 +4,7 @@
 
 namespace leadthrough {
 
-// By Horner's scheme, the coefficients in rising order; of a number, or of several in an array.
+// Horner's scheme, coefficients in ascending order, for a number or an array of numbers.
 template <typename Number, std::size_t size>
 Number polynomial(const double (&coefficients)[size], const Number& x) {
   Number result = coefficients[size - 1] * x + coefficients[size - 2];

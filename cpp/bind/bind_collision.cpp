@@ -132,13 +132,14 @@ void bind_collision(py::module_& module) {
   module.def(
       "clear_batch",
       [](const CollisionModel& model, const std::vector<Shape>& obstacles,
-         const Eigen::Ref<const Rows>& q, double margin, double self_margin) {
+         const Eigen::Ref<const Rows>& q, double margin, double self_collision_margin) {
         require(q.cols() == model.chain.joints());
         const py::gil_scoped_release release;
-        return clear_batch(whole_arm(model, placed_shapes(obstacles), margin, self_margin), q);
+        return clear_batch(
+            whole_arm(model, placed_shapes(obstacles), margin, self_collision_margin), q);
       },
       py::arg("model"), py::arg("obstacles"), py::arg("q").noconvert(), py::arg("margin"),
-      py::arg("self_margin"));
+      py::arg("self_collision_margin"));
   module.def("nearest_bodies", &nearest, py::arg("scene"), py::arg("q").noconvert(),
              py::arg("threads"));
   module.def("check_motion", &check, py::arg("scene"), py::arg("q").noconvert(), py::arg("margin"),

@@ -21,7 +21,7 @@ using dmp::Curve;
 using dmp::Forces;
 using dmp::Path;
 using dmp::Representation;
-using dmp::Turn;
+using dmp::RotationState;
 using dmp::Vector;
 using VectorIn = Eigen::Ref<const Vector>;
 using RowsIn = Eigen::Ref<const Rows>;
@@ -51,8 +51,9 @@ struct PoseState : PointState {
     return row;
   }
 
-  Turn turn() const {
-    return dmp::turn_at(*curve, *offset, state.phase, state.value.tail<3>(), state.slope.tail<3>());
+  RotationState rotation() const {
+    return dmp::rotation_at(*curve, *offset, state.phase, state.value.tail<3>(),
+                            state.slope.tail<3>());
   }
 };
 
@@ -193,12 +194,13 @@ std::optional<State> tick(const State& before, const Forces& forces, double dt) 
   return after;
 }
 
-std::shared_ptr<dmp::Surroundings> make_surroundings(const std::vector<Shape>& shapes,
-                                                     const VectorIn& margins, double reach,
-                                                     const VectorIn& lower, const VectorIn& upper) {
+std::shared_ptr<dmp::AvoidanceScene> make_avoidance_scene(const std::vector<Shape>& shapes,
+                                                          const VectorIn& margins, double reach,
+                                                          const VectorIn& lower,
+                                                          const VectorIn& upper) {
   require(margins.size() == static_cast<Eigen::Index>(shapes.size()) &&
           lower.size() == upper.size());
-  auto result = std::make_shared<dmp::Surroundings>();
+  auto result = std::make_shared<dmp::AvoidanceScene>();
   result->reach = reach;
   result->lower = lower;
   result->upper = upper;
@@ -207,20 +209,20 @@ std::shared_ptr<dmp::Surroundings> make_surroundings(const std::vector<Shape>& s
   return result;
 }
 
-bool fits(const dmp::Surroundings& surroundings, Eigen::Index channels) {
-  return surroundings.lower.size() == 0 || surroundings.lower.size() == channels;
+bool fits(const dmp::AvoidanceScene& scene, Eigen::Index channels) {
+  return scene.lower.size() == 0 || scene.lower.size() == channels;
 }
 
 py::tuple rollout_around(const Forces& forces, const Course& course,
-                         const dmp::Surroundings& surroundings, const VectorIn& value,
+                         const dmp::AvoidanceScene& scene, const VectorIn& value,
                          const VectorIn& slope, const VectorIn& phases) {
   const Eigen::Index channels = forces.nodes.cols();
   require(course.reference.coefficients.cols() == channels && value.size() == channels &&
-          slope.size() == channels && phases.size() >= 1 && fits(surroundings, channels));
+          slope.size() == channels && phases.size() >= 1 && fits(scene, channels));
   dmp::Passage result;
   {
     const py::gil_scoped_release release;
-    result = dmp::rollout_around(forces, course, surroundings, {value, slope, phases[0]}, phases);
+    result = dmp::rollout_around(forces, course, scene, {value, slope, phases[0]}, phases);
   }
   return py::make_tuple(std::move(result.rollout.values), std::move(result.rollout.slopes),
                         result.last_push);
@@ -228,13 +230,12 @@ py::tuple rollout_around(const Forces& forces, const Course& course,
 
 template <typename State>
 State step_around(const State& before, const Forces& forces, double dt,
-                  const VectorIn& acceleration, const dmp::Surroundings& surroundings) {
+                  const VectorIn& acceleration, const dmp::AvoidanceScene& scene) {
   require(forces.nodes.cols() == before.channels() && acceleration.size() == before.channels() &&
-          fits(surroundings, before.channels()));
+          fits(scene, before.channels()));
   State after = before;
   const Vector push = push_of(before, acceleration);
-  dmp::advance_around(forces, *before.course, surroundings, push, dt / before.duration,
-                      after.state);
+  dmp::advance_around(forces, *before.course, scene, push, dt / before.duration, after.state);
   return after;
 }
 
@@ -292,7 +293,7 @@ void bind_common(py::class_<State>& type) {
       .def("pushed", &step<State>, py::arg("forces"), py::arg("dt"),
            py::arg("acceleration").noconvert())
       .def("led_around", &step_around<State>, py::arg("forces"), py::arg("dt"),
-           py::arg("acceleration").noconvert(), py::arg("surroundings"));
+           py::arg("acceleration").noconvert(), py::arg("scene"));
 }
 
 }  // namespace
@@ -325,8 +326,8 @@ void bind_dmp(py::module_& module) {
            py::arg("speeds").noconvert(), py::arg("covered").noconvert(), py::arg("zyz"),
            py::arg("rhythmic"));
 
-  py::class_<dmp::Surroundings, std::shared_ptr<dmp::Surroundings>>(module, "DmpSurroundings")
-      .def(py::init(&make_surroundings), py::arg("shapes"), py::arg("margins").noconvert(),
+  py::class_<dmp::AvoidanceScene, std::shared_ptr<dmp::AvoidanceScene>>(module, "AvoidanceScene")
+      .def(py::init(&make_avoidance_scene), py::arg("shapes"), py::arg("margins").noconvert(),
            py::arg("reach"), py::arg("lower").noconvert(), py::arg("upper").noconvert());
 
   py::class_<PointState> point(module, "PointState");
@@ -352,7 +353,7 @@ void bind_dmp(py::module_& module) {
       .def_property_readonly("orientation", &PoseState::orientation)
       .def_property_readonly("pose", &PoseState::pose)
       .def_property_readonly("angular_velocity", [](const PoseState& s) {
-        return so3::Vector3(s.turn().velocity / s.duration);
+        return so3::Vector3(s.rotation().velocity / s.duration);
       });
   bind_common(pose);
 
@@ -360,7 +361,7 @@ void bind_dmp(py::module_& module) {
              py::arg("value").noconvert(), py::arg("slope").noconvert(),
              py::arg("phases").noconvert());
   module.def("dmp_rollout_around", &rollout_around, py::arg("forces"), py::arg("course"),
-             py::arg("surroundings"), py::arg("value").noconvert(), py::arg("slope").noconvert(),
+             py::arg("scene"), py::arg("value").noconvert(), py::arg("slope").noconvert(),
              py::arg("phases").noconvert());
   module.def("dmp_shifted_course", &shifted_course, py::arg("breaks").noconvert(),
              py::arg("coefficients").noconvert(), py::arg("progress").noconvert(),

@@ -19,9 +19,9 @@ namespace leadthrough {
 namespace {
 
 using Eigen::Index;
+using guard::GuardedScene;
 using guard::RowsRef;
 using guard::StepLimits;
-using guard::Surroundings;
 
 constexpr Index kMinRows = 3;
 
@@ -98,12 +98,12 @@ PacedRows stopped(const StepLimits& limits, const RowsRef& history, const RowsRe
 
 // sample and the two bodies by name, or empty names where the work ended.
 std::optional<std::tuple<double, std::string, std::string>> first_contact(
-    const Surroundings& around, const Eigen::VectorXd& start, const RowsRef& samples, double age,
+    const GuardedScene& guarded, const Eigen::VectorXd& start, const RowsRef& samples, double age,
     long most_work) {
-  const CollisionScene& scene = around.arm.scene;
+  const CollisionScene& scene = guarded.arm.scene;
   require(start.size() == scene.chain.joints() && samples.cols() == scene.chain.joints());
   const py::gil_scoped_release release;
-  const auto found = guard::first_contact(around, start, samples, age, most_work);
+  const auto found = guard::first_contact(guarded, start, samples, age, most_work);
   if (!found) return std::nullopt;
   if (found->a < 0) return std::make_tuple(found->sample, std::string(), std::string());
   return std::make_tuple(found->sample, scene.names[static_cast<std::size_t>(found->a)],
@@ -128,16 +128,17 @@ void bind_guard(py::module_& module) {
   module.def("stopped", &stopped, py::arg("limits"), py::arg("history").noconvert(),
              py::arg("path").noconvert());
 
-  py::class_<Surroundings>(module, "Surroundings")
+  py::class_<GuardedScene>(module, "GuardedScene")
       .def(py::init([](const CollisionModel& model, const std::vector<Shape>& obstacles,
-                       const std::vector<double>& growth, double margin, double self_margin) {
+                       const std::vector<double>& growth, double margin,
+                       double self_collision_margin) {
              require(growth.size() == obstacles.size());
-             return guard::surroundings(model, placed_shapes(obstacles), growth, margin,
-                                        self_margin);
+             return guard::guarded_scene(model, placed_shapes(obstacles), growth, margin,
+                                         self_collision_margin);
            }),
            py::arg("model"), py::arg("obstacles"), py::arg("growth"), py::arg("margin"),
-           py::arg("self_margin"));
-  module.def("first_contact", &first_contact, py::arg("around"), py::arg("start"),
+           py::arg("self_collision_margin"));
+  module.def("first_contact", &first_contact, py::arg("scene"), py::arg("start"),
              py::arg("samples").noconvert(), py::arg("age"),
              py::arg("most_work") = guard::kAllWork);
 }

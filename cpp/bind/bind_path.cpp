@@ -18,10 +18,10 @@ py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
                      const std::vector<Shape>& obstacles, const Eigen::Ref<const Rows3>& positions,
                      const Eigen::Ref<const Rows4>& orientations, const std::optional<IkAxes>& axes,
                      const Eigen::Ref<const Rows>& postures,
-                     const std::optional<Eigen::VectorXd>& start, double margin, double self_margin,
-                     const IkTolerance& tolerance, const Eigen::Ref<const Rows>& tube,
-                     int searches) {
-  require(searches >= 1 && searches <= path::kMaxSearches);
+                     const std::optional<Eigen::VectorXd>& start, double margin,
+                     double self_collision_margin, const IkTolerance& tolerance,
+                     const Eigen::Ref<const Rows>& tube, int max_attempts) {
+  require(max_attempts >= 1 && max_attempts <= path::kMaxAttempts);
   require(positions.rows() > 0 && orientations_fit(positions.rows(), orientations.rows()) &&
           postures.rows() == positions.rows() && postures.cols() == chain.joints() &&
           (!start || start->size() == chain.joints()) && tube.cols() == 6 &&
@@ -38,9 +38,9 @@ py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
     std::optional<JointArray> near;
     if (start) std::copy(start->data(), start->data() + start->size(), near.emplace().begin());
     found = path::find_clear_path(model, shapes, {positions, orientations, axes, tube}, postures,
-                                  near, {margin, self_margin}, tolerance, searches);
+                                  near, {margin, self_collision_margin}, tolerance, max_attempts);
   }
-  const CollisionScene scene = whole_arm(model, shapes, margin, self_margin).scene;
+  const CollisionScene scene = whole_arm(model, shapes, margin, self_collision_margin).scene;
   std::vector<std::tuple<std::string, std::string, int>> blocking;
   const auto name = [&](int shape) {
     return scene
@@ -67,8 +67,9 @@ void bind_path(py::module_& module) {
   module.def("clear_path", &clear_path, py::arg("chain"), py::arg("model"), py::arg("obstacles"),
              py::arg("positions").noconvert(), py::arg("orientations").noconvert(), py::arg("axes"),
              py::arg("postures").noconvert(), py::arg("start"), py::arg("margin"),
-             py::arg("self_margin"), py::arg("tolerance"), py::arg("tube").noconvert() = Rows(0, 6),
-             py::arg("searches") = path::kMaxSearches);
+             py::arg("self_collision_margin"), py::arg("tolerance"),
+             py::arg("tube").noconvert() = Rows(0, 6),
+             py::arg("max_attempts") = path::kMaxAttempts);
 }
 
 }  // namespace leadthrough

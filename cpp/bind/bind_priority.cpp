@@ -49,16 +49,16 @@ TaskStack make_stack(const Chain& chain, const std::vector<ArmTask>& tasks, cons
 
 py::tuple reports(const TaskStack& stack, const StackMotion& solution) {
   const auto count = static_cast<Eigen::Index>(stack.tasks.size());
-  Eigen::VectorXd error(count), miss(count), activation(count);
+  Eigen::VectorXd error(count), residual(count), activation(count);
   Eigen::Matrix<bool, Eigen::Dynamic, 1> bounded(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const TaskReport& report = solution.reports[static_cast<std::size_t>(i)];
     error[i] = report.error;
-    miss[i] = report.miss;
+    residual[i] = report.residual;
     activation[i] = report.activation;
     bounded[i] = report.bounded;
   }
-  return py::make_tuple(std::move(error), std::move(miss), std::move(activation),
+  return py::make_tuple(std::move(error), std::move(residual), std::move(activation),
                         std::move(bounded));
 }
 

@@ -37,7 +37,7 @@ Shape hulls_shape(const std::vector<Rows3>& corners, const Eigen::Vector3d& posi
 
 Shape cloud_shape(const Eigen::Ref<const Rows3>& points, double radius,
                   const Eigen::Vector3d& position, const Eigen::Vector4d& orientation) {
-  require(points.rows() > 0 && points.rows() <= Cloud::kMostPoints);
+  require(points.rows() > 0 && points.rows() <= Cloud::kMaxPoints);
   const py::gil_scoped_release release;
   return make_cloud(std::make_shared<const Cloud>(points, radius), so3::to_matrix(orientation),
                     position);

@@ -11,11 +11,11 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 WholeArm whole_arm(const CollisionModel& model, const PlacedShapes& obstacles, double margin,
-                   double self_margin) {
+                   double self_collision_margin) {
   WholeArm arm{against(model, obstacles), {}};
   arm.margins.assign(arm.scene.pairs.size(), margin);
   arm.scene.pairs.insert(arm.scene.pairs.end(), model.pairs.begin(), model.pairs.end());
-  arm.margins.resize(arm.scene.pairs.size(), self_margin);
+  arm.margins.resize(arm.scene.pairs.size(), self_collision_margin);
   return arm;
 }
 

@@ -15,7 +15,7 @@ struct WholeArm {
   std::vector<double> margins;
 };
 WholeArm whole_arm(const CollisionModel& model, const PlacedShapes& obstacles, double margin,
-                   double self_margin);
+                   double self_collision_margin);
 
 // Two shapes that are near each other. gradient: of their distance, m per unit of each joint.
 struct NearPair {

@@ -60,7 +60,7 @@ class Probe {
   // Whether a plane that touches the hull keeps it away from the point.
   bool beyond_a_plane(const Vector3d& point, double least) const {
     for (std::size_t i = 0; i < std::min(planes_, kPlanes); ++i)
-      if (ways_[i].dot(point) - offsets_[i] >= least) return true;
+      if (normals_[i].dot(point) - offsets_[i] >= least) return true;
     return false;
   }
 
@@ -69,8 +69,8 @@ class Probe {
     if (!apart(sphere(0.0), unturned(point), body_, pose_, least, normal_)) return false;
     const Vector3d touched = support(body_, -(back_ * normal_));
     const std::size_t i = planes_++ % kPlanes;
-    ways_[i] = -normal_;
-    offsets_[i] = ways_[i].dot(pose_.rotation * touched + pose_.position);
+    normals_[i] = -normal_;
+    offsets_[i] = normals_[i].dot(pose_.rotation * touched + pose_.position);
     return true;
   }
 
@@ -81,7 +81,7 @@ class Probe {
   double radius_;
   // What a hull was last seen to be apart by: the normal, and planes with their offsets.
   mutable Vector3d normal_ = Vector3d::UnitX();
-  mutable std::array<Vector3d, kPlanes> ways_;
+  mutable std::array<Vector3d, kPlanes> normals_;
   mutable std::array<double, kPlanes> offsets_;
   mutable std::size_t planes_ = 0;
 };

@@ -13,7 +13,7 @@ namespace leadthrough {
 
 class Cloud {
  public:
-  static constexpr int kMostPoints = 1 << 24;
+  static constexpr int kMaxPoints = 1 << 24;
 
   // points: at least one, finite, in any frame; radius: m, > 0.
   Cloud(const Eigen::Ref<const Rows3>& points, double radius);

@@ -38,9 +38,9 @@ std::optional<double> half_of_segment(const Convex& body) {
 }
 
 NearestOfCores between(const Vector3d& on_a, const Vector3d& on_b) {
-  const Vector3d way = on_b - on_a;
-  const double distance = way.norm();
-  return {distance, way / distance, on_a, on_b};
+  const Vector3d between = on_b - on_a;
+  const double distance = between.norm();
+  return {distance, between / distance, on_a, on_b};
 }
 
 Vector3d perpendicular_to(const Vector3d& direction) {

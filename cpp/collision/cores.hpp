@@ -48,10 +48,11 @@ struct Point {
   double bounding_radius() const { return 0.0; }
   double distance(const Vector3d& p) const { return length(p.x(), p.y(), p.z()); }
   SignedDistance signed_distance(const Vector3d& p) const { return from_origin(p); }
-  // way: from the core to a point, in the frame that the core is turned against by `rotation`;
+  // to_point: from the core to a point, in the frame that the core is turned against by `rotation`;
   // back: its transpose.
-  Offset offset(const Vector3d& way, const Matrix3d& /*rotation*/, const Matrix3d& /*back*/) const {
-    return {way.squaredNorm(), 1.0};
+  Offset offset(const Vector3d& to_point, const Matrix3d& /*rotation*/,
+                const Matrix3d& /*back*/) const {
+    return {to_point.squaredNorm(), 1.0};
   }
 };
 
@@ -69,9 +70,10 @@ struct Segment {
   SignedDistance signed_distance(const Vector3d& p) const {
     return from_origin(p - nearest(p.z()) * Vector3d::UnitZ());
   }
-  Offset offset(const Vector3d& way, const Matrix3d& rotation, const Matrix3d& /*back*/) const {
+  Offset offset(const Vector3d& to_point, const Matrix3d& rotation,
+                const Matrix3d& /*back*/) const {
     const Vector3d axis = rotation.col(2);
-    return {(way - nearest(axis.dot(way)) * axis).squaredNorm(), 1.0};
+    return {(to_point - nearest(axis.dot(to_point)) * axis).squaredNorm(), 1.0};
   }
 
  private:
@@ -102,8 +104,9 @@ struct Box {
     const double depth = (p.cwiseAbs() - half).maxCoeff(&axis);
     return {depth, (p[axis] < 0.0 ? -1.0 : 1.0) * Vector3d::Unit(axis)};
   }
-  Offset offset(const Vector3d& way, const Matrix3d& /*rotation*/, const Matrix3d& back) const {
-    const Vector3d out = (back * way).cwiseAbs() - half;
+  Offset offset(const Vector3d& to_point, const Matrix3d& /*rotation*/,
+                const Matrix3d& back) const {
+    const Vector3d out = (back * to_point).cwiseAbs() - half;
     return {out.cwiseMax(0.0).squaredNorm(), out.maxCoeff()};
   }
 };
@@ -138,10 +141,11 @@ struct Cylinder {
     if (side > 0.0 && beyond > 0.0) return from_origin(side * axis.gradient + beyond * end);
     return side > beyond ? SignedDistance{side, axis.gradient} : SignedDistance{beyond, end};
   }
-  Offset offset(const Vector3d& way, const Matrix3d& rotation, const Matrix3d& /*back*/) const {
+  Offset offset(const Vector3d& to_point, const Matrix3d& rotation,
+                const Matrix3d& /*back*/) const {
     const Vector3d axis = rotation.col(2);
-    const double along = axis.dot(way);
-    const double side = (way - along * axis).norm() - radius;
+    const double along = axis.dot(to_point);
+    const double side = (to_point - along * axis).norm() - radius;
     const double end = std::abs(along) - half;
     const double out_side = std::max(side, 0.0), out_end = std::max(end, 0.0);
     return {out_side * out_side + out_end * out_end, std::max(side, end)};

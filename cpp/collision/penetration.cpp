@@ -33,12 +33,12 @@ class Polytope {
     Vector3d normal = Vector3d::UnitX();
     while (true) {
       const int i = nearest_face();
-      const Vector3d way = face(i).normal;
-      const Vertex beyond = difference_.farthest(way);
-      const double depth = way.dot(beyond.point);
+      const Vector3d direction = face(i).normal;
+      const Vertex beyond = difference_.farthest(direction);
+      const double depth = direction.dot(beyond.point);
       if (depth < least) {
         least = depth;
-        normal = way;
+        normal = direction;
       }
       if (depth - face(i).offset <= kDepthTolerance || !grow(beyond)) break;
     }

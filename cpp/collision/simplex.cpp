@@ -30,9 +30,9 @@ void keep_nearer(const Simplex& simplex, const Weights& candidate, Weights& best
 
 Weights nearest_on_edge(const Simplex& simplex, int i, int j) {
   const Vector3d& start = point(simplex, i);
-  const Vector3d way = point(simplex, j) - start;
-  const double length = way.squaredNorm();
-  const double share = length > 0.0 ? std::min(std::max(-start.dot(way) / length, 0.0), 1.0) : 0.0;
+  const Vector3d edge = point(simplex, j) - start;
+  const double length = edge.squaredNorm();
+  const double share = length > 0.0 ? std::min(std::max(-start.dot(edge) / length, 0.0), 1.0) : 0.0;
   Weights weights{};
   at(weights, i) = 1.0 - share;
   at(weights, j) = share;

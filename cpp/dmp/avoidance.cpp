@@ -83,9 +83,9 @@ Vector3d sense_of_passing(const Shape& shape, const Vector3d& start, const Vecto
     const double angle = kTurn * i / kSides;
     const Vector3d side = std::cos(angle) * first + std::sin(angle) * second;
     if (dimensions == 2 && std::abs(side.z()) > 0.5) continue;
-    const double way = reach_of(shape, side) - side.dot(from_middle);
-    if (way < shortest) {
-      shortest = way;
+    const double depth = reach_of(shape, side) - side.dot(from_middle);
+    if (depth < shortest) {
+      shortest = depth;
       best = side;
     }
   }
@@ -101,15 +101,15 @@ struct Near {
 // Finds pushes; its arrays are workspace.
 class Guard {
  public:
-  Guard(const Forces& forces, const Course& course, const Surroundings& surroundings)
+  Guard(const Forces& forces, const Course& course, const AvoidanceScene& scene)
       : forces_(forces),
         course_(course),
-        surroundings_(surroundings),
+        scene_(scene),
         dimensions_(std::min<Eigen::Index>(forces.nodes.cols(), 3)),
         acceleration_(forces.nodes.cols()) {
-    near_.reserve(surroundings.obstacles.size());
-    senses_.reserve(surroundings.obstacles.size());
-    for (const Obstacle& obstacle : surroundings.obstacles)
+    near_.reserve(scene.obstacles.size());
+    senses_.reserve(scene.obstacles.size());
+    for (const Obstacle& obstacle : scene.obstacles)
       senses_.push_back(sense_of_passing(obstacle.shape, in_space(start_of(course), dimensions_),
                                          in_space(end_of(course.reference), dimensions_),
                                          dimensions_));
@@ -138,12 +138,12 @@ class Guard {
     const Vector3d position = in_space(state.value, dimensions_);
     const Vector3d velocity = in_space(state.slope, dimensions_);
     for (std::size_t i = 0; i < senses_.size(); ++i) {
-      const Obstacle& obstacle = surroundings_.obstacles[i];
+      const Obstacle& obstacle = scene_.obstacles[i];
       Vector3d to_middle = obstacle.shape.position - position;
       to_middle.tail(3 - dimensions_).setZero();
       near_.push_back({signed_distance(obstacle.shape, position), &obstacle, senses_[i]});
-      const Vector3d turn = steering(obstacle, surroundings_.reach, near_.back().clearance.distance,
-                                     to_middle, velocity);
+      const Vector3d turn =
+          steering(obstacle, scene_.reach, near_.back().clearance.distance, to_middle, velocity);
       change(turn.head(dimensions_), push);
       const double noticed = kNegligible * kBarrierRate * kBarrierRate * obstacle.margin;
       matters |= turn.norm() > noticed;
@@ -186,11 +186,11 @@ class Guard {
 
   bool keep_inside(const State& state, Vector& push) {
     bool changed = false;
-    for (Eigen::Index i = 0; i < surroundings_.lower.size(); ++i) {
+    for (Eigen::Index i = 0; i < scene_.lower.size(); ++i) {
       const double value = state.value[i];
       const double slope = state.slope[i];
-      const double up = barrier(value - surroundings_.lower[i], slope, acceleration_[i]);
-      const double down = barrier(surroundings_.upper[i] - value, -slope, -acceleration_[i]);
+      const double up = barrier(value - scene_.lower[i], slope, acceleration_[i]);
+      const double down = barrier(scene_.upper[i] - value, -slope, -acceleration_[i]);
       push[i] += up - down;
       acceleration_[i] += up - down;
       changed |= up > 0.0 || down > 0.0;
@@ -206,7 +206,7 @@ class Guard {
 
   const Forces& forces_;
   const Course& course_;
-  const Surroundings& surroundings_;
+  const AvoidanceScene& scene_;
   Eigen::Index dimensions_;
   Vector acceleration_;
   std::vector<Vector3d> senses_;
@@ -229,20 +229,20 @@ bool advance_guarded(const Forces& forces, const Course& course, Guard& guard, c
 
 }  // namespace
 
-bool advance_around(const Forces& forces, const Course& course, const Surroundings& surroundings,
+bool advance_around(const Forces& forces, const Course& course, const AvoidanceScene& scene,
                     const Vector& push, double span, State& state) {
-  Guard guard(forces, course, surroundings);
+  Guard guard(forces, course, scene);
   Vector total(push.size());
   return advance_guarded(forces, course, guard, push, span, total, state);
 }
 
-Passage rollout_around(const Forces& forces, const Course& course, const Surroundings& surroundings,
+Passage rollout_around(const Forces& forces, const Course& course, const AvoidanceScene& scene,
                        State state, const Eigen::Ref<const Vector>& phases) {
   const Eigen::Index count = phases.size();
   const Eigen::Index channels = state.value.size();
   const Vector no_push = Vector::Zero(channels);
   Vector total(channels);
-  Guard guard(forces, course, surroundings);
+  Guard guard(forces, course, scene);
   Passage result{{Rows(count, channels), Rows(count, channels)}, phases[0]};
   for (Eigen::Index n = 0; n < count; ++n) {
     if (n > 0 &&

@@ -21,7 +21,7 @@ struct Obstacle {
   double margin;  // distance to keep, > 0
 };
 
-struct Surroundings {
+struct AvoidanceScene {
   std::vector<Obstacle> obstacles;  // about the first two or three channels
   double reach;                     // distance at which steering has faded to 1 / e
   Vector lower, upper;              // (channels), or empty
@@ -33,10 +33,10 @@ struct Passage {
 };
 
 // Moves the state on by `span` > 0 of phase. Returns whether something was in the way.
-bool advance_around(const Forces& forces, const Course& course, const Surroundings& surroundings,
+bool advance_around(const Forces& forces, const Course& course, const AvoidanceScene& scene,
                     const Vector& push, double span, State& state);
 
-Passage rollout_around(const Forces& forces, const Course& course, const Surroundings& surroundings,
+Passage rollout_around(const Forces& forces, const Course& course, const AvoidanceScene& scene,
                        State state, const Eigen::Ref<const Vector>& phases);
 
 }  // namespace leadthrough::dmp

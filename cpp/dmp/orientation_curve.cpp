@@ -44,12 +44,12 @@ struct Still {
 };
 
 struct Moving {
-  Turn turn{Quaternion(1.0, 0.0, 0.0, 0.0), Vector3::Zero()};
+  RotationState state{Quaternion(1.0, 0.0, 0.0, 0.0), Vector3::Zero()};
 
   template <typename Rate>
   void times(const Quaternion& factor, const Rate& rate) {
-    turn.velocity += rotate(turn.orientation, rate());
-    turn.orientation = so3::compose(turn.orientation, factor);
+    state.velocity += rotate(state.orientation, rate());
+    state.orientation = so3::compose(state.orientation, factor);
   }
 };
 
@@ -135,7 +135,7 @@ so3::Matrix3 zyz_jacobian(const Vector3& angles) {
   for (Eigen::Index k = 0; k < 3; ++k) {
     Moving product;
     turn_by_coordinates(Representation::kZyz, angles, Vector3::Unit(k), product);
-    columns.col(k) = product.turn.velocity;
+    columns.col(k) = product.state.velocity;
   }
   return columns;
 }
@@ -171,35 +171,35 @@ Quaternion offset_at(const Path& offset, double phase) {
 
 Vector3 offset_between(const Quaternion& wanted, const Quaternion& demonstrated,
                        const Vector3& near) {
-  Quaternion turn = so3::compose(wanted, so3::inverse(demonstrated));
-  if (std::abs(turn[0]) < 0.5 * kHalfTurn) {
-    const Vector3 axis = turn.tail<3>();
+  Quaternion rotation = so3::compose(wanted, so3::inverse(demonstrated));
+  if (std::abs(rotation[0]) < 0.5 * kHalfTurn) {
+    const Vector3 axis = rotation.tail<3>();
     const double leading = std::abs(axis[0]) > kHalfTurn   ? axis[0]
                            : std::abs(axis[1]) > kHalfTurn ? axis[1]
                                                            : axis[2];
-    if (leading < 0.0) turn = -turn;
-    turn[0] = std::abs(turn[0]);
+    if (leading < 0.0) rotation = -rotation;
+    rotation[0] = std::abs(rotation[0]);
   }
-  return nearest_log(turn, near);
+  return nearest_log(rotation, near);
 }
 
-Turn turn_at(const Curve& curve, const Path& offset, double phase, const Vector3& value,
-             const Vector3& slope) {
+RotationState rotation_at(const Curve& curve, const Path& offset, double phase,
+                          const Vector3& value, const Vector3& slope) {
   Moving product = reference<Moving>(curve, offset, phase);
   turn_by_coordinates(curve.representation, value, slope, product);
-  return product.turn;
+  return product.state;
 }
 
-Coordinates coordinates_of(const Curve& curve, const Path& offset, double phase, const Turn& turn,
-                           const Vector3& near) {
-  const Turn base = reference<Moving>(curve, offset, phase).turn;
+Coordinates coordinates_of(const Curve& curve, const Path& offset, double phase,
+                           const RotationState& state, const Vector3& near) {
+  const RotationState base = reference<Moving>(curve, offset, phase).state;
   const Quaternion back = so3::inverse(base.orientation);
-  const Quaternion relative = so3::compose(back, turn.orientation);
+  const Quaternion relative = so3::compose(back, state.orientation);
   const Vector3 value = curve.representation == Representation::kRotationVector
                             ? nearest_log(relative, near)
                             : nearest_angles(relative, near);
   return {value,
-          slope_of(curve.representation, value, rotate(back, turn.velocity - base.velocity))};
+          slope_of(curve.representation, value, rotate(back, state.velocity - base.velocity))};
 }
 
 Vector3 coordinate_push(const Curve& curve, const Path& offset, double phase, const Vector3& value,

@@ -35,20 +35,20 @@ so3::Quaternion orientation_at(const Curve& curve, const Path& offset, double ph
                                const so3::Vector3& value);
 
 // A rotation and its angular velocity in the base frame, per unit of phase.
-struct Turn {
+struct RotationState {
   so3::Quaternion orientation;
   so3::Vector3 velocity;
 };
 
-Turn turn_at(const Curve& curve, const Path& offset, double phase, const so3::Vector3& value,
-             const so3::Vector3& slope);
+RotationState rotation_at(const Curve& curve, const Path& offset, double phase,
+                          const so3::Vector3& value, const so3::Vector3& slope);
 
 // Coordinates of a turn, of the logarithms of a rotation the one nearest to `near`.
 struct Coordinates {
   so3::Vector3 value, slope;
 };
-Coordinates coordinates_of(const Curve& curve, const Path& offset, double phase, const Turn& turn,
-                           const so3::Vector3& near);
+Coordinates coordinates_of(const Curve& curve, const Path& offset, double phase,
+                           const RotationState& state, const so3::Vector3& near);
 
 // The acceleration of the coordinates that an angular acceleration in the base frame makes.
 so3::Vector3 coordinate_push(const Curve& curve, const Path& offset, double phase,

@@ -77,11 +77,11 @@ Quaternions4 short_exp(const Vectors4& vector) {
 }
 
 Quaternions4 offsets_at(const Path& offset, const double* phases) {
-  std::array<Quaternion, kLanes> turns;
+  std::array<Quaternion, kLanes> offsets;
   Places places;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    turns[lane] = offset_at(offset, phases[lane]);
-    places[lane] = turns[lane].data();
+    offsets[lane] = offset_at(offset, phases[lane]);
+    places[lane] = offsets[lane].data();
   }
   return quaternions_at(places);
 }
@@ -124,12 +124,12 @@ Quaternions4 product(const Factors& factors) {
 }
 
 // Orientations at phases in turn, each of the sign nearest to the one before.
-class Turner {
+class OrientationWriter {
  public:
-  Turner(const Curve& curve, const Path& offset) : curve_(curve), offset_(offset) {}
+  OrientationWriter(const Curve& curve, const Path& offset) : curve_(curve), offset_(offset) {}
 
   // At the next phases, as many as there are rows of values, into rows from `to` on.
-  void turn(const double* phases, const Eigen::Ref<const Rows>& values, double* to) {
+  void write(const double* phases, const Eigen::Ref<const Rows>& values, double* to) {
     const Index count = values.rows();
     // The next product waits for the one before it as it was found, not for its sign.
     const auto add = [&](Index n, const Quaternion& q) {
@@ -165,7 +165,7 @@ so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
                                  const Eigen::Ref<const Vector>& phases,
                                  const Eigen::Ref<const Rows>& values) {
   so3::Quaternions result(phases.size(), 4);
-  Turner(curve, offset).turn(phases.data(), values, result.data());
+  OrientationWriter(curve, offset).write(phases.data(), values, result.data());
   return result;
 }
 
@@ -173,15 +173,15 @@ Poses poses_along(const Forces& forces, const Course& course, const Curve& curve
                   const Path& offset, const State& state, const Eigen::Ref<const Vector>& phases) {
   constexpr Index kRun = 16 * kLanes;  // values that stay in the cache
   Poses result{Rows3(phases.size(), 3), so3::Quaternions(phases.size(), 4)};
-  Turner turner(curve, offset);
+  OrientationWriter writer(curve, offset);
   Rows values(kRun, state.value.size());
   roll(forces, course, state, phases, [&](Index n, const State& at) {
     const Index row = n % kRun;
     result.positions.row(n) = at.value.head<3>();
     values.row(row) = at.value;
     if (row + 1 == kRun || n + 1 == phases.size())
-      turner.turn(phases.data() + n - row, values.topRows(row + 1),
-                  result.orientations.row(n - row).data());
+      writer.write(phases.data() + n - row, values.topRows(row + 1),
+                   result.orientations.row(n - row).data());
   });
   return result;
 }
@@ -201,8 +201,8 @@ Peaks peak_speeds(const Curve& curve, const Path& offset, const Eigen::Ref<const
     // Central differences, and at both ends one-sided ones.
     Vector3 between = before;
     if (n < last) {
-      const Quaternion turn = so3::compose(q.row(n + 1), so3::inverse(q.row(n)));
-      between = so3::log(turn) * count;
+      const Quaternion step = so3::compose(q.row(n + 1), so3::inverse(q.row(n)));
+      between = so3::log(step) * count;
     }
     const Vector3 spin = n == 0 || n == last ? between : Vector3(0.5 * (between + before));
     const double squared = spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2];

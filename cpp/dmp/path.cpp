@@ -68,11 +68,11 @@ std::vector<double> joined_breaks(const Path& path, const Correction& correction
 Path minimum_jerk(const Vector& from, const Vector& to) {
   Path result{Vector(2), Rows::Zero(6, from.size())};
   result.breaks << 0.0, 1.0;
-  const Vector way = to - from;
+  const Vector displacement = to - from;
   result.coefficients.row(0) = from.transpose();
-  result.coefficients.row(3) = 10.0 * way.transpose();
-  result.coefficients.row(4) = -15.0 * way.transpose();
-  result.coefficients.row(5) = 6.0 * way.transpose();
+  result.coefficients.row(3) = 10.0 * displacement.transpose();
+  result.coefficients.row(4) = -15.0 * displacement.transpose();
+  result.coefficients.row(5) = 6.0 * displacement.transpose();
   return result;
 }
 
@@ -103,9 +103,9 @@ Vector end_of(const Path& path) {
 
 Path shifted(Path path, const Eigen::Ref<const Rows>& c, const Eigen::Ref<const Vector>& start,
              const Eigen::Ref<const Vector>& goal) {
-  const Eigen::RowVectorXd way = (goal - start).transpose();
+  const Eigen::RowVectorXd displacement = (goal - start).transpose();
   for (Eigen::Index i = 0; i < c.rows(); ++i) {
-    const auto shift = c.row(i).cwiseProduct(way);
+    const auto shift = c.row(i).cwiseProduct(displacement);
     if (i % 6 == 0)
       path.coefficients.row(i) += shift + start.transpose();
     else

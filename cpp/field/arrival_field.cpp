@@ -68,7 +68,7 @@ class RepairedField final : public ArrivalField<Real> {
   void march_from_border();
   void march_everything();
   Real solve(Cell cell, Real before) const;
-  bool stands(Cell cell, Real time) const;
+  bool is_consistent(Cell cell, Real time) const;
 
   template <typename Function>
   void with_march(MarchKind kind, Function function) {
@@ -144,7 +144,7 @@ Real RepairedField<Real, D>::solve(Cell cell, Real before) const {
 
 // Only earlier neighbours may bear witness: two late cells could bear each other out.
 template <typename Real, int D>
-bool RepairedField<Real, D>::stands(Cell cell, Real time) const {
+bool RepairedField<Real, D>::is_consistent(Cell cell, Real time) const {
   if (field_.step[cell] == kUnreached<Real>) return false;
   if (solve(cell, time) <= time * (1 + kTolerance<Real>)) return true;
   const auto source =
@@ -164,7 +164,7 @@ bool RepairedField<Real, D>::invalidate() {
   for (std::size_t n = 0; n < suspects_.size(); ++n) {
     const Cell cell = suspects_[n];
     const Real t = time[cell];
-    if (t == kUnreached<Real> || stands(cell, t)) continue;
+    if (t == kUnreached<Real> || is_consistent(cell, t)) continue;
     time[cell] = kUnreached<Real>;
     invalid_.push_back(cell);
     if (invalid_.size() > most) return false;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A field of arrival times that is kept while speeds change: obstacles appear, move and vanish.
+// A field of arrival times that is repaired as speeds change: obstacles appear, move and vanish.
 
 #include <array>
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace leadthrough {
 
-struct Region {  // cells from `low` on, as many along each axis as `shape` says
+struct Region {  // `shape` cells along each axis, from `low` on
   std::array<Index, 3> low;
   std::array<Index, 3> shape;
 };
@@ -20,7 +20,7 @@ enum class UpdateKind { kNone, kRepair, kFullMarch };
 
 struct Update {
   UpdateKind kind;
-  Index invalidated;  // cells whose time rested on a speed that fell
+  Index invalidated;  // cells whose time depended on a speed that fell
 };
 
 // Times of first order, as `march_first_order` gives them.
@@ -29,9 +29,9 @@ class ArrivalField {
  public:
   virtual ~ArrivalField() = default;
 
-  // Replaces the speeds of a region, given in C order, and repairs the times. Cells that rested on
-  // a cell now slower are invalidated, those of a front through a cell now faster improved; both
-  // are marched anew from what is around them, or everything is, where that is cheaper.
+  // Replaces the speeds of a region, given in C order, and repairs the times. Cells that depended on
+  // a cell now slower are invalidated, cells that a faster cell reaches earlier are improved; both
+  // are marched again from the cells around them, or the whole field is if that is cheaper.
   virtual Update update(const Region& region, const Real* speed) = 0;
   virtual std::vector<Real> times() const = 0;
 };

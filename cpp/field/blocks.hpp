@@ -23,7 +23,7 @@ struct Blocks {
   std::array<Index, 3> place(Index number) const;  // along the three axes
   Index number(const std::array<Index, 3>& place) const;
 
-  // That a point lies in, if there is one.
+  // The block that contains a point, if any.
   std::optional<Index> find(const Point& point) const;
 };
 

@@ -11,8 +11,8 @@
 namespace leadthrough {
 
 // The march of first order on buckets. Cells may be taken from a bucket before their time is final;
-// they are then improved and pushed again, so that the end is the discrete equation's solution
-// whatever the buckets' width.
+// they are then improved and pushed again, so that the result is the discrete equation's solution
+// for every bucket width.
 template <typename Real, int D, bool Cubes>
 class BucketMarch {
  public:

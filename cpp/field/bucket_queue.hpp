@@ -8,9 +8,9 @@ namespace leadthrough {
 
 // Cells sorted into buckets by time, first in first out inside a bucket.
 //
-// The buckets cover `kCount` times the width after a base time; what lies beyond waits in one more
-// bucket, the overflow. Cells are kept in chunks that are recycled, so that the memory in use is
-// that of the front alone.
+// The buckets cover `kCount` times the width after a base time; later cells wait in one more
+// bucket, the overflow. Cells are stored in recycled chunks, so that the memory in use is that of
+// the front alone.
 class BucketQueue {
  public:
   using Cell = std::uint32_t;

@@ -8,11 +8,11 @@
 
 namespace leadthrough {
 
-// Some cells of a grid in C order, each with its neighbours across faces: what is computed on them
-// costs as much as they are many, however large the grid is.
+// A subset of a grid's cells in C order, each with its neighbours across faces. Work on it costs
+// time linear in the set's size, independent of the grid's.
 class CellSet {
  public:
-  using Place = std::uint32_t;  // of a cell in the set
+  using Place = std::uint32_t;  // index of a cell in the set
 
   // Cells in the grid, ascending and each once.
   CellSet(const Grid& grid, std::vector<Index> cells);
@@ -21,21 +21,21 @@ class CellSet {
   const std::vector<Index>& cells() const { return cells_; }
   std::size_t size() const { return cells_.size(); }
 
-  // The place after the last stands for every cell that is missing; its neighbours are missing too.
+  // The index after the last represents every missing cell; its neighbours are missing too.
   Place missing() const { return static_cast<Place>(cells_.size()); }
 
-  // Of the grid's three axes; `side` is -1 or 1.
+  // axis: of the grid's three; side: -1 or 1.
   Place next(Place place, int axis, int side) const {
     return neighbours_[place][2 * axis + (side > 0 ? 1 : 0)];
   }
 
-  // Whether the grid goes on beyond a cell.
+  // True if the grid has a further cell on that side.
   bool has_room(Place place, int axis, int side) const {
     const Index at = cells_[place] / strides_[axis] % grid_.shape[axis];
     return side > 0 ? at + 1 < grid_.shape[axis] : at > 0;
   }
 
-  // Whether a cell of finite time has a neighbour in the grid that the set does not hold.
+  // True if a cell of finite time has a neighbour in the grid that the set lacks.
   bool is_open(const double* times) const;
 
   // `missing()` for a cell that is not in the set.
@@ -52,16 +52,16 @@ class CellSet {
   std::vector<Place> row_begin_;                  // of each row from there on, and the end
 };
 
-// The cells of a grid whose centres lie within a radius of the centre of one of some cells, which
-// are ascending.
+// The cells of a grid whose centres lie within a radius of the centre of at least one of the given
+// cells, which are ascending.
 std::vector<Index> cells_within(const Grid& grid, const std::vector<Index>& cells, double radius);
 
-// Coordinates of the centres of cells along the grid's three axes, where the first cell of all has
-// its centre at `first`.
+// Coordinates of the centres of cells along the grid's three axes; the grid's first cell has its
+// centre at `first`.
 std::array<double, 3> centre_of(const Grid& grid, const std::array<double, 3>& first, Index cell);
 
-// The cells, two along each axis of more than one, that cells of a grid half as fine consist of.
-// Both are ascending.
+// The children of cells of a grid half as fine: two along each axis of more than one cell. Both
+// are ascending.
 std::vector<Index> finer_cells(const Grid& coarse, const Grid& fine,
                                const std::vector<Index>& cells);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The quickest way through a field of arrival times: down its gradient, from a start to the source.
+// The quickest path through a field of arrival times: down its gradient, from start to source.
 
 #include <array>
 #include <vector>
@@ -24,7 +24,7 @@ enum class DescentStatus {
   kNotTimes,  // NaN or a negative number near the point
 };
 
-// The name of a status as callers in other languages know it.
+// Name of a status in the bindings.
 const char* name(DescentStatus status);
 
 struct Descent {
@@ -32,15 +32,15 @@ struct Descent {
   std::vector<Coordinates> path;  // from start to goal if the status is kOk
 };
 
-// Steps are at most `step` of the smallest spacing long, below 1. Every segment of the path stays
-// in cells of finite arrival. Arrival falls from each point to the next one; where the way rounds a
-// corner too narrow for the gradient, it passes centres of cells, each earlier than the last.
+// Steps are at most `step` < 1 of the smallest spacing long. Every segment of the path stays in
+// cells of finite arrival. Arrival falls from each point to the next; at corners too narrow for the
+// gradient, the path passes centres of cells, each earlier than the last.
 // Real is float or double.
 template <typename Real>
 Descent descend(const Grid& grid, const Real* arrival, const Coordinates& start,
                 const Coordinates& goal, double step);
 
-// The same down the times of a set of cells, one each; the others are not reached.
+// The same for the times of a set of cells; all other cells count as unreached.
 Descent descend(const CellSet& set, const double* arrival, const Coordinates& start,
                 const Coordinates& goal, double step);
 

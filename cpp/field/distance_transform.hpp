@@ -9,7 +9,7 @@
 
 namespace leadthrough {
 
-// Distance from every cell to the nearest cell of `mask` that is not 0, infinite if there is none.
+// Distance from every cell to the nearest nonzero cell of `mask`, infinite if there is none.
 std::vector<double> distance_transform(const Grid& grid, const std::uint8_t* mask);
 
 }  // namespace leadthrough

@@ -20,16 +20,16 @@ struct Source {
 
 // The sources together with the cells around each, at their exact times: a difference scheme's
 // error is largest beside a point source. A ball has at most `radius`, in the smallest spacing. It
-// ends before the first cell of another speed, a wall included, and half way to the next source.
+// ends before the first cell of another speed, a wall included, and midway to the next source.
 template <typename Real>
 std::vector<Source> with_balls(const Grid& grid, const Real* speed,
                                const std::vector<Source>& sources, double radius);
 
 constexpr Index kNoStop = -1;
 
-// One time a cell, infinite where the front does not come. A cell of speed 0 is a wall; the
-// slowest other speed must not be below 1e-15 of the fastest. With a cell to stop at, cells that
-// the front reaches later than it stay infinite.
+// One time per cell, infinite if unreachable. A cell of speed 0 is a wall; the slowest other speed
+// must be at least 1e-15 of the fastest. With a cell to stop at, cells that the front reaches later
+// stay infinite.
 // Real is float or double.
 template <typename Real>
 std::vector<Real> march_first_order(const Grid& grid, const Real* speed,
@@ -54,7 +54,7 @@ template <typename Real>
 std::vector<Real> march(const Grid& grid, const MarchProblem<Real>& problem,
                         const MarchOptions& options = {});
 
-// The times of each problem, on up to `threads` threads; the same bits whatever their number.
+// The times of each problem, on up to `threads` threads; the bits do not depend on their number.
 template <typename Real>
 std::vector<std::vector<Real>> march_batch(const Grid& grid,
                                            const std::vector<MarchProblem<Real>>& problems,

@@ -89,10 +89,10 @@ std::vector<double> PassableSpeeds::at(const std::vector<Index>& cells) const {
   std::vector<double> speeds = free_->at(cells);
   for (std::size_t n = 0; n < cells.size(); ++n) {
     const double away = beside[n];
-    const bool is_way = away > 0.0 && away < 1.0 && *next++;
-    const double closeness = is_way ? 1.0 - std::abs(2.0 * away - 1.0) : 0.0;
-    const double way = std::max(speeds[n], saturation + (1.0 - saturation) * closeness);
-    speeds[n] = way * std::min(2.0 * away, 1.0);
+    const bool is_detour = away > 0.0 && away < 1.0 && *next++;
+    const double closeness = is_detour ? 1.0 - std::abs(2.0 * away - 1.0) : 0.0;
+    const double detour = std::max(speeds[n], saturation + (1.0 - saturation) * closeness);
+    speeds[n] = detour * std::min(2.0 * away, 1.0);
   }
   return speeds;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Speed maps with obstacles: walls where they are, and slower cells beside them.
+// Speed maps with obstacles: obstacles are walls, cells near them are slower.
 
 #include <memory>
 #include <vector>
@@ -10,7 +10,8 @@
 
 namespace leadthrough {
 
-// A map without obstacles times the obstacles' own, which grows from 0 in them to 1 at `reach`.
+// Product of the map without obstacles and the obstacles' map, which grows from 0 inside them to 1
+// at distance `reach`.
 class HinderedSpeeds : public SpeedMap {
  public:
   HinderedSpeeds(std::shared_ptr<const SpeedMap> free, Walls walls, double reach);
@@ -24,8 +25,7 @@ class HinderedSpeeds : public SpeedMap {
   double reach_;
 };
 
-// The smaller of both maps where the obstacles' own one is below a saturation (Prados et al. 2023,
-// eq. 7).
+// Minimum of both maps where the obstacles' map is below a saturation (Prados et al. 2023, eq. 7).
 class SaturatedSpeeds : public SpeedMap {
  public:
   SaturatedSpeeds(std::shared_ptr<const SpeedMap> free, Walls walls, double reach,
@@ -43,25 +43,25 @@ class SaturatedSpeeds : public SpeedMap {
   double saturation_;
 };
 
-// The product of both maps, where a tube of two bands' width leads round what stands in a tube.
+// Product of both maps, with a detour tube of two bands' width around obstacles in a tube.
 class PassableSpeeds : public SpeedMap {
  public:
-  // band: over which the speed grows from 0 at an obstacle to its own value.
-  // reach: of the ways round, from where an obstacle stands in a tube.
+  // band: distance over which the speed grows from 0 at an obstacle to its free value.
+  // reach: of the detours, from an obstacle's cells in a tube.
   PassableSpeeds(std::shared_ptr<const FreeSpeeds> free, Walls walls, double band, double reach);
   std::vector<double> at(const std::vector<Index>& cells) const override;
   std::vector<double> fastest(const Blocks& blocks,
                               const std::vector<Index>& numbers) const override;
 
  private:
-  // Whether points lie within the reach, and some room, of walls in a tube.
+  // True for points within the reach, plus `room`, of walls in a tube.
   std::vector<bool> are_near_struck(const std::vector<Point>& points, double room) const;
 
   std::shared_ptr<const FreeSpeeds> free_;
   Walls walls_;
   double around_;  // two bands
   double reach_;
-  std::vector<Point> struck_;  // centres of the walls in tubes
+  std::vector<Point> struck_;  // centres of the wall cells in tubes
 };
 
 }  // namespace leadthrough

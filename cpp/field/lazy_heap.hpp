@@ -7,9 +7,9 @@
 
 namespace leadthrough {
 
-// A 4-ary min-heap of cells by time. A cell whose time falls is pushed again and the old entry
-// stays; the caller drops it when it comes. Key and cell share 64 bits: for times >= 0 the bits of
-// a float sort as the float does.
+// A 4-ary min-heap of cells by time. A cell whose time falls is pushed again and the stale entry
+// stays; the caller drops it when it is popped. Key and cell share 64 bits: for times >= 0 the bits
+// of a float sort as the float does.
 class LazyHeap {
  public:
   struct Entry {

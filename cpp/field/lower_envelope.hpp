@@ -26,7 +26,7 @@ class LowerEnvelope {
   }
 
  private:
-  // All in units of the spacing. Returns whether there is any parabola at all.
+  // All in units of the spacing. Returns true if there is at least one parabola.
   bool build(const double* values, Index size) {
     const double per_scale = 1.0 / scale_;
     count_ = 0;

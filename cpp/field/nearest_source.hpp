@@ -1,6 +1,6 @@
 #pragma once
 
-// The source, of several, from which the front reached each cell.
+// Nearest of several sources to each cell, by arrival time.
 
 #include <cstdint>
 #include <vector>
@@ -9,9 +9,9 @@
 
 namespace leadthrough {
 
-// For each cell the number of the source (its place in `sources`, cells) whose front reached it
-// first, by a field of arrival times that marched from them all; -1 where the times do not lead
-// down to a source, or are infinite.
+// Index in `sources` (cells) of the source whose front reached each cell first, by a field of
+// arrival times that marched from all of them; -1 where the times are infinite or do not descend
+// to a source.
 std::vector<std::int32_t> nearest_sources(const Grid& grid, const double* arrival,
                                           const std::vector<Index>& sources);
 

@@ -12,13 +12,13 @@
 
 namespace leadthrough {
 
-using Cell = std::uint32_t;  // a place in a padded field
+using Cell = std::uint32_t;  // index in a padded field
 
 template <typename Real>
 constexpr Real kUnreached = std::numeric_limits<Real>::infinity();
 
-// A front gets later from cell to cell by this factor at least, even where a step is lost in
-// rounding: a way down the times then exists from everywhere.
+// Times grow from cell to cell by at least this factor, even if a step is lost in rounding: a
+// descent then exists from every reached cell.
 template <typename Real>
 constexpr Real kLater = 1 + 2 * std::numeric_limits<Real>::epsilon();
 
@@ -92,7 +92,7 @@ std::vector<Real> PaddedField<Real, D>::times_up_to(Real limit) const {
 
 template <typename Real, int D>
 std::vector<Real> PaddedField<Real, D>::take_times_up_to(Real limit) {
-  copy_times_up_to(limit, time.data());  // no place is written to before it has been read
+  copy_times_up_to(limit, time.data());  // every element is read before it is overwritten
   time.resize(grid_size());
   // A flat grid's border is larger than the grid.
   if (time.capacity() > time.size() + time.size() / 4) time.shrink_to_fit();

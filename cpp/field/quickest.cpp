@@ -81,7 +81,7 @@ class Search {
   bool march(const std::vector<Index>& band, std::vector<Point>& path);
   const std::vector<double>& ask(CellSet cells);
   std::vector<Point> follow(const std::vector<double>& times, const Point& first) const;
-  WayEnd enter(const End& end, const Blocks& blocks, const std::vector<Index>& numbers) const;
+  PathEnd enter(const End& end, const Blocks& blocks, const std::vector<Index>& numbers) const;
   std::vector<Source> face(const Point& place, const Blocks& blocks,
                            const std::vector<Index>& numbers) const;
   bool holds(double arrival, double hope, bool is_open);
@@ -163,7 +163,7 @@ const Search::Seen& Search::look(const Blocks& blocks, const std::vector<Index>&
 // limit was high enough for it.
 bool Search::march(const std::vector<Index>& band, std::vector<Point>& path) {
   const Blocks& cells = levels_.back();
-  const WayEnd start = enter(start_, cells, band), goal = enter(goal_, cells, band);
+  const PathEnd start = enter(start_, cells, band), goal = enter(goal_, cells, band);
   const double radius = kBall * smallest_spacing(cells);
   const std::vector<double>& speeds =
       ask(CellSet(cells.grid, united(band, cells_within(cells.grid, {*goal_.cell}, radius))));
@@ -222,7 +222,7 @@ std::vector<Point> Search::follow(const std::vector<double>& times, const Point&
 
 // Blocks where the wave of an end enters: the block that contains the end, or those on the border
 // that face an end outside.
-WayEnd Search::enter(const End& end, const Blocks& blocks,
+PathEnd Search::enter(const End& end, const Blocks& blocks,
                      const std::vector<Index>& numbers) const {
   if (end.cell) return {{{block_around(blocks, map_.cells(), *end.cell)}}, false};
   return {face(end.place, blocks, numbers), true};

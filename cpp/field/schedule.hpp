@@ -12,7 +12,7 @@
 namespace leadthrough {
 
 // The cells of a front in buckets of time. A cell whose time falls is put into its new bucket; the
-// entry in the old one is then stale and dropped when it comes.
+// entry in the old one is then stale and dropped when it is taken.
 enum class MarchKind { kFresh, kRepair };  // a repair begins with times that are not queued
 
 template <typename Real>
@@ -21,7 +21,7 @@ class Schedule {
   Schedule(std::vector<Real>& time, MarchKind kind)
       : time_(time), fresh_(kind == MarchKind::kFresh) {}
 
-  // A source. All of them come before the first refill. NaN, of squares that overflow, has no
+  // Adds a source, before the first refill. NaN, from squares that overflow, has no
   // bucket.
   void start(Cell cell, Real time) {
     if (!(time < time_[cell])) return;
@@ -64,12 +64,12 @@ class Schedule {
   Real begin() const { return base_ + static_cast<Real>(current_) / inverse_width_; }
 
   bool is_due(Real time) const { return bucket(time) == current_; }
-  // At the end of a bucket: whether no cell can fall below this time any more.
+  // At the end of a bucket: true if no cell can fall below this time any more.
   bool is_final(Real time) const { return bucket(time) <= current_; }
 
  private:
   // Half the quickest step between two cells: narrower buckets cost more scanning, wider ones more
-  // cells that are improved after they were taken.
+  // repeated updates.
   static constexpr double kWidth = 0.5;
 
   int bucket(Real time) const {

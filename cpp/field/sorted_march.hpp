@@ -82,7 +82,7 @@ class SortedMarch {
       for (const int side : {-1, 1}) {
         const Index neighbour = field_.next(cell, axis, side);
         const Real old = field_.time[neighbour];
-        // An earlier opposite neighbour is what this axis takes, not the cell.
+        // The axis uses an earlier opposite neighbour instead of the cell.
         if (!(old > t) || field_.time[field_.next(neighbour, axis, side)] < t) continue;
         if (field_.step[neighbour] == kUnreached<Real>) continue;
         const Real time = std::max(t * kLater<Real>, solve(neighbour, t));

@@ -7,7 +7,7 @@
 
 namespace leadthrough {
 
-// Meaning of the grid's cells outside a set.
+// Meaning of cells outside the set.
 enum class Outside { kUnknown, kTarget };
 
 // Distance from every cell of a set to the nearest target, centre to centre, infinite if there is

@@ -9,13 +9,13 @@
 
 namespace leadthrough {
 
-// The source together with the cells around it at their exact times, as `with_balls` gives them;
-// the ball ends before the first cell that the set does not hold.
+// The source together with the cells around it at their exact times, as in `with_balls`; the ball
+// ends before the first cell outside the set.
 std::vector<Source> with_ball(const CellSet& set, const double* speed, const Source& source,
                               double radius);
 
-// One time and one speed a cell of the set; cells that it does not hold are walls, and sources in
-// them are passed over. Later cells than the cell to stop at stay infinite.
+// One time and one speed per cell of the set. Cells outside it are walls, and sources in them are
+// ignored. Cells later than the cell to stop at stay infinite.
 std::vector<double> march_second_order(const CellSet& set, const double* speed,
                                        const std::vector<Source>& sources, Index stop = kNoStop);
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Speeds of a map's cells, computed where they are asked for, however large the map is, and upper
-// bounds of them over blocks of cells.
+// Speeds of a map's cells, computed on request and independent of the map's size, with upper bounds
+// over blocks of cells.
 // Source: Prados et al. 2023, Appl. Sci. 13:2028, Algorithm 1.
 
 #include <vector>
@@ -15,7 +15,7 @@ constexpr double kRadiusRounding = 1e-9;
 
 class SpeedMap {
  public:
-  // outside: the speed beyond the grid, where there are no walls; 0 where no wave goes there.
+  // outside: the speed beyond the grid, which has no walls; 0 bars waves from leaving the grid.
   SpeedMap(const Blocks& cells, double outside) : cells_(cells), outside_(outside) {}
   virtual ~SpeedMap() = default;
   SpeedMap(const SpeedMap&) = delete;
@@ -36,7 +36,7 @@ class SpeedMap {
   double outside_;
 };
 
-// Speeds that are there already, one a cell; they are not copied.
+// Given speeds, one per cell; not copied.
 class GivenSpeeds : public SpeedMap {
  public:
   GivenSpeeds(const Blocks& cells, double outside, const double* speeds);
@@ -50,7 +50,7 @@ class GivenSpeeds : public SpeedMap {
   const double* speeds_;
 };
 
-// Speeds without obstacles, above a saturation in tubes about paths only.
+// Speeds without obstacles; above the saturation only in tubes about paths.
 class FreeSpeeds : public SpeedMap {
  public:
   FreeSpeeds(const Blocks& cells, double saturation) : SpeedMap(cells, saturation) {}
@@ -85,7 +85,7 @@ class ExperienceSpeeds : public FreeSpeeds {
   std::vector<Level> levels_;
 };
 
-// A path that waves run fast about.
+// A path with a tube of high speed about it.
 struct Tube {
   std::vector<Point> path;  // finely sampled
   double weight;            // in [0, 1], of the speed on the path

@@ -7,8 +7,8 @@ namespace leadthrough {
 
 // Solutions of the upwind equation, sum of ((T - value) / spacing)^2 over the axes where T > value
 // = step^2, for many cells at once and without a branch: axes are added from the smallest value on,
-// and a value above the solution so far is moved down to it, where it changes nothing. Differences
-// to the smallest value keep the digits far from the source.
+// and a value above the solution so far is clamped to it, which leaves the solution unchanged.
+// Differences to the smallest value preserve the digits far from the source.
 template <typename Value>
 Value solve_cubes(const std::array<Value, 2>& upwind, const Value& step) {
   using Real = typename Value::Scalar;

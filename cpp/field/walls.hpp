@@ -21,7 +21,7 @@ class Walls {
   // cells: blocks of one cell each. margin: in the grid's unit.
   Walls(const Blocks& cells, double margin, std::vector<Obstacle> obstacles);
 
-  // Whether each cell is a wall, 0 or 1.
+  // One flag per cell: 1 in walls, else 0.
   std::vector<std::uint8_t> hold(const std::vector<Index>& cells) const;
 
   // Distances of ascending cells to the nearest wall, centre to centre, at most `most`; 0 in walls.

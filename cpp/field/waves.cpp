@@ -11,19 +11,19 @@ namespace leadthrough {
 
 namespace {
 
-double arrival_at(const WayEnd& end, const CellSet& blocks, const std::vector<double>& times) {
+double arrival_at(const PathEnd& end, const CellSet& blocks, const std::vector<double>& times) {
   const std::optional<Source> first = first_of(end, blocks, times);
   return first ? first->time : std::numeric_limits<double>::infinity();
 }
 
 // A wave does not see the way from a block's centre to an end in it.
-double unseen_at(const WayEnd& end, const CellSet& blocks, const double* speed, double reach) {
+double unseen_at(const PathEnd& end, const CellSet& blocks, const double* speed, double reach) {
   return end.is_outside ? 0.0 : reach / speed[blocks.find(end.entries.front().cell)];
 }
 
 }  // namespace
 
-std::optional<Source> first_of(const WayEnd& end, const CellSet& cells,
+std::optional<Source> first_of(const PathEnd& end, const CellSet& cells,
                                const std::vector<double>& times) {
   std::optional<Source> first;
   for (const Source& entry : end.entries) {
@@ -35,8 +35,8 @@ std::optional<Source> first_of(const WayEnd& end, const CellSet& cells,
   return first;
 }
 
-Waves waves_between(const CellSet& blocks, const double* speed, const WayEnd& start,
-                    const WayEnd& goal, double reach) {
+Waves waves_between(const CellSet& blocks, const double* speed, const PathEnd& start,
+                    const PathEnd& goal, double reach) {
   std::vector<double> through = march_second_order(blocks, speed, start.entries);
   const std::vector<double> from_goal = march_second_order(blocks, speed, goal.entries);
   // The two ways differ by the scheme's error, which is largest at the mouths of tubes.

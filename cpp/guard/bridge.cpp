@@ -48,16 +48,16 @@ std::optional<Bridge> shortest(const StepLimits& limits, const RowsRef& history,
     const auto landing = target.middleRows(skipped, kLanding);
     const Quintic quintic(history, landing, steps);
     // Most attempts leave a limit within a few rows.
-    bool kept = true;
-    for (Index k = 1; kept && k < steps + kLanding; ++k) {
+    bool satisfied = true;
+    for (Index k = 1; satisfied && k < steps + kLanding; ++k) {
       const Index row = kHistory - 1 + k;
       if (k < steps)
         quintic.at(static_cast<double>(k), stream.row(row));
       else
         stream.row(row) = landing.row(k - steps);
-      kept = keeps(limits, stream, row);
+      satisfied = keeps(limits, stream, row);
     }
-    if (kept) return Bridge{stream.middleRows(kHistory, steps - 1), skipped};
+    if (satisfied) return Bridge{stream.middleRows(kHistory, steps - 1), skipped};
   }
   return std::nullopt;
 }

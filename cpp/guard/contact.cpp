@@ -28,15 +28,15 @@ std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
 class Certifier {
  public:
-  Certifier(const Surroundings& around, const Eigen::VectorXd& start, const RowsRef& samples,
+  Certifier(const GuardedScene& scene, const Eigen::VectorXd& start, const RowsRef& samples,
             double age, long most_work)
-      : scene_(around.arm.scene),
-        around_(around),
+      : scene_(scene.arm.scene),
+        guarded_(scene),
         samples_(samples),
         start_(start),
         age_(age),
         work_left_(most_work),
-        ways_(index(samples.rows()) + 1),
+        travel_(index(samples.rows()) + 1),
         normals_(scene_.pairs.size(), Eigen::Vector3d::UnitX()) {
     for (const BodyShape& shape : scene_.shapes) poses_.push_back(shape.T_frame_shape);
     MovingValues extent{};
@@ -46,7 +46,7 @@ class Certifier {
       for (Index i = 1; i <= samples_.rows(); ++i) {
         const double here = value(i, k);
         extent[k] = std::max(extent[k], std::abs(here));
-        ways_[index(i)][k] = ways_[index(i) - 1][k] + std::abs(here - before);
+        travel_[index(i)][k] = travel_[index(i) - 1][k] + std::abs(here - before);
         before = here;
       }
     }
@@ -70,7 +70,7 @@ class Certifier {
 
   // Margin of a pair at that time, grown by the obstacle's largest possible motion.
   double margin(std::size_t p, double sample) const {
-    return std::max(around_.arm.margins[p] + around_.growth[p] * (age_ + sample), kMinMargin);
+    return std::max(guarded_.arm.margins[p] + guarded_.growth[p] * (age_ + sample), kMinMargin);
   }
 
   void move_to(double sample) {
@@ -98,10 +98,10 @@ class Certifier {
   void keep_open(std::size_t first, std::size_t end, const MovingValues& change, double late) {
     for (std::size_t i = first; i < end; ++i) {
       const std::size_t p = open_[i];
-      const double way = collision::pair_motion(scene_, reach_, scene_.pairs[p], change);
+      const double motion = collision::pair_motion(scene_, reach_, scene_.pairs[p], change);
       const double least = margin(p, late);
       const double slack = std::min(kTolerance, least - kTouching);
-      if (!apart(p, least - slack + way)) open_.push_back(p);
+      if (!apart(p, least - slack + motion)) open_.push_back(p);
     }
   }
 
@@ -113,8 +113,8 @@ class Certifier {
     move_to(static_cast<double>(middle));
     MovingValues change{};
     for (std::size_t k = 0; k < moving_count(scene_.chain); ++k)
-      change[k] = std::max(ways_[index(middle)][k] - ways_[index(low)][k],
-                           ways_[index(high)][k] - ways_[index(middle)][k]);
+      change[k] = std::max(travel_[index(middle)][k] - travel_[index(low)][k],
+                           travel_[index(high)][k] - travel_[index(middle)][k]);
     const std::size_t left = open_.size();
     keep_open(first, end, change, static_cast<double>(high));
     const std::size_t right = open_.size();
@@ -133,7 +133,7 @@ class Certifier {
       if (!apart(open_[i], margin(open_[i], at) - kTouching)) return touch(at, open_[i]);
     MovingValues change{};
     for (std::size_t k = 0; k < moving_count(scene_.chain); ++k)
-      change[k] = (to - middle) * (ways_[index(low) + 1][k] - ways_[index(low)][k]);
+      change[k] = (to - middle) * (travel_[index(low) + 1][k] - travel_[index(low)][k]);
     const std::size_t left = open_.size();
     keep_open(first, end, change, static_cast<double>(low) + to);
     const std::size_t right = open_.size();
@@ -156,12 +156,12 @@ class Certifier {
   }
 
   const CollisionScene& scene_;
-  const Surroundings& around_;
+  const GuardedScene& guarded_;
   const RowsRef& samples_;
   const Eigen::VectorXd& start_;
   double age_;
   long work_left_;
-  std::vector<MovingValues> ways_;  // that each moving joint has gone, after each sample
+  std::vector<MovingValues> travel_;  // that each moving joint has gone, after each sample
   std::vector<MovingValues> reach_;
   std::vector<Eigen::Vector3d> normals_;
   std::vector<Pose> poses_;
@@ -172,21 +172,22 @@ class Certifier {
 
 }  // namespace
 
-Surroundings surroundings(const CollisionModel& model, const PlacedShapes& obstacles,
-                          const std::vector<double>& growth, double margin, double self_margin) {
+GuardedScene guarded_scene(const CollisionModel& model, const PlacedShapes& obstacles,
+                           const std::vector<double>& growth, double margin,
+                           double self_collision_margin) {
   const CollisionModel own = without_meeting_pairs(model);
-  Surroundings around{whole_arm(own, obstacles, margin, self_margin), {}};
+  GuardedScene result{whole_arm(own, obstacles, margin, self_collision_margin), {}};
   const int bodies = static_cast<int>(own.bodies.size());
-  for (const ShapePair& pair : around.arm.scene.pairs) {
-    const int body = around.arm.scene.shapes[index(pair.a)].body;
-    around.growth.push_back(body < bodies ? 0.0 : growth[index(body - bodies)]);
+  for (const ShapePair& pair : result.arm.scene.pairs) {
+    const int body = result.arm.scene.shapes[index(pair.a)].body;
+    result.growth.push_back(body < bodies ? 0.0 : growth[index(body - bodies)]);
   }
-  return around;
+  return result;
 }
 
-std::optional<Contact> first_contact(const Surroundings& around, const Eigen::VectorXd& start,
+std::optional<Contact> first_contact(const GuardedScene& scene, const Eigen::VectorXd& start,
                                      const RowsRef& samples, double age, long most_work) {
-  return Certifier(around, start, samples, age, most_work).run();
+  return Certifier(scene, start, samples, age, most_work).run();
 }
 
 }  // namespace leadthrough::guard

@@ -13,13 +13,14 @@
 namespace leadthrough::guard {
 
 // growth: by how much an obstacle may come nearer in a period, m, one for each.
-struct Surroundings {
+struct GuardedScene {
   WholeArm arm;
   std::vector<double> growth;  // of each pair of shapes
 };
 // Pairs that touch by their URDF are left out: no margin can be kept between them.
-Surroundings surroundings(const CollisionModel& model, const PlacedShapes& obstacles,
-                          const std::vector<double>& growth, double margin, double self_margin);
+GuardedScene guarded_scene(const CollisionModel& model, const PlacedShapes& obstacles,
+                           const std::vector<double>& growth, double margin,
+                           double self_collision_margin);
 
 // First time at which two bodies come nearer than their margin, as a sample's number with a
 // fraction. Without bodies: the sample at which the permitted effort ended.
@@ -33,7 +34,7 @@ constexpr long kAllWork = std::numeric_limits<long>::max();
 // since the obstacles were where they are said to be. Nothing that is clear comes nearer than the
 // margin by more than 0.1 mm, or touches. most_work: pairs of shapes that are looked at, each time
 // that they are; a motion that grazes something takes a hundred times as many as one far from all.
-std::optional<Contact> first_contact(const Surroundings& around, const Eigen::VectorXd& start,
+std::optional<Contact> first_contact(const GuardedScene& scene, const Eigen::VectorXd& start,
                                      const RowsRef& samples, double age, long most_work = kAllWork);
 
 }  // namespace leadthrough::guard

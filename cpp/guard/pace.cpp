@@ -138,16 +138,16 @@ std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& history,
     // still afterwards is part of the stop. Attempts that are too short end within a few
     // rows, and those after them begin at the same row or before.
     const Index first = path.rows() - 1 - stop / 2;
-    bool kept = true;
-    for (Index k = 1; kept && k <= stop + kHistory; ++k) {
+    bool satisfied = true;
+    for (Index k = 1; satisfied && k <= stop + kHistory; ++k) {
       const double s = static_cast<double>(std::min(k, stop)) / static_cast<double>(stop);
       const double gone = static_cast<double>(stop) * s * (1.0 - s * s * (1.0 - 0.5 * s));
       const Index row = kHistory + first + k - 1;
       places[first + k - 1] = static_cast<double>(first - 1) + gone;
       curve.at(static_cast<double>(kHistory) + places[first + k - 1], stream.row(row));
-      kept = keeps(limits, stream, row);
+      satisfied = keeps(limits, stream, row);
     }
-    if (!kept) continue;
+    if (!satisfied) continue;
     for (Index k = 0; k < first; ++k) places[k] = static_cast<double>(k);
     const Index count = first + stop;
     return Paced{stream.middleRows(kHistory, count), places.head(count).matrix()};

@@ -81,10 +81,10 @@ class Scene {
     const Eigen::Vector3d across = goal.direction - cosine * pointer.axis;
     const double sine = across.norm();
     constexpr double kOpposite = 1e-9;  // rad
-    const Eigen::Vector3d way = sine > kOpposite ? Eigen::Vector3d(across / sine)
-                                : cosine > 0.0   ? Eigen::Vector3d::Zero()
-                                                 : pointer.axis.unitOrthogonal();
-    const Eigen::Vector3d error = std::atan2(sine, cosine) * way;
+    const Eigen::Vector3d axis = sine > kOpposite ? Eigen::Vector3d(across / sine)
+                                 : cosine > 0.0   ? Eigen::Vector3d::Zero()
+                                                  : pointer.axis.unitOrthogonal();
+    const Eigen::Vector3d error = std::atan2(sine, cosine) * axis;
     // The part along the axis only keeps its length: no joint can or should change it.
     const Eigen::Vector3d bias = pointer.bias - pointer.axis.dot(pointer.bias) * pointer.axis;
     reach(level, kOrientationWeight * error, Eigen::Vector3d::Zero(), kOrientationWeight * bias);
@@ -223,14 +223,14 @@ void judge(const StackWorkspace& workspace, StackMotion& answer) {
     if (workspace.owner[i] < 0) continue;
     const Level& level = workspace.levels[i];
     TaskReport& report = answer.reports[static_cast<std::size_t>(workspace.owner[i])];
-    double miss = 0.0;
+    double residual = 0.0;
     if (level.unilateral) {
       const double off = level.wanted[0] - level.jacobian.row(0).dot(answer.motion);
-      miss = level.activation * std::max(off, 0.0);
+      residual = level.activation * std::max(off, 0.0);
     } else {
-      miss = (level.wanted - level.jacobian.lazyProduct(answer.motion)).norm();
+      residual = (level.wanted - level.jacobian.lazyProduct(answer.motion)).norm();
     }
-    report.miss = std::max(report.miss, miss);
+    report.residual = std::max(report.residual, residual);
     report.bounded = report.bounded || level.bounded;
   }
 }

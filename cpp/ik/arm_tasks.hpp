@@ -69,10 +69,10 @@ struct TaskStack {
 };
 
 // One value a task. error: m and rad, rotations weighted by kOrientationWeight; of unilateral tasks
-// how far they are violated. miss: how far the motion is from what the task asks of it, in the
+// how far they are violated. residual: how far the motion is from what the task asks of it, in the
 // units of the error per s or s^2. bounded: a limit or a task above kept the motion from it.
 struct TaskReport {
-  double error = 0.0, miss = 0.0, activation = 0.0;
+  double error = 0.0, residual = 0.0, activation = 0.0;
   bool bounded = false;
 };
 

@@ -4,9 +4,9 @@
 // The axes are those of the target's frame. Rows of axes left free are not there at all, so that
 // no matrix becomes singular on their account.
 //
-// Rotations are measured by what remains to be turned: the rotation vector where all three axes
-// are asked for; with one free axis the swing, the shortest turn that brings the tool's axis onto
-// the target's, whatever the spin about it; with two free axes the twist about the third.
+// Rotations are measured by what is left between tip and target: the rotation vector where all
+// three axes are asked for; with one free axis the swing, the shortest turn that brings the tool's
+// axis onto the target's, whatever the spin about it; with two free axes the twist about the third.
 
 #include <type_traits>
 
@@ -50,22 +50,22 @@ double distance_from(const Eigen::Vector3d& point, const AxisTarget<M>& target) 
   double squared = 0.0;
   for (int row = 0; row < target.translations; ++row) {
     const double along = std::abs(away[target.axis[static_cast<std::size_t>(row)]]);
-    const double kept = std::isfinite(target.tolerance[row]) ? target.tolerance[row] : 0.0;
-    squared += std::pow(std::max(along - kept, 0.0), 2);
+    const double tolerated = std::isfinite(target.tolerance[row]) ? target.tolerance[row] : 0.0;
+    squared += std::pow(std::max(along - tolerated, 0.0), 2);
   }
   return std::sqrt(squared);
 }
 
 // Orientation error in the target's frame, and its rate: an angular velocity w of the tip, in the
 // same frame, changes `error` by -rate w. Rows of free axes are unused.
-struct Turn {
+struct RotationError {
   Eigen::Vector3d error = Eigen::Vector3d::Zero();
   Eigen::Matrix3d rate = Eigen::Matrix3d::Zero();
 };
 
-// turned: the tip's rotation seen from the target, in these three.
-inline Turn whole_turn(const Eigen::Matrix3d& turned) {
-  const Eigen::Vector3d v = rotation_vector(turned.transpose());
+// rotation: the tip's rotation seen from the target, in these three.
+inline RotationError rotation_vector_error(const Eigen::Matrix3d& rotation) {
+  const Eigen::Vector3d v = rotation_vector(rotation.transpose());
   const double angle = v.norm();
   // The coefficient of the squared term; below a millirad its series is exact.
   const double second = angle < 1e-3
@@ -77,12 +77,12 @@ inline Turn whole_turn(const Eigen::Matrix3d& turned) {
 }
 
 // The shortest turn that brings the tool's axis k onto the target's.
-inline Turn swing(const Eigen::Matrix3d& turned, int k) {
+inline RotationError swing(const Eigen::Matrix3d& rotation, int k) {
   const int i = (k + 1) % 3, j = (k + 2) % 3;
-  const double x = turned(i, k), y = turned(j, k), cosine = turned(k, k);
+  const double x = rotation(i, k), y = rotation(j, k), cosine = rotation(k, k);
   const double sine = std::hypot(x, y);
   const double angle = std::atan2(sine, cosine);
-  Turn turn;
+  RotationError result;
   // For opposite axes every direction is equally short, and the rate is unbounded.
   constexpr double kNoDirection = 1e-12;
   constexpr double kSteepest = -10.0;
@@ -90,30 +90,30 @@ inline Turn swing(const Eigen::Matrix3d& turned, int k) {
   const double dx = straight ? 1.0 : x / sine, dy = straight ? 0.0 : y / sine;
   const double across =
       straight ? (cosine > 0.0 ? 1.0 : kSteepest) : std::max(angle * cosine / sine, kSteepest);
-  turn.error[i] = angle * dy;
-  turn.error[j] = -angle * dx;
-  turn.rate(i, i) = dy * dy + across * dx * dx;
-  turn.rate(j, j) = dx * dx + across * dy * dy;
-  turn.rate(i, j) = turn.rate(j, i) = (across - 1.0) * dx * dy;
-  turn.rate(i, k) = -angle * dx;
-  turn.rate(j, k) = -angle * dy;
-  return turn;
+  result.error[i] = angle * dy;
+  result.error[j] = -angle * dx;
+  result.rate(i, i) = dy * dy + across * dx * dx;
+  result.rate(j, j) = dx * dx + across * dy * dy;
+  result.rate(i, j) = result.rate(j, i) = (across - 1.0) * dx * dy;
+  result.rate(i, k) = -angle * dx;
+  result.rate(j, k) = -angle * dy;
+  return result;
 }
 
-// The angle about axis k in "turned = swing twist", Dobrowolski 2015.
-inline Turn twist(const Eigen::Matrix3d& turned, int k) {
+// The angle about axis k in "rotation = swing twist", Dobrowolski 2015.
+inline RotationError twist(const Eigen::Matrix3d& rotation, int k) {
   const int i = (k + 1) % 3, j = (k + 2) % 3;
-  const so3::Quaternion q = so3::from_matrix(turned);
+  const so3::Quaternion q = so3::from_matrix(rotation);
   const double w = q[0], vi = q[1 + i], vj = q[1 + j], vk = q[1 + k];
   // At a swing of half a turn the twist is undefined.
   constexpr double kUndefined = 1e-6;
   const double squared = std::max(w * w + vk * vk, kUndefined);
-  Turn turn;
-  turn.error[k] = w < 0.0 ? -2.0 * std::atan2(-vk, -w) : -2.0 * std::atan2(vk, w);
-  turn.rate(k, i) = (w * vj + vk * vi) / squared;
-  turn.rate(k, j) = (vk * vj - w * vi) / squared;
-  turn.rate(k, k) = 1.0;
-  return turn;
+  RotationError result;
+  result.error[k] = w < 0.0 ? -2.0 * std::atan2(-vk, -w) : -2.0 * std::atan2(vk, w);
+  result.rate(k, i) = (w * vj + vk * vi) / squared;
+  result.rate(k, j) = (vk * vj - w * vi) / squared;
+  result.rate(k, k) = 1.0;
+  return result;
 }
 
 template <int M>
@@ -122,20 +122,20 @@ void evaluate(const Chain& chain, const AxisTarget<M>& target, const double* q, 
   forward_kinematics(chain, q, kinematics);
   const Eigen::Vector3d offset =
       target.frame.transpose() * (target.position - kinematics.T_base_tip.position);
-  Turn turn;
+  RotationError result;
   if (target.rotations > 0) {
-    const Eigen::Matrix3d turned = target.frame.transpose() * kinematics.T_base_tip.rotation;
-    turn = target.rotations == 3   ? whole_turn(turned)
-           : target.rotations == 2 ? swing(turned, target.lone_axis)
-                                   : twist(turned, target.lone_axis);
+    const Eigen::Matrix3d rotation = target.frame.transpose() * kinematics.T_base_tip.rotation;
+    result = target.rotations == 3   ? rotation_vector_error(rotation)
+             : target.rotations == 2 ? swing(rotation, target.lone_axis)
+                                     : twist(rotation, target.lone_axis);
   }
-  const Eigen::Matrix3d rate = turn.rate * target.frame.transpose();
+  const Eigen::Matrix3d rate = result.rate * target.frame.transpose();
   double position = 0.0, orientation = 0.0;
   task.in_axes = true;
   for (int row = 0; row < M; ++row) {
     const int k = target.axis[static_cast<std::size_t>(row)];
     const bool translation = row < target.translations;
-    const double error = translation ? offset[k] : turn.error[k];
+    const double error = translation ? offset[k] : result.error[k];
     (translation ? position : orientation) += error * error;
     task.in_axes = task.in_axes && std::abs(error) <= target.tolerance[row];
     task.error[row] = target.scale[row] * error;

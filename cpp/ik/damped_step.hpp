@@ -13,11 +13,12 @@ constexpr double kErrorDamping = 0.05;
 // moves the tip 1 m a rad a bias of a millionth.
 constexpr double kDampingFloor = 1e-6;
 
-// The step that takes every joint that has a wish a share of its way there.
-inline JointArray pull_to(const JointArray& wish, int joints, const JointArray& q, double share) {
+// Step of every joint that has a preferred value, by a share of the distance to it.
+inline JointArray pull_to(const JointArray& preferred, int joints, const JointArray& q,
+                          double share) {
   JointArray pull{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(joints); ++i)
-    if (std::isfinite(wish[i])) pull[i] = share * (wish[i] - q[i]);
+    if (std::isfinite(preferred[i])) pull[i] = share * (preferred[i] - q[i]);
   return pull;
 }
 

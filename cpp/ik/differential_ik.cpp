@@ -85,16 +85,16 @@ class Stepper {
     const JointArray full = boxed_step(task_, joints(), damping, {}, minus_free, free);
     double rate = std::min(solver_.gain, 1.0 / solver_.dt);
     for (std::size_t i = 0; i < n_; ++i) {
-      const double way = std::abs(full[i]);
-      if (way * rate > speed_for(way, i)) rate = speed_for(way, i) / way;
+      const double distance = std::abs(full[i]);
+      if (distance * rate > speed_for(distance, i)) rate = speed_for(distance, i) / distance;
     }
     return rate * solver_.dt;
   }
 
-  double speed_for(double way, std::size_t joint) const {
+  double speed_for(double distance, std::size_t joint) const {
     const auto k = static_cast<Eigen::Index>(joint);
     const double a = kBrakingShare * solver_.limits.acceleration[k];
-    return std::min(solver_.limits.velocity[k], braking_speed(way, a, solver_.dt));
+    return std::min(solver_.limits.velocity[k], braking_speed(distance, a, solver_.dt));
   }
 
   TaskVector<M> weighted(const Vector6& twist) const {
@@ -113,10 +113,10 @@ class Stepper {
     const double rate = std::min(solver_.posture_gain, 1.0 / solver_.dt);
     JointArray change{};
     for (std::size_t i = 0; i < n_; ++i) {
-      const double way = solver_.posture[static_cast<Eigen::Index>(i)] - q_[i];
-      const double speed = std::min(rate * std::abs(way), speed_for(std::abs(way), i));
+      const double distance = solver_.posture[static_cast<Eigen::Index>(i)] - q_[i];
+      const double speed = std::min(rate * std::abs(distance), speed_for(std::abs(distance), i));
       last[i] = solver_.dt * qd_[i];
-      change[i] = solver_.dt * std::copysign(speed, way) - last[i];
+      change[i] = solver_.dt * std::copysign(speed, distance) - last[i];
     }
     free_of_task(normal, last);
     free_of_task(normal, change);
@@ -146,21 +146,21 @@ class Stepper {
   // The step without what the curvature of the kinematics makes of it: taken back is the way from
   // where it leads to where the Jacobian says that it should.
   JointArray straightened(const JointArray& step, const TaskVector<M>& error, const Sides& box) {
-    TaskVector<M> way = TaskVector<M>::Zero();
+    TaskVector<M> predicted_error = TaskVector<M>::Zero();
     JointArray moved = q_, lower{}, upper{};
     for (std::size_t i = 0; i < n_; ++i) {
       moved[i] += step[i];
-      way += step[i] * task_.columns[i];
+      predicted_error += step[i] * task_.columns[i];
       lower[i] = box.lower[i] - step[i];
       upper[i] = box.upper[i] - step[i];
     }
     IkTarget predicted = target_;
-    predicted.position += way.template head<3>() - error.template head<3>();
+    predicted.position += predicted_error.template head<3>() - error.template head<3>();
     if constexpr (M == 6) {
-      const Eigen::Vector3d turn = way.template tail<3>() / kOrientationWeight;
+      const Eigen::Vector3d rotation = predicted_error.template tail<3>() / kOrientationWeight;
       const Eigen::Vector3d back = error.template tail<3>() / -kOrientationWeight;
       predicted.rotation =
-          so3::to_matrix(so3::compose(so3::exp(turn), so3::exp(back))) * *target_.rotation;
+          so3::to_matrix(so3::compose(so3::exp(rotation), so3::exp(back))) * *target_.rotation;
     }
     evaluate(solver_.chain, predicted, moved.data(), task_);
     JointArray total = boxed_step(task_, joints(), kDampingFloor, {}, lower, upper);

@@ -35,7 +35,7 @@ class RandomStream {
 
 // A joint that can turn once around wraps instead of stopping at its limits.
 inline bool wraps(const Chain& chain, int i) {
-  return chain.turns[static_cast<std::size_t>(i)] && chain.upper[i] - chain.lower[i] >= kTurn;
+  return chain.periodic[static_cast<std::size_t>(i)] && chain.upper[i] - chain.lower[i] >= kTurn;
 }
 
 // The whole turns that bring an angle nearest to another one without leaving the limits.
@@ -50,7 +50,7 @@ inline JointArray random_configuration(const Chain& chain, RandomStream& random)
   JointArray q{};
   for (int i = 0; i < chain.joints(); ++i) {
     // A joint without bounds is sampled over one turn, or a metre to both sides.
-    const double reach = chain.turns[static_cast<std::size_t>(i)] ? kPi : 1.0;
+    const double reach = chain.periodic[static_cast<std::size_t>(i)] ? kPi : 1.0;
     const bool from = std::isfinite(chain.lower[i]), to = std::isfinite(chain.upper[i]);
     const double lower = from ? chain.lower[i] : to ? chain.upper[i] - 2.0 * reach : -reach;
     const double upper = to ? chain.upper[i] : from ? chain.lower[i] + 2.0 * reach : reach;

@@ -186,11 +186,11 @@ bool PriorityPass::move(const Step& step) {
   JointVector reached = goal;
   if (bounded) {
     reached = nearest(step, 0.0, rows, lower, upper);
-    const JointVector missed = (goal - reached).cwiseProduct(step.weight.cwiseSqrt());
-    const double miss = missed.head(step.rank).norm();
+    const JointVector residuals = (goal - reached).cwiseProduct(step.weight.cwiseSqrt());
+    const double residual = residuals.head(step.rank).norm();
     // A level that cannot be met would drive joints to their bounds for the least gain, and to and
     // fro where their lever changes its sign. What can be met is met exactly.
-    const double strain = miss / (1.0 + miss) / quickness_;
+    const double strain = residual / (1.0 + residual) / quickness_;
     if (strain > 0.0) reached = nearest(step, strain, rows, lower, upper);
   }
   motion_ += step.basis.lazyProduct(reached);

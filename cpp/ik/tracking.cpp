@@ -7,7 +7,7 @@ namespace leadthrough {
 
 namespace {
 
-struct Wish {
+struct Preference {
   JointArray posture;
   double share;  // of the way to the posture
 };
@@ -28,18 +28,18 @@ bool reached(const DescentEnd& end, const IkTolerance& tolerance) {
 }
 
 template <int M, typename Target>
-DescentEnd follow_sample(const Chain& chain, const Target& target, const Wish& wish,
+DescentEnd follow_sample(const Chain& chain, const Target& target, const Preference& preferred,
                          const TrackOptions& options, JointArray& q) {
   // Beside a singularity the last digits cost most: they are tried for, not insisted on.
   constexpr double kAim = 0.1;
   const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
   const DescentBounds bounds = reachable(chain, q, options.max_step);
-  const bool pulls = chain.joints() > M && wish.share > 0.0;
+  const bool pulls = chain.joints() > M && preferred.share > 0.0;
   DescentEnd end;
   for (const bool pulled : {true, false}) {  // without the pull where it leads astray
     if (pulled && !pulls) continue;
     PoseDescent<M, Target> descent(chain, target, bounds, q);
-    if (pulled) descent.pull(pull_to(wish.posture, chain.joints(), q, wish.share));
+    if (pulled) descent.pull(pull_to(preferred.posture, chain.joints(), q, preferred.share));
     end = descent.run(aim, options.max_iterations);
     if (pulled && !reached(end, options.tolerance)) continue;
     q = descent.q();
@@ -66,12 +66,12 @@ Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
   JointArray q{};
   std::copy(inside.data(), inside.data() + inside.size(), q.begin());
   for (Eigen::Index k = 0; k < samples; ++k) {
-    Wish wish{{}, pull.shares[k]};
-    std::copy_n(pull.postures.row(k).data(), chain.joints(), wish.posture.begin());
+    Preference preferred{{}, pull.shares[k]};
+    std::copy_n(pull.postures.row(k).data(), chain.joints(), preferred.posture.begin());
     const IkTarget pose = target_in_row(positions, orientations, k);
     const DescentEnd end =
         visit_target(pose, options.axes, [&](auto dimension, const auto& target) {
-          return follow_sample<decltype(dimension)::value>(chain, target, wish, options, q);
+          return follow_sample<decltype(dimension)::value>(chain, target, preferred, options, q);
         });
     std::copy(q.begin(), q.begin() + chain.joints(), result.q.row(k).data());
     result.position_errors[k] = end.position_error;

@@ -15,8 +15,8 @@ using Pairs = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 2, Eigen::RowMajor>;
 // symmetric steps of weight one). Both curves need a point and the same dimension.
 double dtw_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b);
 
-// The pairing that dynamic time warping finds: pairs of samples of a and b, first to last. Of equal
-// ways it takes the one that moves on along both. Keeps a byte for each pair of samples.
+// The optimal pairing of dynamic time warping: pairs of samples of a and b, first to last. Ties go
+// to the step along both curves. Needs one byte for each pair of samples.
 Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b);
 
 // Discrete Frechet distance: the least largest distance between paired samples (Eiter and Mannila

@@ -1,6 +1,6 @@
 #pragma once
 
-// Bell-shaped functions over a phase, divided by their sum.
+// Normalised Gaussian or von Mises basis functions over a phase.
 
 #include "base/matrix.hpp"
 

@@ -9,8 +9,8 @@
 
 namespace leadthrough {
 
-// So many rows of a basis from a first one on, or of several below each other, such as values and
-// derivatives: so many of each. Called from several threads.
+// A range of rows of a basis, or the same range of several bases below each other, such as values
+// and derivatives. Called from several threads.
 using BasisRows = std::function<Rows(Eigen::Index first, Eigen::Index count)>;
 
 // For each row of weights, of which each of `curves` has as many as there are functions, one curve

@@ -1,7 +1,7 @@
 #pragma once
 
-// Products and solutions of dense systems in one thread: BLAS libraries round differently with
-// every number of threads.
+// Products and solutions of dense systems in one thread: the rounding of BLAS libraries depends on
+// the number of threads.
 
 #include "base/matrix.hpp"
 

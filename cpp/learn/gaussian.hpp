@@ -29,7 +29,7 @@ Conditioned condition_weights(const Eigen::Ref<const Eigen::VectorXd>& mean,
                               const Eigen::Ref<const Rows>& noise,
                               const Eigen::Ref<const Eigen::VectorXd>& scale, double least);
 
-// Whether a finite matrix is symmetric and positive semi-definite, to rounding.
+// True if a finite matrix is symmetric and positive semi-definite, to rounding.
 bool is_covariance(const Eigen::Ref<const Rows>& matrix);
 
 }  // namespace leadthrough

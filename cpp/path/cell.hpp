@@ -17,7 +17,7 @@ inline std::uint64_t mixed(std::uint64_t hash, long value) {
 inline std::uint64_t cell_of(const Chain& chain, const JointArray& q, double size) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (std::size_t i = 0; i < static_cast<std::size_t>(chain.joints()); ++i) {
-    const double value = chain.turns[i] ? std::remainder(q[i], kTurn) : q[i];
+    const double value = chain.periodic[i] ? std::remainder(q[i], kTurn) : q[i];
     hash = mixed(hash, std::lround(value / size));
   }
   return hash;

@@ -35,7 +35,7 @@ class Search {
         arm_(whole_arm(model, obstacles, margins.obstacles, margins.itself)),
         test_(arm_) {}
 
-  ClearPath run(const std::optional<JointArray>& start, int searches) {
+  ClearPath run(const std::optional<JointArray>& start, int max_attempts) {
     ClearPath result;
     bool was_narrow = false;
     // After a failed search the next is finer and covers all branches. A path that cannot be
@@ -46,15 +46,15 @@ class Search {
       double layers;  // apart, beside what is usual
       bool of_every_family;
     };
-    constexpr std::array<Effort, kMaxSearches> kEfforts{
+    constexpr std::array<Effort, kMaxAttempts> kEfforts{
         {{64, 0.1, 1.0, false}, {128, 0.06, 0.5, true}, {256, 0.04, 0.5, true}}};
-    for (int n = 0; n < searches; ++n) {
+    for (int n = 0; n < max_attempts; ++n) {
       const Effort& effort = kEfforts[static_cast<std::size_t>(n)];
       LadderOptions options;
       options.width = effort.width;
       options.cell = effort.cell;
       options.spacing *= effort.layers;
-      options.turning *= effort.layers;
+      options.rotation_spacing *= effort.layers;
       options.of_every_family = effort.of_every_family;
       options.room = was_narrow ? kWide : 0.0;
       const Climb found = climb(chain_, path_, test_, postures_, start, options);
@@ -263,8 +263,8 @@ class Search {
 ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
                           const TipPath& path, const Eigen::Ref<const Rows>& postures,
                           const std::optional<JointArray>& start, const Margins& margins,
-                          const IkTolerance& tolerance, int searches) {
-  return Search(model, obstacles, path, postures, margins, tolerance).run(start, searches);
+                          const IkTolerance& tolerance, int max_attempts) {
+  return Search(model, obstacles, path, postures, margins, tolerance).run(start, max_attempts);
 }
 
 }  // namespace leadthrough::path

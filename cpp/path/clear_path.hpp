@@ -23,12 +23,12 @@ struct ClearPath {
 };
 
 // After a failed search the next is finer and takes three times as long.
-constexpr int kMaxSearches = 3;
+constexpr int kMaxAttempts = 3;
 
-// Bodies are numbered as in `against(model, obstacles)`. searches: at most so many.
+// Bodies are numbered as in `against(model, obstacles)`. max_attempts: at most so many.
 ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
                           const TipPath& path, const Eigen::Ref<const Rows>& postures,
                           const std::optional<JointArray>& start, const Margins& margins,
-                          const IkTolerance& tolerance, int searches = kMaxSearches);
+                          const IkTolerance& tolerance, int max_attempts = kMaxAttempts);
 
 }  // namespace leadthrough::path

@@ -60,7 +60,7 @@ class Ladder {
         start_(start),
         options_(options),
         n_(index(chain.joints())) {
-    for (const double sample : layers(path, options.spacing, options.turning))
+    for (const double sample : layers(path, options.spacing, options.rotation_spacing))
       layers_.push_back({sample, TipTask(chain, path, sample), posture_at(postures, sample), {}});
     for (int i = 0; i < chain.joints(); ++i) {
       limits_.lower[index(i)] = chain.lower[i];
@@ -81,7 +81,7 @@ class Ladder {
       dead_end_.sample = layers_[reached].sample;
       result.dead_end = dead_end_;
     }
-    result.q = way(reached);
+    result.q = route(reached);
     return result;
   }
 
@@ -315,7 +315,8 @@ class Ladder {
     const JointArray& a = layers_[k - 1].nodes[index(parent)].q;
     const JointArray& b = layers_[k].nodes[index(child)].q;
     constexpr int kParts = 4;
-    constexpr double kBesideWay = 0.25;  // rad or m that a joint may be away from the straight way
+    constexpr double kMaxDeviation =
+        0.25;  // rad or m that a joint may be away from the straight way
     const double from = layers_[k - 1].sample;
     for (int part = 1; part < kParts; ++part) {
       const double share = static_cast<double>(part) / kParts;
@@ -323,8 +324,8 @@ class Ladder {
       DescentBounds bounds{};
       for (std::size_t i = 0; i < n_; ++i) {
         q[i] = (1.0 - share) * a[i] + share * b[i];
-        bounds.lower[i] = std::max(limits_.lower[i], q[i] - kBesideWay);
-        bounds.upper[i] = std::min(limits_.upper[i], q[i] + kBesideWay);
+        bounds.lower[i] = std::max(limits_.lower[i], q[i] - kMaxDeviation);
+        bounds.upper[i] = std::min(limits_.upper[i], q[i] + kMaxDeviation);
       }
       const TipTask task(chain_, path_, from + share * (layers_[k].sample - from));
       if (!task.settle(bounds, options_.tolerance, q) || !test_.clear(q.data(), kRoom))
@@ -346,7 +347,7 @@ class Ladder {
   }
 
   // The configurations of the cheapest way through the first `count` layers.
-  std::vector<JointArray> way(std::size_t count) const {
+  std::vector<JointArray> route(std::size_t count) const {
     std::vector<JointArray> q;
     if (count == 0) return q;
     const std::vector<int> chosen = chosen_nodes(count - 1);

@@ -14,8 +14,8 @@ namespace leadthrough::path {
 
 struct LadderOptions {
   IkTolerance tolerance{1e-5, 1e-5};
-  double spacing = 0.025;  // m between layers at the most
-  double turning = 0.17;   // rad between layers at the most
+  double spacing = 0.025;          // m between layers at the most
+  double rotation_spacing = 0.17;  // rad between layers at the most
   double cell = 0.15;      // configurations nearer than this to each other are one, rad or m
   double room = 0.0;       // m that configurations are farther away than their margins
   double longest = 0.5;    // that a joint moves from layer to layer, rad or m

@@ -9,8 +9,8 @@
 
 namespace leadthrough::path {
 
-// spacing, turning: how far the tip goes, m, and turns, rad, from one layer to the next at the
-// most. The ends are among them.
-std::vector<double> layers(const TipPath& path, double spacing, double turning);
+// spacing, rotation_spacing: how far the tip goes, m, and turns, rad, from one layer to the next at
+// the most. The ends are among them.
+std::vector<double> layers(const TipPath& path, double spacing, double rotation_spacing);
 
 }  // namespace leadthrough::path

@@ -14,12 +14,12 @@ struct Lifted {
   Eigen::Index broken;  // the first row that continues no logarithm, or kNowhere
 };
 
-// One logarithm a row, the first at most pi long, each continuing the one before it: among the
-// vectors of the row's rotation, the one that the shortest turn between the rows leads to.
+// One logarithm a row, the first at most pi long, each continuing the one before it: of the
+// vectors of the row's rotation, the one reached by the shortest rotation from the row before.
 Lifted lift(const Eigen::Ref<const Quaternions>& quaternions);
 
-// Slerp through samples of rising times, continuous in sign: one row a time between the first and
-// the last, the samples themselves at theirs.
+// Slerp through samples at increasing times, continuous in sign: one row per time between the first
+// and the last; exact at the samples' own times.
 Quaternions slerp_through(const Eigen::Ref<const Eigen::VectorXd>& times,
                           const Eigen::Ref<const Quaternions>& samples,
                           const Eigen::Ref<const Eigen::VectorXd>& at);
@@ -31,7 +31,7 @@ Matrix3 left_jacobian_inverse(const Vector3& rotation_vector);
 Matrices left_jacobian_batch(const Eigen::Ref<const Vectors>& rotation_vectors);
 Matrices left_jacobian_inverse_batch(const Eigen::Ref<const Vectors>& rotation_vectors);
 
-// Rotations at the times of the velocities, from `start` on, each step turned by the mean of the
+// Rotations at the times of the velocities, from `start` on: each step rotates by the mean of the
 // velocities at its ends; second order in the step.
 Quaternions integrate(const Eigen::Ref<const Eigen::VectorXd>& times,
                       const Eigen::Ref<const Vectors>& angular_velocities,

@@ -1,7 +1,7 @@
 #pragma once
 
-// Weighted means of rotations: the one that makes the weighted sum of squared distances least
-// (Karcher mean), blind to the quaternions' signs.
+// Weighted means of rotations: minimisers of the weighted sum of squared geodesic distances
+// (Karcher means), independent of the quaternions' signs.
 
 #include "rotation/so3.hpp"
 
@@ -9,7 +9,7 @@ namespace leadthrough::so3 {
 
 struct Means {
   Quaternions means;      // one a column of the layers, in the hemisphere of the first layer
-  Eigen::VectorXd reach;  // largest distance from the rotations' unweighted middle, rad
+  Eigen::VectorXd reach;  // largest distance from the rotations' unweighted mean, rad
 };
 
 // `layers` holds as many blocks of rows as there are weights, all > 0; row i of every block goes

@@ -19,7 +19,7 @@ using Quaternions = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
 Quaternion exp(const Vector3& rotation_vector);
 
 // Rotation vector of length at most pi. The quaternion need not have unit length.
-// At exactly pi, of the two opposite vectors the one of the quaternion as given is returned.
+// At exactly pi, the sign of the quaternion selects one of the two opposite vectors.
 Vector3 log(const Quaternion& quaternion);
 
 // The rotation of b followed by that of a.
@@ -35,11 +35,11 @@ inline Quaternion inverse(const Quaternion& quaternion) {
   return {quaternion[0], -quaternion[1], -quaternion[2], -quaternion[3]};
 }
 
-// Geodesic distance in rad, from 0 to pi, blind to the quaternions' signs.
+// Geodesic distance in rad, from 0 to pi, independent of the quaternions' signs.
 double distance(const Quaternion& a, const Quaternion& b);
 
-// From a by this fraction of the shortest turn to b, in the hemisphere of a. Of the two turns of
-// exactly pi, the one to b with the sign as given.
+// From a by this fraction of the shortest rotation to b, in the hemisphere of a. Of the two
+// rotations of exactly pi, the one to b with the sign as given.
 Quaternion slerp(const Quaternion& a, const Quaternion& b, double fraction);
 
 // Rotation matrix of a unit quaternion, and back.

@@ -319,7 +319,7 @@ def clear_batch(
     obstacles: Sequence[Shape],
     q: Float64Array,
     margin: float,
-    self_margin: float,
+    self_collision_margin: float,
 ) -> list[bool]: ...
 
 class StepLimits:
@@ -332,14 +332,14 @@ class StepLimits:
         twist: Float64Array,
     ) -> None: ...
 
-class Surroundings:
+class GuardedScene:
     def __init__(
         self,
         model: CollisionModel,
         obstacles: Sequence[Shape],
         growth: Sequence[float],
         margin: float,
-        self_margin: float,
+        self_collision_margin: float,
     ) -> None: ...
 
 def first_excess(
@@ -359,7 +359,7 @@ def stopped(
     limits: StepLimits, history: Float64Array, path: Float64Array
 ) -> tuple[Float64Array, Float64Array] | None: ...
 def first_contact(
-    around: Surroundings,
+    scene: GuardedScene,
     start: Float64Array,
     samples: Float64Array,
     age: float,
@@ -375,10 +375,10 @@ def clear_path(
     postures: Float64Array,
     start: Float64Array | None,
     margin: float,
-    self_margin: float,
+    self_collision_margin: float,
     tolerance: IkTolerance,
     tube: Float64Array = ...,
-    searches: int = 3,
+    max_attempts: int = 3,
 ) -> tuple[
     Float64Array,
     Float64Array | None,
@@ -543,7 +543,7 @@ class DmpCurve:
         rhythmic: bool,
     ) -> None: ...
 
-class DmpSurroundings:
+class AvoidanceScene:
     def __init__(
         self,
         shapes: Sequence[Shape],
@@ -580,7 +580,7 @@ class PointState:
         forces: DmpForces,
         dt: float,
         acceleration: Float64Array,
-        surroundings: DmpSurroundings,
+        scene: AvoidanceScene,
     ) -> PointState: ...
     @property
     def position(self) -> Float64Array: ...
@@ -620,7 +620,7 @@ class PoseState:
         forces: DmpForces,
         dt: float,
         acceleration: Float64Array,
-        surroundings: DmpSurroundings,
+        scene: AvoidanceScene,
     ) -> PoseState: ...
     @property
     def position(self) -> Float64Array: ...
@@ -643,7 +643,7 @@ def dmp_rollout(
 def dmp_rollout_around(
     forces: DmpForces,
     course: DmpCourse,
-    surroundings: DmpSurroundings,
+    scene: AvoidanceScene,
     value: Float64Array,
     slope: Float64Array,
     phases: Float64Array,

@@ -24,7 +24,7 @@ Kind = Literal[
     "jerk",
     "contact",
     "not finite",
-    "no way on",
+    "no continuation",
     "cut short",
     "resampled",
 ]
@@ -52,9 +52,10 @@ class Reason(ShortRepr):
 
     Attributes:
         kind: the limit that it exceeds; "jump" for a step far longer than its neighbours; "contact"
-            where bodies come nearer than the margin; "not finite" for NaN and infinity; "no way on"
-            where no motion that is allowed leads from the state to the chunk; "cut short" where
-            the way on is so long, or so near to something, that to certify it would take too long;
+            where bodies come nearer than the margin; "not finite" for NaN and infinity;
+            "no continuation" where no motion that is allowed leads from the state to the chunk;
+            "cut short" where certifying the continuation would take too long, for its length or
+            for what is near it;
             "resampled" where its clock was not the guard's.
         time: s, on the chunk's clock; of a contact while braking, after the chunk's end.
         joint: name of the joint, or None.
@@ -80,7 +81,7 @@ class Reason(ShortRepr):
             return f"{self.joint} {jumps} {when}: {self.ratio:.3g} times the {limit} limit"
         told = {
             "not finite": f"a value of {self.joint} is not finite {when}",
-            "no way on": f"no motion inside the limits leads on {when}",
+            "no continuation": f"no motion inside the limits leads on {when}",
             "cut short": f"only the way up to {self.time:.3f} s was certified in the time allowed",
             "resampled": "the samples were put on the guard's clock",
         }

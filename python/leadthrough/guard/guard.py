@@ -31,9 +31,9 @@ from leadthrough.guard.rules import (
     Contact,
     Rules,
     StoppingTrajectory,
+    guarded_scene,
     history_of,
     rules_for,
-    surroundings,
 )
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
@@ -184,8 +184,8 @@ class Guard(ShortRepr):
             None if no state was given yet.
         """
         self._scene = Scene(obstacles, self._scene.margin, self._scene.self_collision_margin)
-        around = surroundings(self._arm, self._scene, self._period)
-        self._rules = replace(self._rules, around=around)
+        scene = guarded_scene(self._arm, self._scene, self._period)
+        self._rules = replace(self._rules, scene=scene)
         self._age = 0.0
         if self._stream is None:
             return None
@@ -264,7 +264,7 @@ class Guard(ShortRepr):
             rows, complete = rows[: wrong[1]], False
         if not complete:
             at = better.places[len(rows) - 1] + 1.0 if len(rows) else 0.0
-            reasons += (Reason("no way on", given.start + self._period * float(at)),)
+            reasons += (Reason("no continuation", given.start + self._period * float(at)),)
         stopping, contact = self._looked_at(rows, _WORK * max(len(given.rows), _SHORT))
         return self._certified(
             rows, better.places, given, reasons, stopping=stopping, contact=contact

@@ -43,12 +43,12 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class Rules:
-    """Limits and surroundings."""
+    """Limits and the scene to keep clear of."""
 
     joints: JointLimits  # the limits of the joints
     period: float  # between commands, s
     limits: _core.StepLimits  # of the joints, per period
-    around: _core.Surroundings  # the arm and its obstacles
+    scene: _core.GuardedScene  # the arm and its obstacles
 
     def excess(
         self, history: Float64Array, rows: Float64Array
@@ -69,7 +69,7 @@ class Rules:
         if before >= len(rows):
             return None
         start = rows[before - 1] if before else history[-1]
-        found = _core.first_contact(self.around, start, rows[before:], age + before, most_work)
+        found = _core.first_contact(self.scene, start, rows[before:], age + before, most_work)
         if found is None:
             return None
         return Contact(before + found[0], found[1:] if found[1] else None)
@@ -137,7 +137,7 @@ def rules_for(arm: Arm, scene: Scene, period: float) -> Rules:
     """The rules of an arm in a scene."""
     check_arm(arm)
     limits = step_limits(arm.limits, period)
-    return Rules(arm.limits, period, limits, surroundings(arm, scene, period))
+    return Rules(arm.limits, period, limits, guarded_scene(arm, scene, period))
 
 
 def history_of(state: CommandedState | ArrayLike, joints: int, period: float) -> Float64Array:
@@ -171,8 +171,8 @@ def step_limits(limits: JointLimits, period: float) -> _core.StepLimits:
     )
 
 
-def surroundings(arm: Arm, scene: Scene, period: float) -> _core.Surroundings:
+def guarded_scene(arm: Arm, scene: Scene, period: float) -> _core.GuardedScene:
     """The arm in a scene, as the core takes them."""
     growth = [speed * period for speed in scene.speeds]
     margins = scene.margin, scene.self_collision_margin
-    return _core.Surroundings(arm._collision, compiled(scene.shapes), growth, *margins)
+    return _core.GuardedScene(arm._collision, compiled(scene.shapes), growth, *margins)

@@ -17,7 +17,7 @@ from leadthrough.shapes import Shape
 from leadthrough.simulation.simulated_arm import SimulatedArm, Touch
 
 Kind = Literal[
-    "limits", "torque", "velocity", "tracking", "contact", "tip", "no way onto it", "unstable"
+    "limits", "torque", "velocity", "tracking", "contact", "tip", "no approach motion", "unstable"
 ]
 _DRAWN = 400  # points of a curve
 
@@ -52,8 +52,8 @@ class Finding(ShortRepr):
             URDF states, as a file in another unit does; "torque" where the controller asks for more
             than a joint has; "velocity" where the motion is faster than the URDF's or the arm's
             limit; "tracking" where the error is larger than the controller's gains allow by theory;
-            "contact"; "tip" where the tip's error exceeds the tolerance; "no way onto it" where no
-            motion inside the limits leads onto the motion, or from its end to rest; "unstable"
+            "contact"; "tip" where the tip's error exceeds the tolerance; "no approach motion" where
+            no motion inside the limits leads onto the motion, or from its end to rest; "unstable"
             where the arm runs away, or by theory would.
         time: s, when it begins.
         joint: name of the joint, or None.
@@ -80,7 +80,7 @@ class Finding(ShortRepr):
             "velocity": f"{self.joint} is to move at {times} its highest velocity, {since}",
             "tracking": f"{self.joint} is off by {times} what the gains allow, {since}",
             "tip": f"the tip is off by {times} the tolerance, {since}",
-            "no way onto it": "no motion inside the limits leads onto the motion, or to rest",
+            "no approach motion": "no motion inside the limits leads onto the motion, or to rest",
             "unstable": "the controller is unstable; lower gains or delay, or raise the rate",
         }
         return told.get(self.kind, f"{self.kind} {when}")
@@ -209,7 +209,7 @@ def findings(
 
     def found() -> Iterator[Finding]:
         if not way_found:
-            yield Finding("no way onto it", 0.0)
+            yield Finding("no approach motion", 0.0)
         yield from _wrong_limits(real)
         yield from worst("velocity", np.abs(qd) / plant.velocity)
         yield from worst("torque", np.abs(run.demanded) / plant.effort)

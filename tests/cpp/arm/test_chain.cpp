@@ -126,8 +126,8 @@ TEST(Chain, AJointThatMimicsNarrowsTheLimitsOfItsLeader) {
   EXPECT_DOUBLE_EQ(chain.lower[1], -0.2);
   EXPECT_DOUBLE_EQ(chain.upper[1], 0.55);
   EXPECT_DOUBLE_EQ(chain.velocity[1], 1.5);
-  EXPECT_TRUE(chain.turns[0]);
-  EXPECT_FALSE(chain.turns[1]);  // what follows it slides
+  EXPECT_TRUE(chain.periodic[0]);
+  EXPECT_FALSE(chain.periodic[1]);  // what follows it slides
 }
 
 TEST(Chain, RefusesAMimicOfAJointOutsideTheArm) {

@@ -152,7 +152,7 @@ TEST(Urdf, NegativeMassesAndMomentsAreRefused) {
 
 TEST(Urdf, EveryRobotIsOneTree) {
   EXPECT_EQ(refusal(robot("")), "robot: has no link");
-  EXPECT_EQ(refusal(robot(link("a") + link("a"))), "link 'a': the name stands twice");
+  EXPECT_EQ(refusal(robot(link("a") + link("a"))), "link 'a': the name appears twice");
   EXPECT_EQ(refusal(robot(link("a") + link("b"))),
             "robot: has several root links, among them 'a' and 'b'");
   EXPECT_EQ(refusal(robot(link("a") + joint("j", "fixed", "a", "b", ""))),

@@ -31,8 +31,8 @@ TEST(Avoidance, MotionsKeepTheirMargin) {
   for (const Convex& body :
        {box({0.1, 0.2, 0.15}), sphere(0.1), capsule(0.1, 0.2), cylinder(0.1, 0.2)}) {
     const Obstacle obstacle = obstacle_of(body);
-    const Surroundings around{{obstacle}, 0.2, Vector(), Vector()};
-    const Passage passage = rollout_around(kStill, straight(), around, rest(), phases);
+    const AvoidanceScene scene{{obstacle}, 0.2, Vector(), Vector()};
+    const Passage passage = rollout_around(kStill, straight(), scene, rest(), phases);
     double least = 1.0;
     for (Eigen::Index n = 0; n < phases.size(); ++n)
       least =
@@ -44,9 +44,9 @@ TEST(Avoidance, MotionsKeepTheirMargin) {
 }
 
 TEST(Avoidance, LimitsHoldBackAndLetGo) {
-  const Surroundings around{{}, 1.0, Vector::Constant(3, -1.0), Vector::Constant(3, 0.6)};
+  const AvoidanceScene scene{{}, 1.0, Vector::Constant(3, -1.0), Vector::Constant(3, 0.6)};
   const Vector phases = Vector::LinSpaced(501, 0.0, 1.0);
-  const Passage passage = rollout_around(kStill, straight(), around, rest(), phases);
+  const Passage passage = rollout_around(kStill, straight(), scene, rest(), phases);
   EXPECT_LT(passage.rollout.values.maxCoeff(), 0.6 + 1e-5);  // what finite steps leave
   EXPECT_GT(passage.rollout.values(500, 0), 0.59);
 }
@@ -62,8 +62,8 @@ TEST(Avoidance, NothingInTheWayChangesNothing) {
 
 TEST(Avoidance, LongStepsEndWhereTheSpringsDo) {
   State state = rest();
-  const Surroundings around{{obstacle_of(sphere(0.1))}, 0.2, Vector(), Vector()};
-  advance_around(kStill, straight(), around, Vector::Zero(3), 1e6, state);
+  const AvoidanceScene scene{{obstacle_of(sphere(0.1))}, 0.2, Vector(), Vector()};
+  advance_around(kStill, straight(), scene, Vector::Zero(3), 1e6, state);
   EXPECT_LT((state.value - Vector::Unit(3, 0)).norm(), 1e-9);
 }
 

@@ -44,13 +44,13 @@ TEST(Turning, VelocityIsTheDerivativeOfTheOrientation) {
     const Curve curve = winding(representation);
     for (const double phase : {0.01, 0.37, 0.5, 0.93}) {
       constexpr double kStep = 1e-6;
-      const Turn turn = turn_at(curve, kOffset, phase, kValue, kSlope);
+      const RotationState state = rotation_at(curve, kOffset, phase, kValue, kSlope);
       const Quaternion before =
           orientation_at(curve, kOffset, phase - kStep, kValue - kStep * kSlope);
       const Quaternion after =
           orientation_at(curve, kOffset, phase + kStep, kValue + kStep * kSlope);
       const Vector3 rate = so3::log(so3::compose(after, so3::inverse(before))) / (2.0 * kStep);
-      EXPECT_LT((rate - turn.velocity).norm(), 1e-4) << phase;
+      EXPECT_LT((rate - state.velocity).norm(), 1e-4) << phase;
     }
   }
 }
@@ -61,7 +61,7 @@ TEST(Turning, CurveIsSmoothWhereItsPiecesJoin) {
   for (int piece = 1; piece < 24; ++piece) {
     const double join = piece / 24.0;
     const auto velocity = [&](double phase) {
-      return turn_at(curve, kOffset, phase, zero, zero).velocity;
+      return rotation_at(curve, kOffset, phase, zero, zero).velocity;
     };
     constexpr double kStep = 1e-5;
     EXPECT_LT((velocity(join + 1e-9) - velocity(join - 1e-9)).norm(), 1e-5);
@@ -75,8 +75,8 @@ TEST(Turning, CoordinatesComeBack) {
   for (const Representation representation :
        {Representation::kRotationVector, Representation::kZyz}) {
     const Curve curve = winding(representation);
-    const Turn turn = turn_at(curve, kOffset, 0.4, kValue, kSlope);
-    const Coordinates back = coordinates_of(curve, kOffset, 0.4, turn, kValue);
+    const RotationState state = rotation_at(curve, kOffset, 0.4, kValue, kSlope);
+    const Coordinates back = coordinates_of(curve, kOffset, 0.4, state, kValue);
     EXPECT_LT((back.value - kValue).norm(), 1e-9);
     EXPECT_LT((back.slope - kSlope).norm(), 1e-8);
   }
@@ -85,8 +85,8 @@ TEST(Turning, CoordinatesComeBack) {
 TEST(Turning, NearestCoordinatesCountTurns) {
   const Curve curve = winding(Representation::kRotationVector);
   const Vector3 long_way = kValue * (1.0 + 4.0 * kPi / kValue.norm());
-  const Turn turn = turn_at(curve, kOffset, 0.4, kValue, kSlope);
-  const Coordinates back = coordinates_of(curve, kOffset, 0.4, turn, long_way);
+  const RotationState state = rotation_at(curve, kOffset, 0.4, kValue, kSlope);
+  const Coordinates back = coordinates_of(curve, kOffset, 0.4, state, long_way);
   EXPECT_LT((back.value - long_way).norm(), 1e-9);
 }
 
@@ -166,7 +166,7 @@ TEST(Turning, PeakSpeedsAreThoseOfDenseDifferences) {
   double fastest = 0.0;
   for (const double phase : phases) {
     const Vector3 zero = Vector3::Zero();
-    fastest = std::max(fastest, turn_at(curve, Path{}, phase, zero, zero).velocity.norm());
+    fastest = std::max(fastest, rotation_at(curve, Path{}, phase, zero, zero).velocity.norm());
   }
   EXPECT_EQ(peaks.linear, 5.0);
   EXPECT_NEAR(peaks.angular, fastest, 1e-3);
@@ -175,8 +175,8 @@ TEST(Turning, PeakSpeedsAreThoseOfDenseDifferences) {
 TEST(Turning, StandsAfterTheEndOrGoesRoundAgain) {
   const Vector3 zero = Vector3::Zero();
   const Curve once = winding(Representation::kRotationVector);
-  const Turn end = turn_at(once, kOffset, 1.0, zero, zero);
-  const Turn later = turn_at(once, kOffset, 7.5, zero, zero);
+  const RotationState end = rotation_at(once, kOffset, 1.0, zero, zero);
+  const RotationState later = rotation_at(once, kOffset, 7.5, zero, zero);
   EXPECT_EQ(end.orientation, later.orientation);
   EXPECT_EQ(later.velocity, zero);
   const Curve round = winding(Representation::kRotationVector, Canonical::kRhythmic);

@@ -84,11 +84,12 @@ TEST(AxisTask, MeasuresStayFiniteWhereTheyHaveNoDirection) {
   for (int k = 0; k < 3; ++k) {
     for (const double tilt : {0.0, 1e-13, 1e-9}) {
       const Eigen::Vector3d across = Eigen::Vector3d::Unit((k + 1) % 3);
-      const Eigen::Matrix3d turned = so3::to_matrix(so3::exp((3.14159265358979 - tilt) * across));
-      for (const Turn& turn : {whole_turn(turned), swing(turned, k), twist(turned, k)}) {
-        EXPECT_TRUE(turn.error.allFinite() && turn.rate.allFinite());
+      const Eigen::Matrix3d rotation = so3::to_matrix(so3::exp((3.14159265358979 - tilt) * across));
+      for (const RotationError& error :
+           {rotation_vector_error(rotation), swing(rotation, k), twist(rotation, k)}) {
+        EXPECT_TRUE(error.error.allFinite() && error.rate.allFinite());
       }
-      EXPECT_NEAR(swing(turned, k).error.norm(), 3.14159265358979 - tilt, 1e-7);
+      EXPECT_NEAR(swing(rotation, k).error.norm(), 3.14159265358979 - tilt, 1e-7);
     }
   }
 }

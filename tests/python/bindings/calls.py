@@ -145,13 +145,13 @@ call(core.solve_ik_batch, FOUND, starts=rows(*BENT), options=options, threads=2,
 yang_call = {"starts": rows(*BENT), "tolerance": tolerance, "max_iterations": 99, "threads": 2}
 call(core.solve_yang, None, options=yang, **yang_call, **POSES)
 call(core.yang_path, FOUND, start=Q[0], steps=np.ones(2), options=yang, **POSES)
-wish = {"start": Q[0], "postures": np.full((2, 2), np.nan), "shares": np.zeros(2)}
+preferred = {"start": Q[0], "postures": np.full((2, 2), np.nan), "shares": np.zeros(2)}
 follow = make(core.TrackOptions, tolerance=tolerance, max_iterations=50, max_step=1.0, axes=axes)
-call(core.track, FOUND, options=follow, **wish, **POSES)
+call(core.track, FOUND, options=follow, **preferred, **POSES)
 pursuit = make(
     core.PursuitOptions, velocity=SPEED, acceleration=LOOSE, damping=0.0, deviation=tolerance
 )
-call(core.pursue, FOUND, times=np.array([0.0, 1.0]), options=pursuit, **wish, **POSES)
+call(core.pursue, FOUND, times=np.array([0.0, 1.0]), options=pursuit, **preferred, **POSES)
 differential = make(
     core.DifferentialIk,
     chain=chain,
@@ -215,7 +215,7 @@ call(core.itself, None, model=model)
 call(core.nearest_bodies, [2.9], scene=scene, q=Q[:1], threads=2)
 call(core.check_motion, [2.9] * 2, scene=scene, q=Q[[0, 0]], margin=0.1, tolerance=1e-3, threads=2)
 call(core.longest_step, 0.0, scene=scene, q=Q[[0, 0]])
-margins = {"margin": 0.1, "self_margin": 0.0}
+margins = {"margin": 0.1, "self_collision_margin": 0.0}
 call(core.clear_batch, [True], model=model, obstacles=BALL, q=Q[:1], **margins)
 tip = {key: POSES[key] for key in ("positions", "orientations")}
 call(
@@ -229,7 +229,7 @@ call(
     start=Q[0],
     tolerance=tolerance,
     tube=np.empty((0, 6)),
-    searches=1,
+    max_attempts=1,
     **tip,
     **margins,
 )
@@ -257,8 +257,8 @@ curve = make(
 shifted = {"phase": 0.5, "until": 1.0}
 call(course.superposed, None, value=SPEED, slope=SPEED, shift=SPEED, **shifted)
 call(bent.superposed, None, value=X[0], slope=X[0], shift=X[0], **shifted)
-around = make(
-    core.DmpSurroundings,
+scene = make(
+    core.AvoidanceScene,
     shapes=[sphere(1.0, 9 * X[0]), core.primitive_shape("box", X[0] + 1, 9 * X[0], ONE[0])],
     margins=np.full(2, 0.1),
     reach=0.1,
@@ -281,11 +281,11 @@ for state, learned, size in ((point, forces, 2), (pose, forces6, 6)):
     call(state.coast, None, forces=learned, dt=0.1)
     call(state.tick, None, forces=learned, dt=0.1)
     call(state.pushed, None, forces=learned, dt=0.1, acceleration=push)
-    call(state.led_around, None, forces=learned, dt=0.1, acceleration=push, surroundings=around)
+    call(state.led_around, None, forces=learned, dt=0.1, acceleration=push, scene=scene)
 phases = {"phases": BREAKS, "value": REST[0], "slope": REST[0]}
 rolled = {"forces": forces, "course": course, **phases}
 call(core.dmp_rollout, [[0, 0], [1, 2]], **rolled)
-call(core.dmp_rollout_around, [[0, 0], [1, 2]], surroundings=around, **rolled)
+call(core.dmp_rollout_around, [[0, 0], [1, 2]], scene=scene, **rolled)
 call(core.dmp_offset, HALF_PI_Z[0], wanted=QUARTER[0], demonstrated=ONE[0], near=0 * X[0])
 on_curve = {"curve": curve, "offset": bent}
 call(core.dmp_orientations, ONE, phases=BREAKS, values=np.zeros((2, 3)), **on_curve)
@@ -421,8 +421,10 @@ call(core.bridge_to_start, SLOW[1:1], **SMALL, target=SLOW, most_steps=10)
 call(core.bridge_on_time, SLOW[1:1], **SMALL, target=SLOW, most_steps=10)
 call(core.slowed, SLOW, limits=limits, path=SLOW, most_samples=60)
 call(core.stopped, None, **SMALL, path=SLOW)
-around = make(core.Surroundings, model=model, obstacles=[], growth=[], margin=0.0, self_margin=0.0)
-call(core.first_contact, None, around=around, start=np.zeros(2), samples=SLOW, age=0.0)
+scene = make(
+    core.GuardedScene, model=model, obstacles=[], growth=[], margin=0.0, self_collision_margin=0.0
+)
+call(core.first_contact, None, scene=scene, start=np.zeros(2), samples=SLOW, age=0.0)
 
 # Calls of what learns from demonstrations: alignment, Gaussians, basis functions.
 X, Y = np.tile([1.0, 0.0, 0.0], (2, 1)), np.tile([0.0, 1.0, 0.0], (2, 1))

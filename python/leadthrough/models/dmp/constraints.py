@@ -87,9 +87,9 @@ def roll(
     goal = end_of(state.course)
     _check_ends(constraints, state.value, goal)
     near = np.stack([state.value, goal])
-    things = _surroundings(constraints, near=near, size=size)
+    scene = _avoidance_scene(constraints, near=near, size=size)
     values, slopes, last_push = _core.dmp_rollout_around(
-        forces, state.course, things, *start, phases
+        forces, state.course, scene, *start, phases
     )
     if len(constraints.lower):  # a barrier's steps leave rounding beyond it
         values = np.clip(values, constraints.lower, constraints.upper)
@@ -110,8 +110,8 @@ def step_within(
 ) -> StateT:
     """The state dt s later, under an acceleration and constraints."""
     near = end_of(state.course)[None]
-    things = _surroundings(constraints, near=near, size=size)
-    return state.led_around(system.forces, dt, acceleration, things)
+    scene = _avoidance_scene(constraints, near=near, size=size)
+    return state.led_around(system.forces, dt, acceleration, scene)
 
 
 def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Array) -> None:
@@ -127,13 +127,13 @@ def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Arra
             raise NoPath(f"{name}: {position} lies in an obstacle", reason=f"{name}_in_wall")
 
 
-def _surroundings(
+def _avoidance_scene(
     constraints: Constraints, *, near: Float64Array, size: float
-) -> _core.DmpSurroundings:
+) -> _core.AvoidanceScene:
     """Constraints as the kernels take them."""
     obstacles, size = constraints.obstacles, size or 1.0
     allowed = 0.5 * _clearances(obstacles, near).min(axis=1)
-    return _core.DmpSurroundings(
+    return _core.AvoidanceScene(
         compiled(obstacles),
         np.clip(allowed, _MIN_MARGIN * size, _MARGIN * size),
         _REACH * size,
