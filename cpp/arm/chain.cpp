@@ -20,8 +20,8 @@ using Joints = std::vector<const Joint*>;
 
 std::string quoted(const std::string& name) { return "'" + name + "'"; }
 
-// The shortest rotation that takes z to `axis`. Eigen's own would do, but finds the axis of half a
-// turn by a singular value decomposition, which takes longer to compile than the rest of this file.
+// The shortest rotation that takes z to `axis`. Eigen's own function uses a singular value
+// decomposition for angles of pi, which takes longer to compile than the rest of this file.
 Eigen::Matrix3d turn_z_to(const Eigen::Vector3d& axis) {
   constexpr double kHalfTurn = 1e-12;  // of the cosine
   const Eigen::Vector3d unit = axis.normalized();
@@ -147,15 +147,15 @@ std::optional<urdf::Error> take_limits(const Joints& moving, Chain& chain) {
   return std::nullopt;
 }
 
-// Adds every link to the body of the moving joint that it is fixed to, by whatever branch.
+// Adds every link to the body of the moving joint that it is fixed to, on any branch.
 void take_bodies(const Robot& robot, const Joints& moving, Chain& chain) {
-  constexpr int kNoBody = -1;  // stands still, or moves by a joint outside the chain
+  constexpr int kNoBody = -1;  // static, or moved by a joint outside the chain
   struct Mount {
     int body = kNoBody;
     Transform T_body_link;
   };
   std::vector<Mount> mounts(robot.links.size());
-  for (const Joint& joint : robot.joints) {  // parents stand before their children
+  for (const Joint& joint : robot.joints) {  // parents precede their children
     Mount& mount = mounts[static_cast<std::size_t>(joint.child)];
     const auto at = std::find(moving.begin(), moving.end(), &joint);
     if (at != moving.end())
@@ -243,7 +243,7 @@ Pose forward_kinematics(const Chain& chain, const double* q) {
 
 void forward_kinematics(const Chain& chain, const double* q, Kinematics& kinematics) {
   MovingValues room;
-  // Each column first holds its joint's origin and axis, until the tip's place is known.
+  // Each column first holds its joint's origin and axis, until the tip's position is known.
   kinematics.T_base_tip = run_down(chain, moving_values(chain, q, room),
                                    [&](std::size_t k, const auto& axis, const auto& origin) {
                                      kinematics.jacobian[k].template head<3>() = origin;

@@ -13,7 +13,7 @@
 
 namespace leadthrough {
 
-// Fixed-size workspaces: a chain with more moving joints is refused.
+// Size of fixed workspaces; a chain with more moving joints is rejected.
 constexpr int kMaxJoints = 16;
 
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxJoints, 1>;  // no heap
@@ -37,7 +37,7 @@ struct Chain {
   // Infinite where there is none; rad or m, per second, N m or N. Those of joints that mimic
   // narrow position and velocity of the joint that drives them.
   JointVector lower, upper, velocity, effort;
-  // Whether a whole turn of the joint leaves the arm as it was.
+  // True if a full revolution of the joint leaves the arm's configuration unchanged.
   std::array<bool, kMaxJoints> periodic{};
 
   int moving = 0;
@@ -45,16 +45,16 @@ struct Chain {
   std::array<bool, kMaxJoints> prismatic{};
   std::array<Drive, kMaxJoints> drives{};
   std::array<urdf::Transform, kMaxJoints + 1> fixed;
-  // All that is fixed to what a moving joint moves, loads as well; in the joint's frame.
+  // The rigid body that a moving joint carries, loads included, in the joint's frame.
   std::array<urdf::Inertia, kMaxJoints> bodies;
   double mass = 0.0;  // of the bodies without loads, kg
 
   int joints() const { return static_cast<int>(joint_names.size()); }
 };
 
-// The chain from base down to tip. Links on branches count as bodies where they are fixed to the
-// chain; what moves by joints outside the chain does not. Refused: links that do not exist or do
-// not lie in one line, joints that mimic one outside the chain, planar and floating joints, no
+// The chain from base down to tip. Links on branches count as bodies if they are fixed to the
+// chain, but not if joints outside the chain move them. Errors: unknown links, a tip that does not
+// descend from the base, joints that mimic one outside the chain, planar and floating joints, no
 // joint at all, more than kMaxJoints.
 std::variant<Chain, urdf::Error> make_chain(const urdf::Robot& robot, const std::string& base,
                                             const std::string& tip);
@@ -64,12 +64,12 @@ std::variant<std::vector<const urdf::Joint*>, urdf::Error> joints_between(const 
                                                                           const std::string& base,
                                                                           const std::string& tip);
 
-// The chain with its tip moved, in the frame of the tip that it has.
+// The chain with another tip, given in the frame of the present one.
 Chain with_tool(const Chain& chain, const urdf::Transform& T_tip_tool);
 // The chain that carries a body, given in the frame of its tip.
 Chain with_load(const Chain& chain, const urdf::Inertia& load);
 
-// A bound on the tip's distance from the first joint, m.
+// Upper bound on the tip's distance from the first joint, m.
 double reach(const Chain& chain);
 
 // Column i is the tip's velocity (linear first, base frame) for a unit velocity of joint i.

@@ -1,7 +1,7 @@
 #pragma once
 
 // Torques (forces) of a chain's joints and its mass matrix, by KDL: recursive Newton-Euler and
-// composite bodies, after Featherstone 2008. Counted are the bodies of the chain.
+// composite bodies, after Featherstone 2008. Only bodies of the chain have mass.
 
 #include "arm/chain.hpp"
 

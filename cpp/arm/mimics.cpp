@@ -10,7 +10,7 @@ namespace leadthrough::urdf {
 
 namespace {
 
-// By how much a value may leave the limits by rounding, rad or m.
+// Tolerance of values outside the limits by rounding, rad or m.
 constexpr double kRounding = 1e-9;
 
 std::string quoted(const std::string& name) { return "'" + name + "'"; }
@@ -20,7 +20,7 @@ bool slides_or_turns(const Joint& joint) {
          joint.type == JointType::kPrismatic;
 }
 
-// Fixes a joint where it is at `value`.
+// Fixes a joint at `value`.
 void freeze(Joint& joint, double value) {
   Transform motion;
   if (joint.type == JointType::kPrismatic)
@@ -43,8 +43,8 @@ Index index_by_name(const Robot& robot) {
   return index;
 }
 
-// Sets the mimics on the way from joint `first` to the one that leads, from the far end. `walks`
-// keeps for every joint the walk that passed it, 0 for none.
+// Sets the mimics on the chain of references from joint `first` to its leader, from the leader on.
+// `walks` holds for every joint the walk that visited it, 0 for none.
 std::optional<Error> resolve(Robot& robot, const Index& index, std::size_t first,
                              std::vector<std::size_t>& walks) {
   const std::size_t walk = first + 1;

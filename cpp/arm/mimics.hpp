@@ -6,8 +6,8 @@
 
 namespace leadthrough::urdf {
 
-// Lets every joint that mimics do so by the joint that leads in the end, and fixes those that are
-// led by a fixed joint or by a multiplier of zero. Refused: joints that mimic each other.
+// Resolves chains of mimics, so that every mimic joint refers to one that mimics none, and fixes
+// those with a fixed leader or a multiplier of zero. Error: joints that mimic each other.
 std::optional<Error> resolve_mimics(Robot& robot);
 
 }  // namespace leadthrough::urdf

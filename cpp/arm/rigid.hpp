@@ -25,7 +25,7 @@ inline Eigen::Matrix3d moments_of_offset(const urdf::Inertia& body, const Eigen:
          (offset.squaredNorm() * Eigen::Matrix3d::Identity() - offset * offset.transpose());
 }
 
-// Two bodies, in the same frame, as one.
+// Sum of two bodies in the same frame.
 inline urdf::Inertia operator+(const urdf::Inertia& a, const urdf::Inertia& b) {
   const double mass = a.mass + b.mass;
   if (mass == 0.0) return {0.0, Eigen::Vector3d::Zero(), a.moments + b.moments};

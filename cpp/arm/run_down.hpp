@@ -16,7 +16,7 @@ inline std::size_t moving_count(const Chain& chain) {
   return static_cast<std::size_t>(chain.moving);
 }
 
-// Values of the moving joints: q itself or, where joints mimic, held in `room`.
+// Values of the moving joints: q itself or, if joints mimic, computed into `room`.
 inline const double* moving_values(const Chain& chain, const double* q, MovingValues& room) {
   if (!chain.mimics) return q;
   for (std::size_t k = 0; k < moving_count(chain); ++k)

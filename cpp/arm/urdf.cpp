@@ -16,7 +16,7 @@ namespace leadthrough::urdf {
 
 namespace {
 
-// Shorter axes are a mistake and not a direction with rounding.
+// Shorter axes are a mistake, not a direction with rounding.
 constexpr double kMinAxisLength = 1e-6;
 
 Transform to_transform(const ::urdf::Pose& pose) {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Robot descriptions: URDF read by urdfdom, checked before (structure, bounds, numbers) and after
-// (values), since urdfdom accepts contradictory robots and overflows its stack on deep ones.
+// (values), since urdfdom accepts contradictory robots and overflows its stack on deep trees.
 
 #include <Eigen/Core>
 #include <optional>
@@ -26,7 +26,7 @@ struct Mimic {
   double offset = 0.0;  // rad or m
 };
 
-// Angles in rad, lengths in m; a limit that is not given is infinite.
+// Angles in rad, lengths in m; absent limits are infinite.
 struct Joint {
   std::string name;
   JointType type = JointType::kFixed;
@@ -71,7 +71,7 @@ struct Link {
   std::vector<Geometry> visuals;  // sizes as written
 };
 
-// A tree. links[0] is the root; every joint's parent stands before its child.
+// A tree. links[0] is the root; the parent link of a joint precedes its child.
 struct Robot {
   std::string name;
   std::vector<Link> links;
@@ -86,9 +86,9 @@ struct Error {
 // More links than any robot has, and few enough for urdfdom's recursive destruction.
 constexpr std::size_t kMaxLinks = 5000;
 
-// The robot of a URDF document. By URDF's rules: one of lower and upper that is left out is zero,
-// axes of any length but zero are normalised, continuous joints have no bounds; what mimics a joint
-// that never moves is fixed.
+// The robot of a URDF document. By URDF's rules: if one of lower and upper is absent it is zero,
+// axes of any nonzero length are normalised, continuous joints have no bounds; a joint that mimics
+// a fixed joint is fixed.
 std::variant<Robot, Error> parse(const std::string& document);
 
 struct Held {
@@ -96,8 +96,8 @@ struct Held {
   double value = 0.0;  // rad or m
 };
 
-// The robot with these joints fixed at their values, and with them the joints that mimic them.
-// Refused: joints that do not exist, are fixed or mimic, values outside the limits.
+// The robot with these joints fixed at their values, together with the joints that mimic them.
+// Errors: joints that do not exist, are fixed or mimic, values outside the limits.
 std::variant<Robot, Error> hold(const Robot& robot, const std::vector<Held>& joints);
 
 }  // namespace leadthrough::urdf

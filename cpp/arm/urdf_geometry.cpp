@@ -15,7 +15,7 @@ namespace {
 using xml::Element;
 using xml::Elements;
 
-// Numbers have been checked before; what is left out is zero.
+// Numbers have been checked before; absent ones are zero.
 Eigen::Vector3d numbers(const Element& element, std::string_view attribute, int count) {
   Eigen::Vector3d values = Eigen::Vector3d::Zero();
   if (const auto* text = element.find(attribute)) {
@@ -45,7 +45,7 @@ std::string resolved(std::string_view text) {
   return result;
 }
 
-// The first element below another that has this name, or any name where it is empty.
+// The first element of this name below another, or of any name if it is empty.
 const Element* child(const Elements& elements, const Element& of, std::string_view name) {
   const auto parent = static_cast<std::size_t>(&of - elements.data());
   for (std::size_t i = parent + 1; i < elements.size(); ++i) {
@@ -135,7 +135,7 @@ Colours shared_colours(const Elements& elements) {
   return colours;
 }
 
-// A <visual> or <collision>, or the reason why it cannot be read.
+// A <visual> or <collision>, or the error.
 std::variant<Geometry, std::string> read_piece(const Elements& elements, const Element& piece,
                                                const Colours& colours) {
   Geometry geometry;

@@ -12,11 +12,11 @@ struct LinkGeometry {
 };
 using GeometryByLink = std::map<std::string, LinkGeometry>;
 
-// The geometry of a document whose structure has been checked. Collisions without a size are
-// refused; visuals are not.
+// The geometry of a document whose structure has been checked. Collision geometry without a size is
+// an error; visual geometry without one is allowed.
 std::variant<GeometryByLink, Error> read_geometry(const xml::Elements& elements);
 
-// The document with cylinders in place of capsules, at which urdfdom refuses the whole robot.
+// The document with cylinders in place of capsules, for which urdfdom rejects the whole robot.
 std::string without_capsules(std::string_view document);
 
 }  // namespace leadthrough::urdf

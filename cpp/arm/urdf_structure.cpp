@@ -1,4 +1,4 @@
-// The checks of a URDF that must come before urdfdom: it drops what they look at, or crashes on it.
+// The checks of a URDF that must precede urdfdom, which drops the faulty elements or crashes.
 
 #include "arm/urdf_structure.hpp"
 
@@ -40,11 +40,11 @@ std::string element_text(const Element& element) {
   return std::string(element.name) + (name == nullptr ? "" : " " + quoted(*name));
 }
 
-// No robot is larger or heavier; beyond it products of what a robot states overflow.
+// No robot is larger or heavier; beyond it products of a robot's parameters overflow.
 constexpr double kMaxNumber = 1e9;  // m, kg, kg m^2
 constexpr double kMaxFinite = std::numeric_limits<double>::max();
 
-// As urdfdom reads it, whatever the process's locale; infinite and undefined numbers are none.
+// As urdfdom reads it, independent of the process's locale; infinity and NaN are invalid.
 bool is_number(const std::string& text, double largest) {
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());
@@ -65,7 +65,7 @@ bool are_numbers(std::string_view text, int count, double largest) {
   return found == count;
 }
 
-// How many numbers an attribute holds, by its element and name; 0 for one that holds none.
+// Count of numbers in an attribute, by its element and name; 0 for text.
 int number_count(std::string_view element, std::string_view attribute) {
   constexpr std::array<std::string_view, 6> kMoments{"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
   constexpr std::array<std::string_view, 4> kLimits{"lower", "upper", "velocity", "effort"};
@@ -97,8 +97,8 @@ std::optional<Error> check_numbers(const Elements& elements) {
   for (const Element& element : elements) {
     for (const auto& [name, value] : element.attributes) {
       const int count = number_count(element.name, name);
-      // Some robots say by a vast limit that they have none; mimics are bounded with those they
-      // lead, and a vast friction holds a joint.
+      // Some robots state a vast limit for none; mimics are bounded with their leaders, and a vast
+      // friction locks a joint.
       const bool is_free =
           element.name == "limit" || element.name == "mimic" || element.name == "dynamics";
       const double largest = is_free ? kMaxFinite : kMaxNumber;
@@ -187,7 +187,7 @@ std::optional<Error> check_joint(const Structure& structure, const JointElement&
   return std::nullopt;
 }
 
-// A tree: no link has two parents, one link has none, and every link hangs from it.
+// A tree: no link has two parents, one link has none, and every link descends from it.
 std::optional<Error> check_tree(const Structure& structure) {
   std::map<std::string_view, const JointElement*> parent_of;
   for (const auto& [name, parts] : structure.joints) {

@@ -7,7 +7,7 @@
 
 namespace leadthrough::urdf {
 
-// What is wrong with a URDF document's elements and their references, or nothing.
+// The first error in a URDF document's elements and their references, or nothing.
 std::optional<Error> check_structure(const xml::Elements& elements);
 
 }  // namespace leadthrough::urdf

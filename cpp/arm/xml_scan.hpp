@@ -1,8 +1,8 @@
 #pragma once
 
 // A strict, linear and non-recursive reading of an XML document's elements and attributes, done
-// before any recursive parser sees the text: depth and size are bounded, and what it accepts every
-// parser reads in the same way.
+// before any recursive parser sees the text: depth and size are bounded, and every parser agrees on
+// accepted documents.
 
 #include <string>
 #include <string_view>
@@ -37,7 +37,7 @@ struct Error {
   std::string why;
 };
 
-// The elements, or the first thing that is wrong.
+// The elements, or the first error.
 std::variant<Elements, Error> scan(std::string_view text, const Bounds& bounds = {});
 
 }  // namespace leadthrough::xml

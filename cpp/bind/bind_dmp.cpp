@@ -26,7 +26,7 @@ using dmp::Vector;
 using VectorIn = Eigen::Ref<const Vector>;
 using RowsIn = Eigen::Ref<const Rows>;
 
-// A motion under way. Poses hold three coordinates of their rotation behind the position.
+// State of a running motion. Poses hold three coordinates of their rotation behind the position.
 struct PointState {
   std::shared_ptr<Course> course;
   dmp::State state;
@@ -83,7 +83,7 @@ Vector offset_at(const Path& path, Vector (*value)(const Path&)) {
   return path.empty() ? Vector(Vector::Zero(3)) : value(path);
 }
 
-// Whether a path is one of rotation vectors.
+// True if a path is one of rotation vectors.
 bool is_offset(const Path& path) { return path.empty() || path.coefficients.cols() == 3; }
 
 Path corrected(const Path& path, double phase, double until, const VectorIn& value,

@@ -30,7 +30,7 @@ const double* finite_rows(const py::handle& object, py::ssize_t rows, py::ssize_
   return VectorMap(values, rows * columns).allFinite() ? values : nullptr;
 }
 
-// Phases of one time or of several; empty where Python has to look at them.
+// Phases of one time or of several; empty if Python must check them.
 Eigen::VectorXd phases_of(const py::handle& time, double duration, bool periodic) {
   Eigen::VectorXd phases;
   if (PyFloat_Check(time.ptr())) {

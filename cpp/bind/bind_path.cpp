@@ -11,9 +11,9 @@ namespace leadthrough {
 
 namespace {
 
-// model: none if nothing is to keep clear. tube: as TipPath has it. Joints, or none and what was in
-// the way: the last configuration, the sample, and pairs of bodies with how often; then the nearest
-// approach where the way found is not clear between samples.
+// model: none without collision checks. tube: see TipPath. Returns joints, or none and the dead
+// end: the last configuration, the sample, and colliding pairs of bodies with counts; then the
+// closest pair if the path found is not clear between samples.
 py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
                      const std::vector<Shape>& obstacles, const Eigen::Ref<const Rows3>& positions,
                      const Eigen::Ref<const Rows4>& orientations, const std::optional<IkAxes>& axes,

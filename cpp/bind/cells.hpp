@@ -17,10 +17,10 @@ namespace leadthrough {
 template <typename T>
 using CArray = pybind11::array_t<T, pybind11::array::c_style>;
 
-// Cells that take longer to compute with than to let the GIL go and come back.
+// Count of cells whose computation takes longer than releasing and taking the GIL.
 constexpr pybind11::ssize_t kManyCells = 1000;
 
-// Lets the GIL go where that is worth it.
+// Releases the GIL if that pays off.
 class ReleaseIf {
  public:
   explicit ReleaseIf(bool is_worth_it) {

@@ -35,12 +35,12 @@ void bind_time_law(pybind11::module_& module);
 void bind_tracking(pybind11::module_& module);
 void bind_walls(pybind11::module_& module);
 
-// The Python layer says what is wrong; this keeps the kernels inside their arrays.
+// The Python layer reports errors; this check keeps the kernels inside their arrays.
 inline void require(bool sizes_agree) {
   if (!sizes_agree) throw std::invalid_argument("sizes of the arrays and of the chain differ");
 }
 
-// Numbers whose reading takes longer than to let the GIL go and come back.
+// Count of numbers whose reading takes longer than releasing and taking the GIL.
 constexpr pybind11::ssize_t kLong = 10'000;
 
 template <typename Value>

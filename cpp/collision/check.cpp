@@ -34,7 +34,7 @@ class Placement {
     }
   }
 
-  // The two nearest bodies. The pair with the nearest balls goes first: it spares most others.
+  // The two nearest bodies. The pair with the nearest balls is tested first: it excludes most.
   Nearest nearest() const {
     Nearest best;
     if (balls_.empty()) return best;
@@ -73,7 +73,7 @@ struct Interval {
   std::optional<Approach> first;
 };
 
-// Conservative advancement (Mirtich 1996): from a configuration the arm moves on by as much as the
+// Conservative advancement (Mirtich 1996): from a configuration the arm advances by as much as the
 // distances allow before any could fall below a threshold.
 class Motion {
  public:
@@ -104,7 +104,7 @@ class Motion {
     double share = 0.0;
     double here = start.distance;
     while (true) {
-      // What is already known to be lower, or no hit, need not be found to be so again.
+      // Distances already known to be lower, or no hit, need no second test.
       const double threshold =
           (hit ? local : std::max(options_.margin, std::min(least, local))) - options_.tolerance;
       if (0.5 * (here + end.distance - longest * (1.0 - share)) >= threshold) return found;
@@ -147,7 +147,7 @@ class Motion {
       q[static_cast<std::size_t>(k)] = (1.0 - share) * q_(i, k) + share * q_(i + 1, k);
   }
 
-  // The share of the interval that passes before any distance can fall below the threshold.
+  // Fraction of the interval before any distance can fall below the threshold.
   static double free_share(const Placement& placement, const std::vector<double>& motion,
                            double threshold) {
     double share = 1.0;

@@ -13,7 +13,7 @@
 
 namespace leadthrough {
 
-// What overlaps by less touches, m: distances are exact to a tenth of it.
+// Bodies that overlap by less count as touching, m: distances are exact to a tenth of it.
 constexpr double kTouching = 1e-6;
 
 // A link, a thing that is attached to the tip, or an obstacle. joints: how many of the chain's
@@ -52,11 +52,11 @@ struct CollisionModel {
   std::vector<bool> meet;  // pairs that touch and never overlap: their URDF makes them meet
   std::vector<BodyPair> left_out;
 };
-// Without the pairs that meet: no margin can be kept between them.
+// The model without the pairs that meet: no margin can hold between them.
 CollisionModel without_meeting_pairs(const CollisionModel& model);
 
-// Pairs are judged at configurations spread evenly inside the limits: those that never come as near
-// as `margin` and those that always touch are left out, as are links next to each other.
+// Pairs are sampled at configurations spread evenly inside the limits: pairs that never come within
+// `margin` and pairs that always touch are left out, as are adjacent links.
 struct PairOptions {
   int samples = 4000;
   double margin = 0.05;  // m
@@ -70,8 +70,8 @@ CollisionModel make_collision_model(const urdf::Robot& robot, const Chain& chain
                                     const std::vector<Eigen::Matrix3Xd>& hulls,
                                     const PlacedShapes& attached, const PairOptions& options = {});
 
-// What is checked: the arm's own pairs, or all that moves on it against obstacles. Obstacles are
-// bodies like the arm's own, in their order after them, named "obstacle 0" and so on.
+// Pairs to check: the arm's own, or its moving bodies against obstacles. Obstacles are bodies like
+// the arm's own, after them and in their order, named "obstacle 0" and so on.
 struct CollisionScene {
   Chain chain;
   std::vector<std::string> names;  // of the bodies
@@ -82,8 +82,8 @@ struct CollisionScene {
 CollisionScene itself(const CollisionModel& model);
 CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacles);
 
-// Two bodies where they are nearest; distance is infinite where nothing is checked. Points in the
-// base frame.
+// The closest pair of bodies; the distance is infinite if no pair is checked. Points in the base
+// frame.
 struct Nearest {
   double distance = kInfinity;
   int a = -1;
@@ -96,20 +96,20 @@ struct Nearest {
 std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
                                    int threads);
 
-// sample: index of a row of q, with the fraction of the way to the next.
+// sample: index of a row of q plus the fraction of the step to the next.
 struct Approach {
   Nearest nearest;
   double sample = 0.0;
 };
 
 struct MotionOptions {
-  double margin = 0.0;      // m; what comes nearer is a hit, what touches is none
+  double margin = 0.0;      // m; a distance below it is a hit, contact alone is none
   double tolerance = 1e-3;  // m
   int threads = 1;
 };
 
-// closest: nothing in the whole motion comes nearer by more than the tolerance. first: the first
-// hit, with none deeper than the tolerance before.
+// closest: the smallest distance of the whole motion, to the tolerance. first: the first hit; no
+// earlier one is deeper than the tolerance.
 struct MotionReport {
   std::vector<Nearest> samples;
   Approach closest;
@@ -120,8 +120,8 @@ struct MotionReport {
 MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
                           const MotionOptions& options = {});
 
-// A bound on the way of any point of the arm between two rows, m; the work of check_motion grows
-// with its ratio to the tolerance.
+// Upper bound on the displacement of any point of the arm between two rows, m; the work of
+// check_motion grows with its ratio to the tolerance.
 double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q);
 
 }  // namespace leadthrough

@@ -37,7 +37,7 @@ double ClearanceTest::ball(const ShapePair& pair) const {
                                   shapes[index(pair.b)], poses_[index(pair.b)]);
 }
 
-// Whether pair i is at least that far apart, m.
+// True if the distance of pair i is at least `least`, m.
 bool ClearanceTest::apart(std::size_t i, double least) {
   const ShapePair& pair = arm_.scene.pairs[i];
   if (ball(pair) >= least) return true;
@@ -51,7 +51,7 @@ bool ClearanceTest::clear(const double* q, double slack) {
   const auto holds = [&](std::size_t i) { return apart(i, arm_.margins[i] - slack - kTouching); };
   const std::size_t pairs = arm_.scene.pairs.size();
   if (pairs == 0) return true;
-  // What was in the way at the last configuration is likely to be so again.
+  // The pair in collision at the last configuration is likely to collide again.
   if (!holds(blocker_)) return false;
   for (std::size_t i = 0; i < pairs; ++i) {
     if (i == blocker_ || holds(i)) continue;
@@ -76,7 +76,7 @@ void ClearanceTest::near(const double* q, double band, std::vector<NearPair>& fo
   }
 }
 
-// The nearest points move with their bodies; what moves both bodies alike changes nothing.
+// The nearest points move with their bodies; joints that move both bodies have no effect.
 NearPair ClearanceTest::with_gradient(std::size_t i, const Separation& found) const {
   const CollisionScene& scene = arm_.scene;
   const ShapePair& pair = scene.pairs[i];

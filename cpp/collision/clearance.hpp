@@ -1,7 +1,7 @@
 #pragma once
 
-// Whether a configuration is clear, and what stands near the arm in it: quicker than distances, for
-// searches that ask thousands of times.
+// Tests of whether configurations are collision-free, and the pairs near contact: quicker than
+// distances, for searches with thousands of queries.
 
 #include <vector>
 
@@ -9,7 +9,7 @@
 
 namespace leadthrough {
 
-// All pairs of shapes that are checked, each with the distance that it must keep, m.
+// All pairs of shapes that are checked, each with its required distance, m.
 struct WholeArm {
   CollisionScene scene;
   std::vector<double> margins;
@@ -24,14 +24,14 @@ struct NearPair {
   std::array<double, kMaxJoints> gradient;
 };
 
-// One for each thread: it remembers what it saw last, which changes its speed and no answer.
+// One per thread: it caches separating normals, which affects its speed and no result.
 class ClearanceTest {
  public:
   explicit ClearanceTest(const WholeArm& arm);
 
-  // Whether every pair keeps its margin less `slack`; what touches is clear.
+  // True if the distance of every pair is at least its margin less `slack`; contact is clear.
   bool clear(const double* q, double slack = 0.0);
-  // The pair that was too near when `clear` last said no.
+  // The pair that was too near when `clear` last returned false.
   std::size_t blocker() const { return blocker_; }
 
   // The pairs that are nearer than their margin and `band`, m.
@@ -46,11 +46,11 @@ class ClearanceTest {
   const WholeArm& arm_;
   collision::Frames frames_;
   std::vector<Pose> poses_;
-  std::vector<Eigen::Vector3d> normals_;  // along which each pair was last seen to be apart
+  std::vector<Eigen::Vector3d> normals_;  // the last separating direction of each pair
   std::size_t blocker_ = 0;
 };
 
-// Whether each row of q is clear.
+// One flag per row of q: true if it is clear.
 std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>& q);
 
 }  // namespace leadthrough

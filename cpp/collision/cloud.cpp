@@ -17,9 +17,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kLeaf = 8;  // points of a leaf at most
+constexpr int kLeaf = 8;  // maximum number of points of a leaf
 constexpr std::size_t kPlanes = 8;
-constexpr int kDepth = 64;  // more than halving any number of points takes
+constexpr int kDepth = 64;  // more halvings than any number of points needs
 
 Pose unturned(const Vector3d& position) { return {Eigen::Matrix3d::Identity(), position}; }
 
@@ -32,8 +32,8 @@ class Probe {
 
   double square_to(const Vector3d& point) const { return (point - pose_.position).squaredNorm(); }
 
-  // Whether the body keeps that far away from a point. A hull is asked for no more than that, and
-  // with a point in it says no whatever the depth.
+  // True if the body's distance from a point is at least `least`. For a hull this test is cheaper
+  // than the distance, and false for points inside at any depth.
   bool keeps(const Vector3d& point, double least) const {
     if constexpr (!OwnCore::kClosedForm) {
       const double reach = least + radius_;
@@ -57,14 +57,14 @@ class Probe {
   }
 
  private:
-  // Whether a plane that touches the hull keeps it away from the point.
+  // True if a stored supporting plane of the hull separates it from the point.
   bool beyond_a_plane(const Vector3d& point, double least) const {
     for (std::size_t i = 0; i < std::min(planes_, kPlanes); ++i)
       if (normals_[i].dot(point) - offsets_[i] >= least) return true;
     return false;
   }
 
-  // As `apart` says; its plane is kept, for the points around are likely to lie beyond it too.
+  // The result of `apart`; its plane is stored, since nearby points may lie beyond it too.
   bool seen_apart(const Vector3d& point, double least) const {
     if (!apart(sphere(0.0), unturned(point), body_, pose_, least, normal_)) return false;
     const Vector3d touched = support(body_, -(back_ * normal_));
@@ -79,14 +79,14 @@ class Probe {
   const Pose& pose_;
   Eigen::Matrix3d back_;
   double radius_;
-  // What a hull was last seen to be apart by: the normal, and planes with their offsets.
+  // The last separating normal of a hull, and its latest separating planes with their offsets.
   mutable Vector3d normal_ = Vector3d::UnitX();
   mutable std::array<Vector3d, kPlanes> normals_;
   mutable std::array<double, kPlanes> offsets_;
   mutable std::size_t planes_ = 0;
 };
 
-// Calls work(probe) with a body as it is seen from the frame of a cloud.
+// Calls work(probe) with a body in the frame of a cloud.
 template <typename Work>
 auto with_probe(const Convex& body, const Pose& T_cloud_body, double radius, const Work& work) {
   return std::visit(
@@ -135,7 +135,7 @@ void Cloud::split(int first, int end, std::vector<int>& order,
   Eigen::Index axis = 0;
   (upper - lower).maxCoeff(&axis);
   const int half = first + (end - first) / 2;
-  // Equal coordinates stand in the points' order: the same cloud has the same tree.
+  // Ties of coordinates are ordered by index: the same cloud has the same tree.
   std::nth_element(order.begin() + first, order.begin() + half, order.begin() + end,
                    [&](int a, int b) {
                      return std::make_pair(points(a, axis), a) < std::make_pair(points(b, axis), b);
@@ -146,8 +146,8 @@ void Cloud::split(int first, int end, std::vector<int>& order,
   split(half, end, order, points);
 }
 
-// Calls visit(point) for all points that the body comes nearer to than `least`, which may fall
-// meanwhile, and for some that lie in it, until it says true; and then does so itself.
+// Calls visit(point) for all points whose distance from the body is below `least`, which may fall
+// meanwhile, and for some inside it, until a visit returns true; returns whether one did.
 template <typename Probe, typename Visit>
 bool Cloud::search(const Probe& probe, const double& least, const Visit& visit) const {
   std::array<int, kDepth> waiting;
@@ -162,7 +162,7 @@ bool Cloud::search(const Probe& probe, const double& least, const Visit& visit) 
       if (!probe.keeps(point, least) && visit(point)) return true;
     }
     if (node.count > 0) continue;
-    // The nearer one is looked at first.
+    // The nearer one is visited first.
     const double to_first = probe.square_to(nodes_[static_cast<std::size_t>(i) + 1].centre);
     const double to_second = probe.square_to(nodes_[static_cast<std::size_t>(node.second)].centre);
     waiting[count++] = to_first < to_second ? node.second : i + 1;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Balls of one radius around many points, in a tree of balls that hold them: what a depth camera
-// sees of a room. A body asks only those branches whose ball comes near enough to it.
+// Balls of one radius around many points, such as a depth camera's, in a tree of bounding balls. A
+// query visits only the branches whose ball is near enough to the body.
 
 #include <Eigen/Core>
 #include <vector>
@@ -19,18 +19,18 @@ class Cloud {
   Cloud(const Eigen::Ref<const Rows3>& points, double radius);
 
   double radius() const { return radius_; }
-  // The middle of the box around the points, in their frame. All else is seen from there.
+  // The middle of the box around the points, in their frame; the origin of all other quantities.
   const Eigen::Vector3d& middle() const { return middle_; }
   // Of a ball about the middle that holds all balls, m.
   double bounding_radius() const { return nodes_.front().radius + radius_; }
-  // How far the balls reach from the middle along a unit vector, m.
+  // Extent of the balls from the middle along a unit vector, m.
   double reach(const Eigen::Vector3d& along) const;
 
   const Eigen::Vector3d& nearest_to(const Eigen::Vector3d& point) const;
 
-  // As of convex bodies, for the ball that the body is nearest to or deepest in; a distance that is
-  // at least `cutoff` comes back as `cutoff`, without points and normal. radius: of a ball about
-  // the body's origin that holds it, m.
+  // As for convex bodies, for the ball that the body is nearest to or deepest in; a distance of at
+  // least `cutoff` is returned as `cutoff`, without points and normal. radius: of a bounding ball
+  // about the body's origin, m.
   Separation separation(const Pose& T_base_cloud, const Convex& body, const Pose& T_base_body,
                         double radius, double cutoff) const;
   bool apart(const Pose& T_base_cloud, const Convex& body, const Pose& T_base_body, double radius,

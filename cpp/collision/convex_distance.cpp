@@ -20,7 +20,7 @@ using minkowski::Simplex;
 using minkowski::Vertex;
 
 constexpr double kTolerance = 1e-10;  // m, between the distance found and the one proven
-// Nearer cores are treated as overlapping, m: their direction would be lost in rounding.
+// Cores nearer than this count as overlapping, m: their direction would be lost in rounding.
 constexpr double kCoresTouch = 1e-7;
 constexpr int kMaxIterations = 100;
 
@@ -101,8 +101,8 @@ double nearest_share(const Vector3d& middle, const Vector3d& half, const Vector3
   return low - slope_low * (high - low) / (slope_high - slope_low);
 }
 
-// Whether the depth of cores that overlap is wanted, which takes longer than all the rest, and the
-// distance of those that are nearer than the cutoff.
+// True if the caller needs the depth of overlapping cores, which takes longer than all the rest,
+// and the distance of those that are nearer than the cutoff.
 enum class Overlap { kMeasured, kJustSeen };
 
 NearestOfCores overlapping(const Difference& difference, Overlap overlap) {
@@ -120,8 +120,8 @@ NearestOfCores box_to_segment(const Difference& difference, const Vector3d& box,
   return found.distance < kCoresTouch ? overlapping(difference, overlap) : found;
 }
 
-// Gilbert, Johnson and Keerthi 1988. `nearest` is a point of a - b, `proven` a distance that a
-// plane across it keeps. start: from b to a, as far as is known.
+// Gilbert, Johnson and Keerthi 1988. `nearest` is a point of a - b, `proven` a lower bound on the
+// distance by a plane across it. start: from b to a, as far as is known.
 NearestOfCores iterate(const Difference& difference, const Vector3d& start, double cutoff,
                        Overlap overlap) {
   Simplex simplex;
@@ -139,7 +139,7 @@ NearestOfCores iterate(const Difference& difference, const Vector3d& start, doub
     nearest = simplex.reduce();
     const double shorter = nearest.norm();
     if (simplex.size == 4 || shorter < kCoresTouch) return overlapping(difference, overlap);
-    // Where only the cutoff is asked for, how much nearer the cores come is not.
+    // For a test against the cutoff alone, the exact distance below it is irrelevant.
     if (overlap == Overlap::kJustSeen && shorter < cutoff)
       return {shorter, -nearest / shorter, vertex.on_a, vertex.on_b};
     if (i > 0 && shorter >= length) {  // rounding
@@ -205,7 +205,7 @@ bool apart(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T
   const NearestOfCores cores = between_cores(difference, -(T_base_a.rotation.transpose() * normal),
                                              least + rounding, Overlap::kJustSeen);
   normal = T_base_a.rotation * cores.normal;
-  // Cores that overlap may do so by less than is allowed: bodies that touch overlap by rounding.
+  // The overlap of cores may be within the allowance: touching bodies overlap by rounding.
   if (cores.distance == -kInfinity && least < 0.0)
     return separation(a, T_base_a, b, T_base_b, least).distance >= least;
   return cores.distance - rounding >= least;

@@ -15,23 +15,23 @@
 
 namespace leadthrough {
 
-// distance: m; below zero it is, negated, a translation that separates the bodies, the shortest one
-// to 1e-7 m and never shorter. on_a, on_b: the nearest points, or the deepest ones. normal: unit,
-// the way in which b goes away from a.
+// distance: m; if negative, its magnitude is the length of the shortest separating translation, to
+// 1e-7 m and never shorter. on_a, on_b: the nearest points, or the deepest ones. normal: unit, the
+// direction in which b separates from a.
 struct Separation {
   double distance;
   Eigen::Vector3d on_a, on_b;
   Eigen::Vector3d normal;
 };
 
-// In the frame in which both poses are given. A distance that is found to be at least `cutoff` may
-// come back as any value from there up to the true one, and then without the points, but with the
-// normal along which the bodies are that far apart.
+// In the frame in which both poses are given. A distance of at least `cutoff` may be returned as
+// any value from `cutoff` up to the true one, and then without the points, but with a normal along
+// which the bodies are that far apart.
 Separation separation(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
                       double cutoff = kInfinity);
 
-// Whether the bodies are at least that far apart, m. normal: a guess of the unit vector from a to b
-// along which they are; comes back as a better one. Cores that overlap count as infinitely deep.
+// True if the distance is at least `least`, m. normal: a guess of the unit vector from a to b along
+// which it is, updated to a better one. Cores that overlap count as infinitely deep.
 bool apart(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
            double least, Eigen::Vector3d& normal);
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// The cores of convex bodies, a type each. Bodies are asked by std::visit: the compiler names the
-// answers that a new core lacks. Directions are unit vectors in the core's frame. A core with
-// kClosedForm gives distances of points itself; others are measured by convex_distance.hpp.
+// The cores of convex bodies, a type each. Dispatch is by std::visit: the compiler reports members
+// that a new core lacks. Directions are unit vectors in the core's frame. A core with kClosedForm
+// computes distances of points itself; others use convex_distance.hpp.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -22,18 +22,18 @@ namespace cores {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A point as a core sees it: the square of its distance where `beyond` is positive, else `beyond`
-// is the signed distance.
+// A point relative to a core: if `beyond` is positive, `square` is the squared distance; otherwise
+// `beyond` is the signed distance.
 struct Offset {
   double square;
   double beyond;
 };
 
-// Summed as NumPy's einsum does, which computed these distances first: so they keep their bits.
+// Summed in the order of NumPy's einsum, so that distances have the same bits as in NumPy.
 inline double length(double x, double y, double z) { return std::sqrt(x * x + z * z + y * y); }
 
-// At the origin along x: also a drawing's points have that axis, and it leads out of a capsule by
-// the shortest way.
+// At the origin the gradient is x: this axis exists in 2D too, and points out of a capsule along a
+// shortest path.
 inline SignedDistance from_origin(const Vector3d& offset) {
   const double distance = offset.norm();
   return {distance, distance > 0.0 ? Vector3d(offset / distance) : Vector3d(Vector3d::UnitX())};
@@ -48,8 +48,8 @@ struct Point {
   double bounding_radius() const { return 0.0; }
   double distance(const Vector3d& p) const { return length(p.x(), p.y(), p.z()); }
   SignedDistance signed_distance(const Vector3d& p) const { return from_origin(p); }
-  // to_point: from the core to a point, in the frame that the core is turned against by `rotation`;
-  // back: its transpose.
+  // to_point: from the core to a point, in the frame relative to which `rotation` is the core's
+  // orientation; back: the transpose of `rotation`.
   Offset offset(const Vector3d& to_point, const Matrix3d& /*rotation*/,
                 const Matrix3d& /*back*/) const {
     return {to_point.squaredNorm(), 1.0};
@@ -95,7 +95,7 @@ struct Box {
     const Vector3d outside = p.cwiseAbs() - half, beyond = outside.cwiseMax(0.0);
     return length(beyond.x(), beyond.y(), beyond.z()) + std::min(outside.maxCoeff(), 0.0);
   }
-  // To the nearest point of the surface, from inside to the nearest face.
+  // To the nearest point of the surface; from inside, to the nearest face.
   SignedDistance signed_distance(const Vector3d& p) const {
     const Vector3d nearest = p.cwiseMax(-half).cwiseMin(half);
     const Vector3d outside = p - nearest;
@@ -118,7 +118,7 @@ struct Cylinder {
 
   Vector3d support(const Vector3d& along) const {
     const double across = std::sqrt(along.x() * along.x() + along.y() * along.y());
-    // Along the axis the whole rim is farthest; any of its points will do.
+    // Along the axis all points of the rim are equally far; any of them is valid.
     const double scale = across > 0.0 ? radius / across : 0.0;
     const double x = across > 0.0 ? scale * along.x() : radius;
     return {x, scale * along.y(), std::copysign(half, along.z())};
@@ -177,7 +177,7 @@ struct Hull {
 
 using Core = std::variant<cores::Point, cores::Segment, cores::Box, cores::Cylinder, cores::Hull>;
 
-// All that lies within a rounding of a core.
+// All points within `rounding` of a core.
 struct Convex {
   Core core;
   double rounding = 0.0;  // m
@@ -200,12 +200,12 @@ inline Convex hull(Eigen::Matrix3Xd vertices) {
   return {cores::Hull{std::make_shared<const Eigen::Matrix3Xd>(std::move(vertices))}};
 }
 
-// The core's point that lies farthest along a direction, in its own frame.
+// The core's farthest point along a direction, in its own frame.
 inline Eigen::Vector3d support(const Convex& body, const Eigen::Vector3d& along) {
   return std::visit([&](const auto& core) { return core.support(along); }, body.core);
 }
 
-// The radius of a ball about the frame's origin that holds the body, m.
+// Radius of the bounding ball about the frame's origin, m.
 inline double bounding_radius(const Convex& body) {
   return std::visit([&](const auto& core) { return core.bounding_radius() + body.rounding; },
                     body.core);

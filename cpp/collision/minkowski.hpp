@@ -1,6 +1,6 @@
 #pragma once
 
-// The Minkowski difference of two cores, seen through its support points.
+// The Minkowski difference of two cores, given by its support points.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace leadthrough::minkowski {
 
 using Eigen::Vector3d;
 
-// A point of the difference, and the points of a and b that it is made of.
+// A point of the difference, and the points of a and b that it is the difference of.
 struct Vertex {
   Vector3d point;
   Vector3d on_a, on_b;
@@ -43,7 +43,7 @@ struct Simplex {
 
   void add(const Vertex& vertex) { vertices[static_cast<std::size_t>(size++)] = vertex; }
   bool has(const Vector3d& point) const;
-  // Finds the weights, drops the vertices that have none and returns the nearest point.
+  // Computes the weights, drops the vertices of weight 0 and returns the nearest point.
   Vector3d reduce();
 };
 

@@ -1,4 +1,4 @@
-// Which shapes an arm has, what moves them, and which pairs of them are worth a check.
+// Shapes of an arm, the joints that move them, and the pairs of them to check.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -29,7 +29,7 @@ Pose moved(const urdf::Joint& joint, double value) {
       at_zero, {Eigen::AngleAxisd(value, joint.axis).toRotationMatrix(), Eigen::Vector3d::Zero()});
 }
 
-// A link's place: how many of the chain's joints move it, and where it is while they are at zero.
+// Placement of a link: the number of the chain's joints that move it, and its pose at zero.
 struct Place {
   int joints = 0;
   Pose T_root_link{Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()};
@@ -53,7 +53,7 @@ std::vector<bool> joints_of_chain(const Robot& robot, int base, int tip) {
   return among;
 }
 
-// Joints stand before those that hang from their child.
+// Joints precede those below their child.
 std::vector<Place> places(const Robot& robot, const std::vector<bool>& among) {
   std::vector<Place> result(robot.links.size());
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
@@ -88,7 +88,7 @@ void add_shape(CollisionModel& model, const Convex& convex, const Pose& T_frame_
   model.shapes.push_back({convex, T_frame_shape, body, bounding_radius(convex)});
 }
 
-// A mesh's frame may lie far from it: the ball around the shape wants the middle.
+// A mesh's frame may lie far from it: the bounding ball needs the middle as origin.
 void add_hull(CollisionModel& model, const Eigen::Matrix3Xd& vertices, const Pose& T_frame_mesh) {
   const Eigen::Vector3d middle =
       0.5 * (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff());
@@ -126,7 +126,7 @@ JointVector sample(const Chain& chain, int index) {
   return q;
 }
 
-// Two bodies, what they consist of, and what has been seen of them.
+// Two bodies, their shapes, and the statistics of their samples.
 struct Candidate {
   int a, b;
   std::vector<ShapePair> pairs;
@@ -177,15 +177,15 @@ std::vector<Candidate> candidates(CollisionModel& model, const std::vector<int>&
   return result;
 }
 
-// How often two shapes of bodies that can collide have been seen to touch exactly, and to overlap.
+// Number of samples in which two shapes of bodies that can collide touch exactly, and overlap.
 struct Contacts {
   int touching = 0;
   int overlapping = 0;
 };
 
-// Which pairs touch and never overlap.
+// Marks pairs that touch and never overlap.
 void find_meeting_pairs(CollisionModel& model, const std::vector<int>& joints) {
-  constexpr int kFew = 64, kMany = 2000;  // configurations: to see that they touch; that it is all
+  constexpr int kFew = 64, kMany = 2000;  // configurations: to find contacts; to exclude overlaps
   constexpr double kTouching = 1e-6;      // m
   std::vector<Contacts> seen(model.pairs.size());
   std::vector<Pose> poses(model.shapes.size());
@@ -251,7 +251,7 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
   CollisionModel model{chain, {}, {}, {}, {}, {}};
   Frames frames;
   collision::joint_frames(chain, MovingValues{}.data(), frames);
-  // Links that hang beside the base, or above it, are not moved either.
+  // Links beside or above the base in the tree do not move either.
   const auto joints_of = [&](std::size_t link) { return links[link].joints; };
   const auto in_frame = [&](std::size_t link) {
     const Pose T_base_link = compose(inverse(links[first].T_root_link), links[link].T_root_link);

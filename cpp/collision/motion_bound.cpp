@@ -7,7 +7,7 @@ std::vector<MovingValues> reaches(const CollisionScene& scene, const MovingValue
   const Chain& chain = scene.chain;
   for (std::size_t s = 0; s < scene.shapes.size(); ++s) {
     const BodyShape& shape = scene.shapes[s];
-    // A ball that holds the shape, first about its own origin, then about each joint's.
+    // Radius of a bounding ball of the shape, first about its own origin, then about each joint's.
     double radius = shape.radius;
     Eigen::Vector3d offset = shape.T_frame_shape.position;
     for (auto k = static_cast<std::size_t>(scene.joints[s]); k-- > 0;) {

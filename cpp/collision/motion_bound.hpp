@@ -1,6 +1,6 @@
 #pragma once
 
-// Bounds on how far the shapes of an arm move while its joints do.
+// Upper bounds on the displacement of an arm's shapes for a change of its joints.
 
 #include <vector>
 
@@ -9,11 +9,11 @@
 
 namespace leadthrough::collision {
 
-// How far any point of each shape can be from each joint's axis, m; 1 for a prismatic joint, whose
-// value is a way itself. extent: the largest absolute value that each joint takes.
+// Largest distance of any point of each shape from each joint's axis, m; 1 for a prismatic joint,
+// whose value is a length itself. extent: the largest absolute value of each joint.
 std::vector<MovingValues> reaches(const CollisionScene& scene, const MovingValues& extent);
 
-// A bound on how far the shapes of a pair move against each other while the joints change.
+// Upper bound on the relative displacement of a pair of shapes for a change of the joints.
 double pair_motion(const CollisionScene& scene, const std::vector<MovingValues>& reach,
                    const ShapePair& pair, const MovingValues& change);
 

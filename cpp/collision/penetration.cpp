@@ -1,6 +1,6 @@
-// How deep two cores overlap: a polytope inside their Minkowski difference grows where its surface
-// is nearest to the origin, until there it lies on the difference's own surface (van den Bergen
-// 2001). Faces may lie on either side of the origin, so that touching cores are no special case.
+// Penetration depth of two cores: a polytope inside their Minkowski difference grows at its face
+// nearest to the origin until that face lies on the difference's own surface (van den Bergen 2001).
+// Faces may lie on either side of the origin, so that touching cores are no special case.
 
 #include <algorithm>
 
@@ -15,7 +15,7 @@ constexpr double kDepthTolerance = 1e-8;  // m, between the polytope and the sur
 // Curved bodies need some dozens for the tolerance; the bound keeps the work on the stack.
 constexpr int kMaxVertices = 160;
 constexpr int kMaxEdges = 3 * kMaxVertices;
-// A face that a point lies beyond by less is not turned towards it, m.
+// A face is visible from a point that lies beyond it by at least this, m.
 constexpr double kVisible = 1e-13;
 
 struct Face {
@@ -84,7 +84,7 @@ class Polytope {
     const Vector3d& p = point(corners[0]);
     const Vector3d across = (point(corners[1]) - p).cross(point(corners[2]) - p);
     const double area = across.norm();
-    // A sliver has no side; it is kept for its edges and never chosen.
+    // A sliver has no defined side; it stays for its edges and is never selected.
     const bool sliver = !(area > 0.0);
     const Vector3d normal = sliver ? Vector3d::Zero() : Vector3d(across / area);
     const double offset = sliver ? kInfinity : normal.dot(p);
@@ -106,7 +106,7 @@ class Polytope {
     return nearest;
   }
 
-  // Replaces the faces that a vertex lies beyond; false where there is no room or no progress.
+  // Replaces the faces visible from a vertex; false without room or progress.
   bool grow(const Vertex& vertex) {
     if (count_ == kMaxVertices) return false;
     edges_ = 0;
@@ -129,7 +129,7 @@ class Polytope {
     return true;
   }
 
-  // The two directions of an edge between faces that both go take each other out.
+  // The two directions of an edge between two removed faces cancel each other.
   bool add_edge(int from, int to) {
     for (int i = 0; i < edges_; ++i) {
       auto& edge = edges_list_[static_cast<std::size_t>(i)];

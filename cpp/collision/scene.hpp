@@ -1,6 +1,6 @@
 #pragma once
 
-// A collision model beside its obstacles, placed at one configuration after the other.
+// Placement of a collision model's shapes at a configuration, and distances of placed shapes.
 
 #include <cmath>
 #include <vector>
@@ -18,7 +18,7 @@ inline Pose inverse(const Pose& pose) {
   return {pose.rotation.transpose(), -(pose.rotation.transpose() * pose.position)};
 }
 
-// The frame that moves with each moving joint, after the base's own.
+// The base frame, then the frame that each moving joint carries.
 using Frames = std::array<Pose, kMaxJoints + 1>;
 
 // values: of the moving joints.

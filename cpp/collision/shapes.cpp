@@ -57,7 +57,7 @@ SignedDistance from_convex(const Convex& body, const Eigen::Vector3d& point) {
       body.core);
 }
 
-// From inside a hull the way out is that of its shallowest direction.
+// From inside a hull the nearest surface is in its shallowest direction.
 SignedDistance from_hulls(const Hulls& hulls, const Eigen::Vector3d& point) {
   SignedDistance least{kInfinity, Eigen::Vector3d::UnitX()};
   for (const auto& [hull, middle, radius] : hulls) {
@@ -83,7 +83,7 @@ double reach_of_hulls(const Hulls& hulls, const Eigen::Vector3d& direction) {
   return most;
 }
 
-// As seen from a frame that is turned so.
+// In a frame of this orientation.
 Eigen::Vector3d turned_back(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& v) {
   return v.x() * rotation.row(0) + v.y() * rotation.row(1) + v.z() * rotation.row(2);
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Obstacles and attached objects: distances of points, and the parts that collision checks take.
+// Obstacles and attached objects: distances of points, and their parts for collision checks.
 
 #include <Eigen/Core>
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace leadthrough {
 
-// Convex hulls, each about its middle in the frame of them all, with the ball about that.
+// A convex hull relative to its middle, given in the shape's frame, and its bounding radius.
 struct PlacedHull {
   Convex convex;
   Eigen::Vector3d middle;
@@ -32,8 +32,8 @@ struct Shape {
 // radius, a "capsule" or "cylinder" of a radius and a length.
 std::optional<Convex> primitive(std::string_view kind, const Eigen::VectorXd& sizes);
 
-// corners: of each hull at least four that span a volume, in a frame at the pose. The shape's own
-// position is the middle of them all.
+// corners: for each hull at least four that span a volume, in a frame at the pose. The shape's own
+// position is the middle of all corners.
 Shape make_hulls(const std::vector<Rows3>& corners, const Eigen::Matrix3d& rotation,
                  const Eigen::Vector3d& position);
 
@@ -41,7 +41,7 @@ Shape make_hulls(const std::vector<Rows3>& corners, const Eigen::Matrix3d& rotat
 Shape make_cloud(std::shared_ptr<const Cloud> cloud, const Eigen::Matrix3d& rotation,
                  const Eigen::Vector3d& position);
 
-// Of several hulls or balls, to the one that the point is nearest to or deepest in.
+// For several hulls or balls, to the one that the point is nearest to or deepest in.
 SignedDistance signed_distance(const Shape& shape, const Eigen::Vector3d& point);
 
 // The distance alone, which takes half the time or less.
@@ -50,8 +50,8 @@ double distance_to(const Shape& shape, const Eigen::Vector3d& point);
 // Extent of a shape from its position along a unit vector, m.
 double reach_of(const Shape& shape, const Eigen::Vector3d& direction);
 
-// A convex body or a cloud at its pose. Pieces of one thing stand one after the other; `piece`
-// marks all but the first.
+// A convex body or a cloud at its pose. Pieces of one shape are consecutive; `piece` marks all but
+// the first.
 struct PlacedShape {
   Convex convex;
   Pose pose;

@@ -1,5 +1,5 @@
 // The point of a simplex nearest to the origin, by signed volumes (Montanari, Petrinic and Barbieri
-// 2017): where the origin's projection lies outside, only the faces that it lies beyond are asked.
+// 2017): if the origin's projection lies outside, only the faces that it lies beyond are tested.
 
 #include "base/constants.hpp"
 #include "collision/minkowski.hpp"

@@ -16,8 +16,8 @@ using Eigen::Vector3d;
 // Steering: gamma and beta of Hoffmann et al. 2009, with time measured in durations.
 constexpr double kGain = 1000.0;
 constexpr double kNarrowing = 20.0 / kPi;
-// A motion that heads for the middle is steered as one that passes at the angle of most effect;
-// the literature's term vanishes there.
+// A motion straight at the middle is steered as at the angle of largest effect; the literature's
+// term vanishes there.
 constexpr double kMinAngle = 1.0 / kNarrowing;
 // Sine of the angle below which a rule chooses the side.
 constexpr double kHeadOn = 1e-6;
@@ -26,7 +26,7 @@ constexpr int kSides = 16;  // on which an obstacle may be passed
 
 constexpr double kBarrierRate = 60.0;  // per unit of phase, several times the springs'
 constexpr double kSliding = 1.5;       // of what a barrier holds back, along the surface
-constexpr double kInsistence = 4.0;    // of it, against what leads the other way
+constexpr double kInsistence = 4.0;    // of it, against forces in the opposite direction
 constexpr int kSweeps = 4;             // over barriers that may act against each other
 constexpr double kMaxStep = 1e-3;      // of phase, far below the barrier's time
 // Steering weaker than this share of a barrier's push at the margin does not count as one.
@@ -40,7 +40,7 @@ Vector3d in_space(const Vector& channels, Eigen::Index dimensions) {
 
 Vector start_of(const Course& course) { return course.reference.coefficients.row(0); }
 
-// Across a unit vector, away from the middle; as long as 1.
+// Unit vector perpendicular to a direction, away from the middle.
 Vector3d sideways(const Vector3d& direction, const Vector3d& to_middle) {
   const Vector3d side = direction * direction.dot(to_middle) - to_middle;
   if (side.norm() > kHeadOn * to_middle.norm()) return side.normalized();
@@ -60,14 +60,14 @@ Vector3d steering(const Obstacle& obstacle, double reach, double distance,
   return strength * speed * sideways(velocity / speed, to_middle);
 }
 
-// The least change of the acceleration along a gradient that keeps a distance h from falling.
+// The smallest acceleration along the gradient of a distance h that satisfies its barrier.
 double barrier(double h, double h_slope, double acceleration) {
   const double needed = -kBarrierRate * (2.0 * h_slope + kBarrierRate * h);
   return std::max(needed - acceleration, 0.0);
 }
 
-// The axis about which to go round an obstacle: across the line from start to goal, or to the
-// obstacle where they are one, and so that the way out beside the obstacle is the shortest.
+// The axis of the detour around an obstacle: perpendicular to the line from start to goal, or to
+// the obstacle if they coincide, such that the detour beside the obstacle is the shortest.
 Vector3d sense_of_passing(const Shape& shape, const Vector3d& start, const Vector3d& goal,
                           Eigen::Index dimensions) {
   Vector3d from_middle = start - shape.position;
@@ -98,7 +98,7 @@ struct Near {
   Vector3d sense;
 };
 
-// Finds pushes; its arrays are workspace.
+// Computes pushes; its arrays are workspace.
 class Guard {
  public:
   Guard(const Forces& forces, const Course& course, const AvoidanceScene& scene)
@@ -115,7 +115,7 @@ class Guard {
                                          dimensions_));
   }
 
-  // Adds to the push; returns whether it did.
+  // Adds to the push; true if anything was added.
   bool add(const State& state, Vector& push) {
     acceleration(forces_, course_, state, acceleration_);
     acceleration_ += push;

@@ -2,12 +2,12 @@
 
 // Coupling terms that keep a primitive's motion out of obstacles and inside limits.
 //
-// Three act together: a steering term turns the velocity away from an obstacle's middle early
+// Three act together: a steering term rotates the velocity away from an obstacle's middle early
 // (after Hoffmann et al. 2009 and Pastor et al. 2009); a barrier adds the least acceleration that
 // keeps h'' + 2 rate h' + rate^2 h >= 0 for every distance h, so that none falls below 0 by more
 // than finite steps leave (Ames et al. 2019, "Control barrier functions"; here of second order);
-// and a motion that presses on an obstacle is led round it, by the shortest way out beside the line
-// from start to goal. All is per unit of phase.
+// and a motion that presses on an obstacle is led around it, by the shortest detour from the line
+// from start to goal. All rates are per unit of phase.
 
 #include <vector>
 
@@ -32,7 +32,7 @@ struct Passage {
   double last_push;  // the last phase at which steering or a barrier mattered, or the first one
 };
 
-// Moves the state on by `span` > 0 of phase. Returns whether something was in the way.
+// Advances the state by `span` > 0 of phase. Returns true if steering or a barrier acted.
 bool advance_around(const Forces& forces, const Course& course, const AvoidanceScene& scene,
                     const Vector& push, double span, State& state);
 

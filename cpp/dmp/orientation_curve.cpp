@@ -15,7 +15,7 @@ namespace {
 using so3::Quaternion;
 using so3::Vector3;
 
-// Of the two shortest ways to an offset of half a turn within this, a rule takes one.
+// Offsets within this of pi have two shortest rotations, of which a rule selects one.
 constexpr double kHalfTurn = 1e-9;  // rad
 
 // so3::exp without a root, sine and cosine: the curve's steps and the coordinates are short.
@@ -212,7 +212,7 @@ Quaternion orientation_at(const Curve& curve, const Path& offset, double phase,
                           const Vector3& value) {
   Still product = reference<Still>(curve, offset, phase);
   turn_by_coordinates(curve.representation, value, Vector3::Zero(), product);
-  // Rounding has left it so near to unit length that one step of Newton's makes it that.
+  // It is within rounding of unit length: one Newton step normalises it.
   const double excess = product.orientation.squaredNorm() - 1.0;
   return product.orientation * (1.0 - 0.5 * excess);
 }

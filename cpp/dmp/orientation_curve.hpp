@@ -1,11 +1,11 @@
 #pragma once
 
 // Orientations of a pose primitive. Three of its channels are coordinates e of a rotation relative
-// to a curve G that turns with the demonstration; an offset turns the whole:
+// to a curve G that follows the demonstration; an offset rotates both:
 //
 //   q(u) = exp(offset(u)) G(c(u)) E(e)
 //
-// The offset is a path of rotation vectors in the base frame; an empty one turns nothing. G is a
+// The offset is a path of rotation vectors in the base frame; an empty one is the identity. G is a
 // cumulative cubic B-spline (Kim, Kim and Shin 1995, "A general construction scheme for unit
 // quaternion curves with simple high order derivatives"), C2 in c.
 
@@ -25,9 +25,9 @@ struct Curve {
   Canonical canonical;
 };
 
-// The rotation vector that rotates `demonstrated` into `wanted`, of those, 2 pi apart on a line,
-// the one nearest to `near`; near 0, the shortest. Half a turn is about the axis whose first
-// coordinate that is not 0 is positive.
+// The rotation vector from `demonstrated` to `wanted`: of those, 2 pi apart on a line, the one
+// nearest to `near`; with `near` = 0, the shortest. At pi the axis is the one whose first nonzero
+// coordinate is positive.
 so3::Vector3 offset_between(const so3::Quaternion& wanted, const so3::Quaternion& demonstrated,
                             const so3::Vector3& near);
 
@@ -43,14 +43,14 @@ struct RotationState {
 RotationState rotation_at(const Curve& curve, const Path& offset, double phase,
                           const so3::Vector3& value, const so3::Vector3& slope);
 
-// Coordinates of a turn, of the logarithms of a rotation the one nearest to `near`.
+// Coordinates of a rotation state; of the rotation's logarithms the one nearest to `near`.
 struct Coordinates {
   so3::Vector3 value, slope;
 };
 Coordinates coordinates_of(const Curve& curve, const Path& offset, double phase,
                            const RotationState& state, const so3::Vector3& near);
 
-// The acceleration of the coordinates that an angular acceleration in the base frame makes.
+// The acceleration of the coordinates due to an angular acceleration in the base frame.
 so3::Vector3 coordinate_push(const Curve& curve, const Path& offset, double phase,
                              const so3::Vector3& value, const so3::Vector3& angular);
 
@@ -59,8 +59,8 @@ so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
                                  const Eigen::Ref<const Vector>& phases,
                                  const Eigen::Ref<const Rows>& values);
 
-// A motion of poses at increasing phases, from a state at the first of them on, without what else
-// there is of a rollout: on long motions the memory for it takes longer than the numbers.
+// A motion of poses at increasing phases, from a state at the first of them on, without the rest
+// of a rollout: on long motions allocating it takes longer than computing it.
 struct Poses {
   Rows3 positions;
   so3::Quaternions orientations;  // sign-continuous
@@ -68,7 +68,7 @@ struct Poses {
 Poses poses_along(const Forces& forces, const Course& course, const Curve& curve,
                   const Path& offset, const State& state, const Eigen::Ref<const Vector>& phases);
 
-// The highest speeds of a motion rolled out at even phases from 0 to 1, per unit of phase.
+// The highest speeds of a motion rolled out at evenly spaced phases from 0 to 1, per unit of phase.
 struct Peaks {
   double linear = 0.0, angular = 0.0;
 };

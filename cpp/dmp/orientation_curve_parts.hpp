@@ -14,15 +14,15 @@ inline constexpr double kCosine[] = {
 inline constexpr double kSinc[] = {1.0,           -1.0 / 6.0,     1.0 / 120.0,
                                    -1.0 / 5040.0, 1.0 / 362880.0, -1.0 / 39916800.0};
 
-// A share that has passed, and how fast it does.
+// Position on the curve's parameter, and its rate.
 struct Progress {
   double share, speed;
 };
 
-// The place on the curve. Beyond phase 1 it stands, or runs on.
+// The parameter on the curve. Beyond phase 1 it is constant, or continues.
 Progress place_on(const Curve& curve, double phase);
 
-// The rotation by which the offset turns at a phase.
+// The offset's rotation at a phase.
 so3::Quaternion offset_at(const Path& offset, double phase);
 
 }  // namespace leadthrough::dmp

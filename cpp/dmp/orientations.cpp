@@ -23,8 +23,8 @@ using Lanes = Eigen::Array<double, kLanes, 1>;
 // First number of each lane.
 using Places = std::array<const double*, kLanes>;
 
-// The k-th numbers of all lanes. They are put together in registers: what was stored one by one
-// cannot be loaded together at once.
+// The k-th numbers of all lanes, combined in registers: loading numbers together right after
+// storing them one by one stalls.
 Lanes taken(const Places& places, Index k) {
   return {places[0][k], places[1][k], places[2][k], places[3][k]};
 }
@@ -32,7 +32,7 @@ Lanes taken(const Places& places, Index k) {
 struct Vectors4 {
   Lanes x, y, z;
 
-  // Of their lengths.
+  // One per length.
   Lanes quarter_squared() const { return 0.25 * (x * x + y * y + z * z); }
 };
 
@@ -59,8 +59,8 @@ Quaternions4 compose(const Quaternions4& a, const Quaternions4& b) {
 
 // Factors whose product is four orientations.
 struct Factors {
-  Quaternions4 base;              // the first control, turned by the offset if there is one
-  std::array<Vectors4, 3> steps;  // each times its share
+  Quaternions4 base;              // the first control, rotated by the offset if there is one
+  std::array<Vectors4, 3> steps;  // each times its fraction
   Vectors4 coordinates;
 
   bool are_short() const {
@@ -123,15 +123,15 @@ Quaternions4 product(const Factors& factors) {
   return {q.w * scale, q.x * scale, q.y * scale, q.z * scale};
 }
 
-// Orientations at phases in turn, each of the sign nearest to the one before.
+// Orientations at consecutive phases, each with the sign nearest to the one before.
 class OrientationWriter {
  public:
   OrientationWriter(const Curve& curve, const Path& offset) : curve_(curve), offset_(offset) {}
 
-  // At the next phases, as many as there are rows of values, into rows from `to` on.
+  // At the next phases, one per row of values, into rows from `to` on.
   void write(const double* phases, const Eigen::Ref<const Rows>& values, double* to) {
     const Index count = values.rows();
-    // The next product waits for the one before it as it was found, not for its sign.
+    // The next product depends on the previous one as computed, not on its sign.
     const auto add = [&](Index n, const Quaternion& q) {
       const double along = q.dot(previous_);
       negative_ = negative_ ? along > 0.0 : along < 0.0;
@@ -156,7 +156,7 @@ class OrientationWriter {
   const Curve& curve_;
   const Path& offset_;
   Quaternion previous_ = Quaternion::Zero();
-  bool negative_ = false;  // whether the previous one was handed over with the other sign
+  bool negative_ = false;  // the previous one was written with the opposite sign
 };
 
 }  // namespace

@@ -7,12 +7,12 @@ namespace leadthrough::dmp {
 
 namespace {
 
-// Breaks nearer together than this are one: rounding.
+// Breaks nearer than this to each other count as equal: rounding.
 constexpr double kSameBreak = 1e-12;
 
 using Piece = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
 
-// The same polynomial about a place `by` further on: Horner's scheme, once for each power.
+// The same polynomial about a point shifted by `by`: Horner's scheme, once for each power.
 void move_on(Piece& piece, double by) {
   for (Eigen::Index first = 0; first < 5; ++first)
     for (Eigen::Index power = 4; power >= first; --power)
@@ -52,7 +52,7 @@ Path quintic(const Correction& c) {
   return result;
 }
 
-// Those of the path after the correction's phase, and the correction's own, in order.
+// Breaks of the path after the correction's phase, and of the correction, in order.
 std::vector<double> joined_breaks(const Path& path, const Correction& correction) {
   std::vector<double> result{correction.phase, correction.until};
   for (const double at : path.breaks)

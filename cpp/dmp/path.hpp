@@ -1,7 +1,7 @@
 #pragma once
 
-// Quintics in a row, by the phase: what springs follow, and what turns a curve. Beyond their last
-// break they rest.
+// Piecewise quintic paths over the phase: references of transformation systems and offsets of
+// orientation curves. Beyond the last break they are constant.
 
 #include "base/matrix.hpp"
 
@@ -23,8 +23,8 @@ Path minimum_jerk(const Vector& from, const Vector& to);
 // Phase since the break before it, and the coefficients that hold there.
 double place_in_piece(const Path& path, double phase, const double** coefficients);
 
-// The same for one phase after the other, quicker where they rise: each piece is looked for from
-// the last one on.
+// The same for consecutive phases, quicker if they increase: each piece is searched from the last
+// one on.
 class Walk {
  public:
   explicit Walk(const Path& path) : path_(path) {}
@@ -37,23 +37,23 @@ class Walk {
   Eigen::Index piece_ = 0;
 };
 
-// Values where the path rests.
+// Values at rest, beyond the last break.
 Vector end_of(const Path& path);
 
 // A path plus (1 - c) times a shift of its start and c times one of its goal. c is a path with the
-// same breaks, of which the coefficients are given.
+// same breaks, given by its coefficients.
 Path shifted(Path path, const Eigen::Ref<const Rows>& c, const Eigen::Ref<const Vector>& start,
              const Eigen::Ref<const Vector>& goal);
 
 // Minimum-jerk addition to a path from a phase on: it begins with a value and a slope, and ends in
-// a shift that stays.
+// a constant shift.
 struct Correction {
   double phase, until;         // phase < until
   Vector value, slope, shift;  // (channels)
 };
 
-// The path from the correction's phase on, with the correction. What lies before is forgotten, so
-// that a path that is corrected again and again stays short.
+// The path from the correction's phase on, with the correction. Earlier pieces are dropped, so that
+// a path with many corrections stays short.
 //
 // Superposition of minimum-jerk motions: Flash and Henis 1991, "Arm trajectory modifications during
 // reaching towards visual targets", Journal of Cognitive Neuroscience 3.

@@ -10,7 +10,7 @@ namespace leadthrough::dmp {
 
 namespace {
 
-// As near as this a place is at a node, as a share of an interval: rounding.
+// A phase nearer than this to a node counts as equal, as a fraction of an interval: rounding.
 constexpr double kAtNode = 1e-9;
 
 // Calls work with a number of channels. The six of a pose are known when compiling: their loops
@@ -73,7 +73,7 @@ void follow(const Stretch& t, double force, double rise, double& error, double& 
           t.slope_of_rise * rise;
 }
 
-// Moves errors on. What does not change from step to step is computed once.
+// Advances errors. Quantities that are constant over steps are computed once.
 template <typename Channels>
 class Motion {
  public:
@@ -117,7 +117,7 @@ class Motion {
       follow(current, push_[i], 0.0, error.value[i], error.slope[i]);
   }
 
-  // `share` of the interval after the node has passed already.
+  // `share`: elapsed fraction of the interval after the node.
   void follow_forces(const Stretch& current, double node, double share, State& error) const {
     const auto passed = static_cast<Eigen::Index>(node);
     const Eigen::Index row = passed < count_ ? passed : passed % count_;

@@ -1,13 +1,13 @@
 #pragma once
 
-// Dynamic movement primitives: a critically damped spring pulls to a reference r that leads from
-// start to goal, and a learned force f shapes the way. Everything runs over the phase u, which is
-// time by duration:
+// Dynamic movement primitives: a critically damped spring pulls to a reference r from start to
+// goal, and a learned force f shapes the path. Everything runs over the phase u, which is time over
+// duration:
 //
 //   y = r(u) + e,   e'' = -2 rate e' - rate^2 e + f(u) + push
 //
-// f is piecewise linear over even phases, and every step is the exact solution: stable, and the
-// same motion, however long the steps are. Ijspeert et al. 2013, eq. 2.1.
+// f is piecewise linear over evenly spaced phases, and every step is the exact solution: stable,
+// and the same motion for steps of any length. Ijspeert et al. 2013, eq. 2.1.
 
 #include <functional>
 
@@ -41,14 +41,14 @@ struct Rollout {
   Rows values, slopes;  // (n, channels)
 };
 
-// Moves the state on by `span` > 0 of phase, under an extra force that stays the same meanwhile.
+// Advances the state by `span` > 0 of phase, under an extra force that is constant meanwhile.
 void advance(const Forces& forces, const Course& course, const Vector& push, double span,
              State& state);
 
 // d2y/du2 without a push.
 void acceleration(const Forces& forces, const Course& course, const State& state, Vector& result);
 
-// Hands over the number of each of increasing phases and the state there, from a state at the
+// Calls back with the index of each of increasing phases and the state there, from a state at the
 // first of them on.
 void roll(const Forces& forces, const Course& course, State state,
           const Eigen::Ref<const Vector>& phases,

@@ -17,10 +17,10 @@ namespace leadthrough {
 
 namespace {
 
-// A cell's time stands while its neighbours give it up to this relative error. The upwind scheme
-// spreads a cell's influence, ever thinner, over all that lies behind it: without a tolerance half
-// the field would be marched anew for what rounding hides. Errors of a few hundred cells in a row
-// at most add up, whatever the number of updates, since every time is held to its neighbours.
+// A cell's time is consistent if its neighbours imply it up to this relative error. The upwind
+// scheme spreads a cell's influence, ever weaker, over all later cells: without a tolerance half
+// the field would be marched again for differences of rounding. Errors of at most a few hundred
+// consecutive cells add up, for any number of updates, since every time is tested on neighbours.
 template <typename Real>
 constexpr Real kTolerance = std::is_same_v<Real, float> ? Real(4e-7) : Real(1e-10);
 
@@ -85,7 +85,7 @@ class RepairedField final : public ArrivalField<Real> {
   bool has_cubes_;
   Real fastest_;  // has the step 1
   std::vector<Start> sources_;
-  std::vector<Cell> suspects_;  // cells whose time may rest on an invalid one
+  std::vector<Cell> suspects_;  // cells whose time may depend on an invalid one
   std::vector<Cell> faster_;
   std::vector<Cell> invalid_;
 };
@@ -123,7 +123,7 @@ void RepairedField<Real, D>::replace_speeds(const Region& region, const Real* sp
   }
 }
 
-// The time of a cell by those of its neighbours that are earlier than `before`.
+// The time of a cell from its neighbours that are earlier than `before`.
 template <typename Real, int D>
 Real RepairedField<Real, D>::solve(Cell cell, Real before) const {
   using One = Eigen::Array<Real, 1, 1>;
@@ -142,7 +142,7 @@ Real RepairedField<Real, D>::solve(Cell cell, Real before) const {
   return has_cubes_ ? solve_cubes(upwind, steps)[0] : solve_boxes(upwind, field_.spacing, steps)[0];
 }
 
-// Only earlier neighbours may bear witness: two late cells could bear each other out.
+// Only earlier neighbours count: two late cells could confirm each other.
 template <typename Real, int D>
 bool RepairedField<Real, D>::is_consistent(Cell cell, Real time) const {
   if (field_.step[cell] == kUnreached<Real>) return false;
@@ -153,8 +153,8 @@ bool RepairedField<Real, D>::is_consistent(Cell cell, Real time) const {
   return source != sources_.end() && source->cell == cell && source->time <= time;
 }
 
-// Empties the times of the suspects that do not stand, and makes suspects of the neighbours that
-// took theirs from them. False if a full march is cheaper.
+// Clears the times of inconsistent suspects, and makes suspects of the neighbours that depend on
+// them. False if a full march is cheaper.
 template <typename Real, int D>
 bool RepairedField<Real, D>::invalidate() {
   const auto most =

@@ -29,9 +29,9 @@ class ArrivalField {
  public:
   virtual ~ArrivalField() = default;
 
-  // Replaces the speeds of a region, given in C order, and repairs the times. Cells that depended on
-  // a cell now slower are invalidated, cells that a faster cell reaches earlier are improved; both
-  // are marched again from the cells around them, or the whole field is if that is cheaper.
+  // Replaces the speeds of a region, given in C order, and repairs the times. Cells that depend on
+  // a slowed cell are invalidated, cells that a faster cell reaches earlier are improved; both are
+  // marched again from the cells around them, or the whole field is if that is cheaper.
   virtual Update update(const Region& region, const Real* speed) = 0;
   virtual std::vector<Real> times() const = 0;
 };

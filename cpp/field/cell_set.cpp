@@ -22,7 +22,7 @@ CellSet::CellSet(const Grid& grid, std::vector<Index> cells)
   row_begin_.push_back(none);
 }
 
-// The neighbour of each cell lies one stride on, and so the neighbours come in order too.
+// The neighbour of each cell is one stride further, hence the neighbours are in order too.
 void CellSet::join(int axis) {
   const Index stride = strides_[axis];
   Place after = 0;

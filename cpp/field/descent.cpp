@@ -9,10 +9,10 @@ namespace leadthrough {
 
 namespace {
 
-// From here on straight to the goal: the gradient means nothing next to the source.
+// Within this distance straight to the goal: the gradient is meaningless next to the source.
 constexpr double kNearGoal = 1.5;  // cells, along any axis
 
-// A step must gain this part of what the gradient promises, so that none are too small to end.
+// A step must gain this fraction of the gradient's prediction, which bounds the number of steps.
 constexpr double kMinGain = 0.1;
 
 using CellIndex = std::array<Index, 3>;
@@ -28,7 +28,7 @@ struct DenseTimes {
   double at(Index cell) const { return static_cast<double>(times[cell]); }
 };
 
-// Cells that the set does not hold are not reached.
+// Cells outside the set are unreached.
 struct SparseTimes {
   const CellSet& set;
   const double* times;
@@ -156,8 +156,8 @@ double Field<Times>::interpolate(const Coordinates& p, Coordinates& gradient) co
   return value / sum;
 }
 
-// Whether a segment touches only cells of finite arrival: one point between any two crossings of
-// cells' borders, and the end.
+// True if a segment touches only cells of finite arrival: tests one point between any two crossings
+// of cells' borders, and the end.
 template <typename Times>
 bool Field<Times>::is_free(const Coordinates& from, const Coordinates& to) const {
   constexpr int kMaxCrossings = 16;  // ample: a segment crosses two borders at most along an axis
@@ -190,7 +190,7 @@ Coordinates centre(const CellIndex& cell) {
   return {static_cast<double>(cell[0]), static_cast<double>(cell[1]), static_cast<double>(cell[2])};
 }
 
-// A point `length` down the gradient; the point itself where there is none.
+// A point `length` down the gradient; the point itself if the gradient is 0.
 Coordinates moved(const Grid& grid, const Coordinates& p, const Coordinates& gradient,
                   double length) {
   const double slope = std::hypot(gradient[0], gradient[1], gradient[2]);
@@ -240,7 +240,7 @@ bool walk_down(const Field<Times>& field, std::vector<Coordinates>& path, double
   return true;
 }
 
-// Whether the cells about a cell hold times; `Field` trusts them.
+// True if the cells about a cell hold times; `Field` does not check them.
 template <typename Times>
 bool holds_times(const Field<Times>& field, const CellIndex& cell) {
   constexpr Index kReach = 3;  // a step, its interpolation and the neighbours' slopes
@@ -259,7 +259,7 @@ Coordinates stepped(const Grid& grid, const Coordinates& p, const Coordinates& u
   return result;
 }
 
-// 0 between points that differ by rounding only.
+// Distance between points, 0 if they differ by rounding only.
 Coordinates unit_vector(const Grid& grid, const Coordinates& from, const Coordinates& to) {
   constexpr double kRounding = 1e-9;  // cells
   double farthest = 0.0;
@@ -353,7 +353,7 @@ Direction direction(const Grid& grid, const Real* arrival, const Coordinates& p)
     const Coordinates along = unit_vector(grid, p, next);
     if (field.is_free(p, stepped(grid, p, along, length))) return {DescentStatus::kOk, along};
   }
-  // The way to the centre of a neighbour is free, and longer than the step.
+  // The segment to the centre of a neighbour is free, and longer than the step.
   return {DescentStatus::kOk, unit_vector(grid, p, centre(earlier))};
 }
 

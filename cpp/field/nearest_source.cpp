@@ -14,9 +14,9 @@ constexpr std::int32_t kUnknown = -2;
 
 // A cell's fractions from the two sources that contribute most; they sum to 1.
 //
-// A label handed from the earliest neighbour would run along an axis where the front ran aslant.
-// The upwind equation, differentiated, hands on shares instead: a cell takes a weighted mean of its
-// earlier neighbours' shares, with weights (T - T_neighbour) / spacing^2.
+// A label copied from the earliest neighbour would follow an axis even if the front is oblique. The
+// derivative of the upwind equation propagates fractions instead: a cell's are the weighted mean of
+// its earlier neighbours' fractions, with weights (T - T_neighbour) / spacing^2.
 struct Shares {
   std::int32_t most = kUnknown;
   std::int32_t second = kNone;

@@ -7,8 +7,8 @@ namespace leadthrough {
 
 namespace {
 
-// A path in pieces of consecutive points, each in a ball: pieces whose ball is farther than the
-// nearest point so far are passed over.
+// A path in pieces of consecutive points, each in a bounding ball: pieces whose ball is farther
+// than the nearest point so far are skipped.
 class Pieces {
  public:
   explicit Pieces(const std::vector<Point>& path) {
@@ -78,7 +78,7 @@ class Pieces {
   }
 
   std::vector<Piece> pieces_;
-  std::size_t last_ = 0;  // that holds what was nearest to the point before
+  std::size_t last_ = 0;  // the nearest piece of the previous query
 };
 
 }  // namespace

@@ -19,17 +19,17 @@ namespace {
 
 // Maps of fewer blocks are marched as a whole.
 constexpr Index kMaxBlocks = 2000;
-// A limit exceeds what blocks let hope for by this fraction, times two for every level: the smaller
-// they are, the more there is in the way.
+// A limit exceeds the blocks' lower bound by this fraction, times two for every level: the smaller
+// the blocks, the more obstacles they resolve.
 constexpr double kHope = 0.0175;
-// By how much the scheme's error may let a wave seem later than it is.
+// Relative error by which the scheme may overestimate a wave's time.
 constexpr double kError = 0.01;
 // A limit at which obstacles separate the ends in the band grows by this factor.
 constexpr double kGrowth = 1.5;
-// Cells about the goal with exact times, as many as full marches have there.
+// Radius of exact times about the goal in cells, the same as in full marches.
 constexpr double kBall = 8.0;
-// Blocks kept about those that the quickest path may pass, in their edges: the scheme's gradients
-// at the band's border are those of a wall.
+// Width of the border of blocks about those that the quickest path may pass, in their edges: the
+// scheme's gradients at the band's border are those of a wall.
 constexpr double kRoom = 1.5;
 constexpr double kStep = 0.5;  // of the descent, in cells
 
@@ -50,7 +50,7 @@ std::vector<Index> united(const std::vector<Index>& cells, const std::vector<Ind
   return result;
 }
 
-// An end of a way, in a cell or outside the grid.
+// An end of a path, in a cell or outside the grid.
 struct End {
   Point place;
   std::optional<Index> cell;
@@ -95,7 +95,7 @@ class Search {
   bool is_whole_ = true;        // whether the band holds every cell
   bool is_separated_ = false;   // whether obstacles are known to separate the ends
   std::map<int, Seen> seen_;    // at last, at each level
-  CellSet asked_;               // cells that the map was asked for at last ...
+  CellSet asked_;               // cells of the latest query of the map ...
   std::vector<double> speeds_;  // ... and their speeds
 };
 
@@ -125,7 +125,7 @@ std::vector<Point> Search::path() {
   return path;
 }
 
-// The cells that the quickest path may pass; none where a limit was too low.
+// The cells that the quickest path may pass; none if a limit was too low.
 std::optional<std::vector<Index>> Search::find_band() {
   is_whole_ = true;
   limit_ = kInfinite;
@@ -159,8 +159,8 @@ const Search::Seen& Search::look(const Blocks& blocks, const std::vector<Index>&
   return seen_.insert_or_assign(blocks.level, Seen{numbers, std::move(waves)}).first->second;
 }
 
-// Sets the quickest path among given cells, none where they separate the ends, and says whether the
-// limit was high enough for it.
+// Sets the quickest path among given cells, none if they separate the ends; true if the limit was
+// high enough for it.
 bool Search::march(const std::vector<Index>& band, std::vector<Point>& path) {
   const Blocks& cells = levels_.back();
   const PathEnd start = enter(start_, cells, band), goal = enter(goal_, cells, band);
@@ -178,7 +178,7 @@ bool Search::march(const std::vector<Index>& band, std::vector<Point>& path) {
   return is_found;
 }
 
-// Speeds of a band's cells; the map is not asked again for those that it was asked for at last.
+// Speeds of a band's cells; those of the latest query are reused.
 const std::vector<double>& Search::ask(CellSet cells) {
   std::vector<Index> unknown;
   for (const Index cell : cells.cells())
@@ -195,7 +195,7 @@ const std::vector<double>& Search::ask(CellSet cells) {
   return speeds_;
 }
 
-// Down the times in the cells asked for at last, from a point in one of them.
+// Descent of the times in the cells of the latest query, from a point in one of them.
 std::vector<Point> Search::follow(const std::vector<double>& times, const Point& first) const {
   const Blocks& cells = levels_.back();
   const auto coordinates = [&](const Point& point) {
@@ -223,12 +223,12 @@ std::vector<Point> Search::follow(const std::vector<double>& times, const Point&
 // Blocks where the wave of an end enters: the block that contains the end, or those on the border
 // that face an end outside.
 PathEnd Search::enter(const End& end, const Blocks& blocks,
-                     const std::vector<Index>& numbers) const {
+                      const std::vector<Index>& numbers) const {
   if (end.cell) return {{{block_around(blocks, map_.cells(), *end.cell)}}, false};
   return {face(end.place, blocks, numbers), true};
 }
 
-// Times count from where the wave first meets the grid: the way there is all the same.
+// Times count from the wave's first entry into the grid: the distance to it is common to all.
 std::vector<Source> Search::face(const Point& place, const Blocks& blocks,
                                  const std::vector<Index>& numbers) const {
   const Blocks& cells = map_.cells();
@@ -256,7 +256,7 @@ std::vector<Source> Search::face(const Point& place, const Blocks& blocks,
   return entries;
 }
 
-// Whether no quicker path leaves the band; if one may, the next limits are higher.
+// True if no quicker path leaves the band; if one may, the next limits are higher.
 bool Search::holds(double arrival, double hope, bool is_open) {
   if (std::isinf(arrival)) {
     is_separated_ = is_whole_ || !is_open;

@@ -16,7 +16,7 @@ struct Offset {
   double distance;
 };
 
-// All that are not farther than `radius`, the nearest first.
+// All cells within `radius`, the nearest first.
 std::vector<Offset> offsets_within(const Grid& grid, double radius) {
   std::array<Index, 3> reach{};
   for (int axis = 0; axis < 3; ++axis)
@@ -51,8 +51,8 @@ Index moved(const Grid& grid, Index cell, const std::array<Index, 3>& by) {
   return result;
 }
 
-// Adds a source and the ball about it. `speed_at` tells the speed of a cell, NaN where it is not
-// known, and `is_source` whether a cell is one.
+// Adds a source and the ball about it. `speed_at` returns the speed of a cell, NaN if unknown, and
+// `is_source` is true for cells of sources.
 template <typename SpeedAt, typename IsSource>
 void append_ball(const Grid& grid, const std::vector<Offset>& offsets, const Source& source,
                  Index ball, const SpeedAt& speed_at, const IsSource& is_source,

@@ -10,8 +10,8 @@ namespace leadthrough {
 
 namespace {
 
-// Squared distances are carried along the runs of cells that lie side by side along an axis. A
-// target at the end of a run is nearer to all of it than whatever lies beyond.
+// Squared distances propagate along the runs of adjacent cells along an axis. A target at the end
+// of a run is nearer to all of it than any cell beyond.
 void transform_runs(const CellSet& set, int axis, Outside outside, std::vector<double>& squared) {
   using Place = CellSet::Place;
   const Index most = set.grid().shape[axis] + 2;

@@ -9,8 +9,8 @@ namespace leadthrough {
 
 namespace {
 
-// Times and steps of the cells of a set as `PaddedField` has them of a whole grid. The set's
-// missing place, the last one, is a wall.
+// Times and steps of the cells of a set, like `PaddedField` for a whole grid. The set's missing
+// cell, the last one, is a wall.
 template <int D>
 struct SparseField {
   const CellSet& set;

@@ -16,7 +16,7 @@ double arrival_at(const PathEnd& end, const CellSet& blocks, const std::vector<d
   return first ? first->time : std::numeric_limits<double>::infinity();
 }
 
-// A wave does not see the way from a block's centre to an end in it.
+// A wave does not include the distance from a block's centre to an end in it.
 double unseen_at(const PathEnd& end, const CellSet& blocks, const double* speed, double reach) {
   return end.is_outside ? 0.0 : reach / speed[blocks.find(end.entries.front().cell)];
 }
@@ -39,7 +39,7 @@ Waves waves_between(const CellSet& blocks, const double* speed, const PathEnd& s
                     const PathEnd& goal, double reach) {
   std::vector<double> through = march_second_order(blocks, speed, start.entries);
   const std::vector<double> from_goal = march_second_order(blocks, speed, goal.entries);
-  // The two ways differ by the scheme's error, which is largest at the mouths of tubes.
+  // The two waves' times differ by the scheme's error, which is largest at the mouths of tubes.
   const double arrival =
       std::max(arrival_at(start, blocks, from_goal), arrival_at(goal, blocks, through));
   const double unseen =

@@ -10,12 +10,12 @@ namespace {
 
 using Eigen::Index;
 
-// Steps to rest; a joint that needs more is stopped in no time that an arm has.
+// Maximum steps to rest; no arm needs as many.
 constexpr Index kMaxSteps = Index{1} << 24;
-// An acceleration this much above a multiple of the jerk limit, relative to it, is at it.
+// An acceleration within this of a multiple of the jerk limit, relative to it, counts as equal.
 constexpr double kSame = 1e-9;
 
-// A joint, mirrored so that it has to slow down.
+// A joint, mirrored so that it must decelerate.
 struct Joint {
   double velocity, acceleration;
   double most;  // acceleration
@@ -31,7 +31,7 @@ struct Joint {
 
 double triangle(double count) { return 0.5 * count * (count + 1.0); }
 
-// low_1 + ... + low_steps: how many follow each of the three, and what these add up to.
+// low_1 + ... + low_steps: count of steps in each of the three cases, and their sums.
 double lowest_sum(const Joint& joint, Index steps) {
   const double m = static_cast<double>(steps);
   const double down = std::floor(std::min((joint.acceleration + joint.most) / joint.jerk,
@@ -63,8 +63,8 @@ Index steps_for(const Joint& joint, double sum, Index few) {
   return enough;
 }
 
-// Accelerations to rest are a mean: `share` of the first ones, which have a step less, and the rest
-// of the second ones.
+// Accelerations to rest are a mean: `share` times the first ones, which have a step less, plus
+// 1 - `share` times the second ones.
 struct Stop {
   Joint joint;
   Index steps = 0;

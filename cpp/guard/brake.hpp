@@ -1,6 +1,6 @@
 #pragma once
 
-// The fastest way to rest of a stream of positions, each joint by itself.
+// The fastest stop of a stream of positions, each joint by itself.
 //
 // In differences, a joint with velocity d and acceleration a (per period) comes to rest in m steps
 // by accelerations a_1 ... a_m that add up to -d, differ by at most the jerk limit J, from a_0 = a

@@ -1,6 +1,6 @@
-// An interval is certified by the one configuration in its middle: if a pair is farther apart there
-// than its margin and the way that it can go in half the interval, it keeps the margin in all of
-// it. Intervals of many samples are tried first, and the pairs that fail in the halves again.
+// An interval is certified by the one configuration in its middle: a pair whose distance there
+// exceeds its margin plus its largest motion in half the interval keeps the margin in all of it.
+// Intervals of many samples are tried first; pairs that fail are tried again in the halves.
 
 #include "guard/contact.hpp"
 
@@ -17,11 +17,11 @@ using Eigen::Index;
 
 // Distances this much below the margin pass between samples, m.
 constexpr double kTolerance = 1e-4;
-// Kept where no margin is asked for, m: distances are exact to less, and nothing may touch.
+// Smallest margin, m: distances are exact to less, and nothing may touch.
 constexpr double kMinMargin = 2.0 * kTouching;
-// The work of placing all shapes, in pairs that are looked at.
+// The work of placing all shapes, in tests of pairs.
 constexpr long kPlacing = 16;
-// Between two samples, halves of halves that are looked at before a pair counts as too near.
+// Bisections between two samples before a pair counts as too near.
 constexpr int kMaxHalvings = 14;
 
 std::size_t index(Index i) { return static_cast<std::size_t>(i); }
@@ -61,7 +61,7 @@ class Certifier {
   }
 
  private:
-  // Of a moving joint, after `i` samples.
+  // Value of a moving joint after `i` samples.
   double value(Index i, std::size_t k) const {
     const Drive& drive = scene_.chain.drives[k];
     const double q = i == 0 ? start_[drive.joint] : samples_(i - 1, drive.joint);
@@ -105,7 +105,7 @@ class Certifier {
     }
   }
 
-  // Looks at the samples after `low` up to `high`, for the pairs in open_[first, end).
+  // Tests the samples after `low` up to `high`, for the pairs in open_[first, end).
   void between(Index low, Index high, std::size_t first, std::size_t end) {
     if (high - low == 1) return within(low, 0.0, 1.0, first, end, kMaxHalvings);
     if (!work(low, end - first)) return;
@@ -123,7 +123,7 @@ class Certifier {
     open_.resize(left);
   }
 
-  // The same, between a sample and the next one, from one fraction of the way to another.
+  // The same between a sample and the next one, from one fraction of the step to another.
   void within(Index low, double from, double to, std::size_t first, std::size_t end, int halvings) {
     if (!work(low, 2 * (end - first))) return;
     const double middle = 0.5 * (from + to);
@@ -143,7 +143,7 @@ class Certifier {
     open_.resize(left);
   }
 
-  // Whether so many pairs may still be looked at; up to `certified` all are clear.
+  // Charges tests of `pairs` to the budget; false if exceeded. All is clear up to `certified`.
   bool work(Index certified, std::size_t pairs) {
     work_left_ -= static_cast<long>(pairs) + kPlacing;
     if (work_left_ < 0) contact_ = Contact{static_cast<double>(certified)};
@@ -161,7 +161,7 @@ class Certifier {
   const Eigen::VectorXd& start_;
   double age_;
   long work_left_;
-  std::vector<MovingValues> travel_;  // that each moving joint has gone, after each sample
+  std::vector<MovingValues> travel_;  // total variation of each moving joint after each sample
   std::vector<MovingValues> reach_;
   std::vector<Eigen::Vector3d> normals_;
   std::vector<Pose> poses_;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Whether a stream of positions keeps clear, certified between its samples as well, of obstacles
-// that may move too.
+// First contact of a stream of positions with obstacles, which may move too; certified between its
+// samples as well.
 
 #include <limits>
 #include <optional>
@@ -12,12 +12,12 @@
 
 namespace leadthrough::guard {
 
-// growth: by how much an obstacle may come nearer in a period, m, one for each.
+// The arm and its obstacles, with the largest approach of each obstacle per period.
 struct GuardedScene {
   WholeArm arm;
-  std::vector<double> growth;  // of each pair of shapes
+  std::vector<double> growth;  // m per period, of each pair of shapes
 };
-// Pairs that touch by their URDF are left out: no margin can be kept between them.
+// Pairs that touch by their URDF are left out. growth: of each obstacle, m per period.
 GuardedScene guarded_scene(const CollisionModel& model, const PlacedShapes& obstacles,
                            const std::vector<double>& growth, double margin,
                            double self_collision_margin);
@@ -30,10 +30,10 @@ struct Contact {
 };
 constexpr long kAllWork = std::numeric_limits<long>::max();
 
-// Along the samples from `start` (joints,) on, straight and in proportion in between. age: periods
-// since the obstacles were where they are said to be. Nothing that is clear comes nearer than the
-// margin by more than 0.1 mm, or touches. most_work: pairs of shapes that are looked at, each time
-// that they are; a motion that grazes something takes a hundred times as many as one far from all.
+// Along the samples from `start` (joints,) on, linear in between. age: periods since the obstacles'
+// poses were observed. Without a contact no distance falls below its margin by more than 0.1 mm,
+// and nothing touches. most_work: limit on tests of pairs of shapes; a motion that grazes an
+// obstacle takes a hundred times as many as one far from all.
 std::optional<Contact> first_contact(const GuardedScene& scene, const Eigen::VectorXd& start,
                                      const RowsRef& samples, double age, long most_work = kAllWork);
 

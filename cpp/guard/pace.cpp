@@ -15,12 +15,12 @@ using Eigen::Index;
 
 // Rounds in which the pace falls where it is too high; then it falls everywhere.
 constexpr int kLocalRounds = 8, kRounds = 24;
-// Each round aims at a little less than the limit, so that it is the last one.
+// Each round aims slightly below the limit, so that one round usually suffices.
 constexpr double kSpare = 1.002;
 // A stop takes longer with each attempt by this fraction.
 constexpr Index kStopFractions = 8;
 
-// Periods in which the fastest joint of the path can stop: so gently the pace has to change.
+// Periods in which the fastest joint of the path can stop: the time scale of changes of pace.
 Index gentle(const StepLimits& limits, const RowsRef& path) {
   double periods = 1.0;
   for (Index j = 0; j < path.cols(); ++j) {
@@ -43,7 +43,7 @@ void raise(ArrayXd& delay, Index i, double needed, Index width) {
   }
 }
 
-// Places on a path that takes so many periods for each row, a period apart.
+// Parameters of samples, a period apart, on a path with these periods per row.
 ArrayXd places_for(const ArrayXd& delay, Index most) {
   const Index rows = delay.size();
   ArrayXd time(rows);
@@ -134,8 +134,8 @@ std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& history,
   stream.topRows(rows.rows()) = rows;
   ArrayXd places(stream.rows());
   for (Index stop = 2; stop / 2 < path.rows(); stop += 1 + stop / kStopFractions) {
-    // The pace falls from 1 to 0 as 1 - 3 s^2 + 2 s^3, in half as many rows as periods. Standing
-    // still afterwards is part of the stop. Attempts that are too short end within a few
+    // The pace falls from 1 to 0 as 1 - 3 s^2 + 2 s^3, in half as many rows as periods. Rest
+    // afterwards is part of the stop. Attempts that are too short end within a few
     // rows, and those after them begin at the same row or before.
     const Index first = path.rows() - 1 - stop / 2;
     bool satisfied = true;

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Index;
 
-// Less than what judges of limits allow, 1e-6.
+// Less than the tolerance of limit checks, 1e-6.
 constexpr double kExcess = 0.999e-6;
 // Positions may be this far beyond a limit, rad or m: a file's digits.
 constexpr double kRounding = 1e-9;
@@ -81,7 +81,7 @@ Eigen::VectorXd slowdowns(const StepLimits& limits, const RowsRef& samples) {
       }
     }
   }
-  // Roots take longer than all the rest, and few rows need them.
+  // Roots are the most expensive part, and few rows need them.
   Eigen::VectorXd result = used.rowwise().maxCoeff();
   for (Index k = 0; k < result.size(); ++k)
     if (result[k] > 1.0)

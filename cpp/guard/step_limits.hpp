@@ -34,19 +34,19 @@ struct Excess {
   double ratio = 0.0;
 };
 
-// Of samples (n, joints) that follow a history (3, joints) which keeps the limits.
+// Of samples (n, joints) that follow a history (3, joints) within the limits.
 std::optional<Excess> first_excess(const StepLimits& limits, const RowsRef& history,
                                    const RowsRef& samples);
 
-// Whether row k of a stream keeps the limits, k >= kHistory, after rows that do.
+// True if row k >= kHistory of a stream satisfies the limits, given that the rows before it do.
 inline bool keeps(const StepLimits& limits, const RowsRef& stream, Eigen::Index k) {
   return !first_excess(limits, stream.middleRows(k - kHistory, kHistory), stream.middleRows(k, 1));
 }
 
-// By which factor each sample would have to be passed more slowly: of the ratios to the limits of
-// order 1 to 3 the first, the square root and the cube root, whichever is largest; at most 1 where
-// no limit is exceeded. Differences reach `kHistory` rows back; the first rows count as if the
-// motion had always gone on as between them.
+// Factor by which each sample must be slowed down: the largest of the ratio to the limit of order
+// 1, the square root of that of order 2 and the cube root of that of order 3; at most 1 where no
+// limit is exceeded. Differences reach `kHistory` rows back; before the first row the motion is
+// extrapolated linearly.
 Eigen::VectorXd slowdowns(const StepLimits& limits, const RowsRef& samples);
 
 }  // namespace leadthrough::guard

@@ -1,7 +1,7 @@
 #pragma once
 
-// Descents and errors for callers that need not know how many axes are asked for. What they are
-// made of, a copy for each number of axes, is compiled in this folder only.
+// Descents and errors for callers independent of the number of constrained axes. The templates
+// behind them, instantiated for each number of axes, are compiled in this folder only.
 
 #include <optional>
 
@@ -9,8 +9,8 @@
 
 namespace leadthrough {
 
-// The error of the tip as seen from a configuration, and how each joint changes it: rows of axes
-// left free are not there. Rotations are weighted as in inverse kinematics.
+// Error of the tip at a configuration, and its derivative by each joint; free axes have no rows.
+// Rotations are weighted as in inverse kinematics.
 struct TipError {
   int rows = 0;
   Vector6 error;
@@ -20,7 +20,7 @@ struct TipError {
 void evaluate(const Chain& chain, const IkTarget& target, const std::optional<IkAxes>& axes,
               const JointArray& q, TipError& error);
 
-// Moves q onto the target inside the bounds; false where it cannot be met to the tolerance.
+// Moves q onto the target inside the bounds; false if it cannot be met to the tolerance.
 bool settle(const Chain& chain, const IkTarget& target, const std::optional<IkAxes>& axes,
             const DescentBounds& bounds, const IkTolerance& tolerance, int max_iterations,
             JointArray& q);

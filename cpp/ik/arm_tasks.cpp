@@ -16,7 +16,7 @@ double activation(double slack, double margin) {
   return x * x * (3.0 - 2.0 * x);
 }
 
-// An arm at rest or in motion, and the levels that its tasks fill.
+// An arm at rest or in motion, and the levels of its tasks.
 class Scene {
  public:
   // order: 1 for velocities, 2 for accelerations. dt: s; nothing decays in less. lead: s by which
@@ -41,7 +41,7 @@ class Scene {
     std::visit([this](const auto& goal) { fill(goal); }, task_->goal);
   }
 
-  // Brings the joints to rest where no task has a say.
+  // Brings the joints to rest in the null space of all tasks.
   void add_rest(double rate) {
     const int n = stack_.chain.joints();
     index_ = -1;
@@ -85,7 +85,7 @@ class Scene {
                                  : cosine > 0.0   ? Eigen::Vector3d::Zero()
                                                   : pointer.axis.unitOrthogonal();
     const Eigen::Vector3d error = std::atan2(sine, cosine) * axis;
-    // The part along the axis only keeps its length: no joint can or should change it.
+    // The component along the axis only preserves its length: no joint can or should change it.
     const Eigen::Vector3d bias = pointer.bias - pointer.axis.dot(pointer.bias) * pointer.axis;
     reach(level, kOrientationWeight * error, Eigen::Vector3d::Zero(), kOrientationWeight * bias);
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// The tasks a stack is made of, and what they ask of an arm at a configuration.
+// The tasks of a stack, and their demands on an arm at a configuration.
 
 #include <array>
 #include <variant>
@@ -20,11 +20,11 @@ struct PoseGoal {
 struct PositionGoal {
   Eigen::Vector3d position, velocity;
 };
-// `axis` of the frame should point in `direction` of the base; both unit.
+// `axis` of the frame is to point in `direction` of the base; both unit.
 struct DirectionGoal {
   Eigen::Vector3d axis, direction;
 };
-// The same up to an angle; from `margin` (in cosines) away on it makes itself felt.
+// The same up to an angle; active within `margin` (in cosines) of it.
 struct ConeGoal {
   Eigen::Vector3d axis, direction;
   double cosine, margin;
@@ -32,7 +32,7 @@ struct ConeGoal {
 struct PostureGoal {
   JointVector q, velocity;
 };
-// Every joint stays inside its limits; `margin` rad or m before them it makes itself felt.
+// Every joint stays inside its limits; active within `margin` rad or m of them.
 struct JointLimitGoal {
   double margin;
 };
@@ -41,7 +41,7 @@ struct PlaneGoal {
   Eigen::Vector3d direction;
   double height;
 };
-// The frame's origin stays `distance` away from a shape, felt from `margin` further on.
+// The frame's origin stays `distance` away from a shape; active within `margin` beyond it.
 struct ClearanceGoal {
   Shape shape;
   double distance, margin;
@@ -64,13 +64,13 @@ struct TaskStack {
   std::vector<ArmTask> tasks;  // the highest priority first
   MotionLimits limits;
   PriorityScheme scheme = PriorityScheme::kForward;
-  // 1/s: accelerations that no task asks for slow the joints down at this rate.
+  // 1/s: accelerations unconstrained by tasks slow the joints down at this rate.
   double rest_damping = 10.0;
 };
 
-// One value a task. error: m and rad, rotations weighted by kOrientationWeight; of unilateral tasks
-// how far they are violated. residual: how far the motion is from what the task asks of it, in the
-// units of the error per s or s^2. bounded: a limit or a task above kept the motion from it.
+// One value per task. error: m and rad, rotations weighted by kOrientationWeight; for unilateral
+// tasks the violation. residual: difference between the motion and the task's demand, in the units
+// of the error per s or s^2. bounded: a limit or a higher task prevents the demanded motion.
 struct TaskReport {
   double error = 0.0, residual = 0.0, activation = 0.0;
   bool bounded = false;
@@ -81,7 +81,7 @@ struct StackMotion {
   std::array<TaskReport, kMaxTasks> reports;
 };
 
-// Holds what a solve needs, so that the next one does not allocate.
+// Workspace of a solve: repeated solves do not allocate.
 struct StackWorkspace {
   BodyMotions bodies;
   std::vector<Level> levels;

@@ -1,12 +1,12 @@
 #pragma once
 
-// Targets that ask for some axes only, or for each axis with a tolerance and a weight of its own.
-// The axes are those of the target's frame. Rows of axes left free are not there at all, so that
-// no matrix becomes singular on their account.
+// Targets that constrain some axes only, or each axis with its own tolerance and weight. The axes
+// are those of the target's frame. Free axes have no rows at all, so that they make no matrix
+// singular.
 //
 // Rotations are measured by what is left between tip and target: the rotation vector where all
-// three axes are asked for; with one free axis the swing, the shortest turn that brings the tool's
-// axis onto the target's, whatever the spin about it; with two free axes the twist about the third.
+// three axes are constrained; with one free axis the swing, the shortest rotation of the tool's
+// axis onto the target's, for any spin about it; with two free axes the twist about the third.
 
 #include <type_traits>
 
@@ -36,10 +36,10 @@ struct AxisTarget {
   std::array<int, M> axis{};  // of each row, 0 to 2
   TaskVector<M> scale;        // weights, rotations in m a rad
   TaskVector<M> tolerance;
-  int lone_axis = 0;  // the free one of two rotations, the asked one of a single rotation
+  int lone_axis = 0;  // the free one of two rotations, the constrained one of a single rotation
 };
 
-// The axes asked for keep the tip at least this far from `point`, however it turns, m.
+// Lower bound on the tip's distance from `point`, m, by the constrained axes, for any orientation.
 inline double distance_from(const Eigen::Vector3d& point, const IkTarget& target) {
   return (target.position - point).norm();
 }
@@ -67,7 +67,7 @@ struct RotationError {
 inline RotationError rotation_vector_error(const Eigen::Matrix3d& rotation) {
   const Eigen::Vector3d v = rotation_vector(rotation.transpose());
   const double angle = v.norm();
-  // The coefficient of the squared term; below a millirad its series is exact.
+  // Coefficient of the squared term; below a millirad its series is exact.
   const double second = angle < 1e-3
                             ? 1.0 / 12.0 + angle * angle / 720.0
                             : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
@@ -76,7 +76,7 @@ inline RotationError rotation_vector_error(const Eigen::Matrix3d& rotation) {
   return {v, Eigen::Matrix3d::Identity() + 0.5 * cross + second * cross * cross};
 }
 
-// The shortest turn that brings the tool's axis k onto the target's.
+// The shortest rotation of the tool's axis k onto the target's.
 inline RotationError swing(const Eigen::Matrix3d& rotation, int k) {
   const int i = (k + 1) % 3, j = (k + 2) % 3;
   const double x = rotation(i, k), y = rotation(j, k), cosine = rotation(k, k);
@@ -153,8 +153,8 @@ void evaluate(const Chain& chain, const AxisTarget<M>& target, const double* q, 
 template <int M>
 using Dimension = std::integral_constant<int, M>;
 
-// Calls visit(Dimension<M>, target) with the target in the form that the axes ask for; at least
-// one must be asked for.
+// Calls visit(Dimension<M>, target) with the target in the form for its axes; at least one must be
+// constrained.
 template <typename Visit>
 auto visit_target(const IkTarget& target, const std::optional<IkAxes>& axes, Visit visit) {
   if (!axes) return target.rotation ? visit(Dimension<6>(), target) : visit(Dimension<3>(), target);

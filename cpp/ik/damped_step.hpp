@@ -1,7 +1,7 @@
 #pragma once
 
-// The kernels that solve_ik and track share: a damped least-squares step inside a box. M is the
-// task's dimension. Nothing here allocates.
+// Kernels shared by solve_ik and track: a damped least-squares step inside a box. M is the task's
+// dimension. Nothing here allocates.
 
 #include "ik/task.hpp"
 
@@ -9,8 +9,8 @@ namespace leadthrough {
 
 // Damping in units of the squared error.
 constexpr double kErrorDamping = 0.05;
-// Keeps the damped matrix regular at singularities: (1 mm)^2, for a full step of a joint that
-// moves the tip 1 m a rad a bias of a millionth.
+// Keeps the damped matrix regular at singularities: (1 mm)^2, a relative bias of 1e-6 for a joint
+// that moves the tip by 1 m per rad.
 constexpr double kDampingFloor = 1e-6;
 
 // Step of every joint that has a preferred value, by a share of the distance to it.
@@ -22,15 +22,15 @@ inline JointArray pull_to(const JointArray& preferred, int joints, const JointAr
   return pull;
 }
 
-// The factors L D L^T of J J^T + damping over the free columns: without a square root, whose
-// latency would rule. False where it is not positive definite beyond `smallest` of its largest
-// diagonal element.
+// The factors L D L^T of J J^T + damping over the free columns: without square roots, whose latency
+// would dominate. False unless all pivots exceed `smallest` times the largest diagonal
+// element.
 template <int M>
 class DampedNormal {
  public:
   template <typename IsFree>
   DampedNormal(const Task<M>& task, int joints, double damping, IsFree is_free) {
-    // Sums of its own, so that they can stay in registers.
+    // Local sums, so that they can stay in registers.
     double sum[M][M] = {};
     for (int row = 0; row < M; ++row) sum[row][row] = damping;
     for (int i = 0; i < joints; ++i) {
@@ -75,7 +75,7 @@ class DampedNormal {
 };
 
 // The step d inside lower <= d <= upper with the least |J d - e|^2 + damping |d - rest|^2, by an
-// active set: joints that leave the box are held at its side, and released where that is wrong.
+// active set: joints that leave the box are held at its side until their multiplier changes sign.
 template <int M>
 class BoxedStep {
  public:
@@ -102,7 +102,7 @@ class BoxedStep {
  private:
   enum class Side : signed char { kFree, kLower, kUpper };
 
-  // The best step of the free joints, the others held; false where rounding left no solution.
+  // The best step of the free joints, the others held; false if rounding left no solution.
   bool solve_free() {
     TaskVector<M> residual = task_.error;
     for (std::size_t i = 0; i < count(); ++i) {

@@ -9,8 +9,8 @@ namespace {
 
 // Of the null space's projector: it leaks at most half the root of this, in m a rad.
 constexpr double kProjectorDamping = 1e-14;
-// Of the acceleration limit, the share that a step counts on to brake; the rest is for the
-// changing Jacobian and for the null space.
+// Fraction of the acceleration limit reserved for braking; the rest is for the changing Jacobian
+// and for the null space.
 constexpr double kBrakingShare = 0.5;
 
 template <int M>
@@ -63,8 +63,8 @@ class Stepper {
     return found;
   }
 
-  // As near to `wanted` as the accelerations allow on the straight way from the last step: a best
-  // compromise inside their narrow box would play the joints against each other and swing.
+  // As near to `wanted` as the accelerations allow on the line from the last step: least squares
+  // inside their narrow box would play the joints against each other and oscillate.
   JointArray towards(const JointArray& wanted, const Sides& sudden) const {
     JointArray change{}, step{};
     for (std::size_t i = 0; i < n_; ++i) change[i] = wanted[i] - solver_.dt * qd_[i];
@@ -75,8 +75,8 @@ class Stepper {
     return step;
   }
 
-  // Of the error, what a step takes: every joint keeps a speed it can brake from within the way to
-  // the target, and all slow down together, so that the tool keeps its course.
+  // Fraction of the error for a step: every joint stays at a speed from which it can brake before
+  // the target, and all slow down together, so that the tool stays on its course.
   double share_of_error(double damping) const {
     JointArray free{};
     free.fill(kInfinity);
@@ -103,8 +103,8 @@ class Stepper {
     return whole;
   }
 
-  // Towards the posture, in the null space of the task, and so gently that the task has the rest of
-  // the accelerations for itself.
+  // Towards the posture, in the null space of the task, with a small part of the accelerations; the
+  // rest remains for the task.
   JointArray self_motion() const {
     JointArray last{};
     if (!(solver_.posture_gain > 0.0)) return last;
@@ -132,7 +132,7 @@ class Stepper {
     for (std::size_t i = 0; i < n_; ++i) motion[i] -= task_.columns[i].dot(dual);
   }
 
-  // Of a change of the step, what that share of every acceleration limit allows.
+  // A change of the step, scaled to that fraction of every acceleration limit.
   double proportion(const JointArray& change, double share) const {
     double part = 1.0;
     for (std::size_t i = 0; i < n_; ++i) {
@@ -143,8 +143,8 @@ class Stepper {
     return part;
   }
 
-  // The step without what the curvature of the kinematics makes of it: taken back is the way from
-  // where it leads to where the Jacobian says that it should.
+  // The step corrected for the curvature of the kinematics: it removes the difference between the
+  // reached pose and the pose predicted by the Jacobian.
   JointArray straightened(const JointArray& step, const TaskVector<M>& error, const Sides& box) {
     TaskVector<M> predicted_error = TaskVector<M>::Zero();
     JointArray moved = q_, lower{}, upper{};

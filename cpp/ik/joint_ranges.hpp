@@ -1,6 +1,6 @@
 #pragma once
 
-// The joints' ranges: what lies inside them, which joints may turn once around, and random
+// The ranges of joints: values inside them, joints that wrap, and random
 // configurations.
 
 #include <algorithm>
@@ -33,12 +33,12 @@ class RandomStream {
   std::uint64_t state_;
 };
 
-// A joint that can turn once around wraps instead of stopping at its limits.
+// A joint with a range of a full revolution wraps instead of stopping at its limits.
 inline bool wraps(const Chain& chain, int i) {
   return chain.periodic[static_cast<std::size_t>(i)] && chain.upper[i] - chain.lower[i] >= kTurn;
 }
 
-// The whole turns that bring an angle nearest to another one without leaving the limits.
+// The multiple of 2 pi that brings an angle nearest to another one inside the limits.
 inline double wrapped(double angle, double near, double lower, double upper) {
   angle += kTurn * std::round((near - angle) / kTurn);
   if (angle < lower) angle += kTurn * std::ceil((lower - angle) / kTurn);
@@ -49,7 +49,7 @@ inline double wrapped(double angle, double near, double lower, double upper) {
 inline JointArray random_configuration(const Chain& chain, RandomStream& random) {
   JointArray q{};
   for (int i = 0; i < chain.joints(); ++i) {
-    // A joint without bounds is sampled over one turn, or a metre to both sides.
+    // A joint without bounds is sampled over one revolution, or a metre to both sides.
     const double reach = chain.periodic[static_cast<std::size_t>(i)] ? kPi : 1.0;
     const bool from = std::isfinite(chain.lower[i]), to = std::isfinite(chain.upper[i]);
     const double lower = from ? chain.lower[i] : to ? chain.upper[i] - 2.0 * reach : -reach;

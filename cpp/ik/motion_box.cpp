@@ -10,7 +10,7 @@ double braking_speed(double distance, double acceleration, double dt) {
   if (!std::isfinite(distance)) return distance;
   if (!std::isfinite(step)) return distance / dt;
   if (!(step > 0.0)) return 0.0;
-  // From whole * step the way is step * dt * whole (whole + 1) / 2; in between it is linear.
+  // From whole * step the distance is step * dt * whole (whole + 1) / 2; in between it is linear.
   const double intervals = distance / (step * dt);
   const double whole = std::floor(0.5 * (std::sqrt(1.0 + 8.0 * intervals) - 1.0));
   return step * (whole + (intervals - 0.5 * whole * (whole + 1.0)) / (whole + 1.0));

@@ -24,9 +24,9 @@ struct MotionLimits {
 double braking_speed(double distance, double acceleration, double dt);
 
 // Velocities for the next interval: q moves by dt times them. A joint outside its limits may not
-// move further out. Where qd is nullptr the present velocity is not known and accelerations
-// are bounded only by the way left to brake; where qd is too fast to stop in time, braking at the
-// acceleration limit is all that is left.
+// move further out. If qd is nullptr the present velocity is unknown and accelerations are bounded
+// only by the remaining braking distance; if qd is too fast to stop in time, the joint brakes at
+// the acceleration limit.
 MotionBox velocity_box(const MotionLimits& limits, const double* q, const double* qd, double dt);
 
 // Accelerations for the next interval: qd grows by dt times them, q by dt times the new qd.

@@ -10,7 +10,7 @@
 
 namespace leadthrough {
 
-// lower <= rows * x <= upper, with lower <= 0 <= upper. What it is made of must outlive it.
+// lower <= rows * x <= upper, with lower <= 0 <= upper. Its arguments must outlive it.
 template <int kMaxRows, int kMaxColumns>
 class Polytope {
  public:
@@ -58,7 +58,7 @@ class Polytope {
     bool upper = false;
   };
 
-  // The part of `away` that keeps the held rows where they are; leaves their multipliers. By
+  // The part of `away` that leaves the held rows unchanged; also sets their multipliers. By
   // Gram-Schmidt, each projection done twice: the bounds must hold to rounding.
   Point along_the_held(const Point& away) {
     Square triangle;
@@ -92,7 +92,7 @@ class Polytope {
   }
 
   Blocking first_blocking(const Point& x, const Point& direction) const {
-    constexpr double kParallel = 1e-13;  // a share of the lengths: lost in rounding
+    constexpr double kParallel = 1e-13;  // a fraction of the lengths: lost in rounding
     Blocking first;
     const double length = direction.norm();
     for (Eigen::Index i = 0; i < rows_.rows(); ++i) {
@@ -109,7 +109,7 @@ class Polytope {
     working_[static_cast<std::size_t>(count_++)] = {row, upper};
   }
 
-  // Lets go of the row that keeps the point from the goal the most; false where none does.
+  // Releases the row whose multiplier has the wrong sign by most; false if there is none.
   bool release_worst(double scale) {
     constexpr double kNoise = 1e-13;
     Eigen::Index worst = -1;

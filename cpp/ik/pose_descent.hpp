@@ -1,6 +1,6 @@
 #pragma once
 
-// The monotone iteration towards one target, inside absolute bounds, that paths are made of.
+// The monotone iteration towards one target, inside absolute bounds: the building block of paths.
 
 #include <utility>
 
@@ -22,7 +22,7 @@ struct DescentEnd {
 template <int M, typename Target = IkTarget>
 class PoseDescent {
  public:
-  // `q` must lie inside the bounds. Everything that is passed must outlive the descent.
+  // `q` must lie inside the bounds. All arguments must outlive the descent.
   PoseDescent(const Chain& chain, const Target& target, const DescentBounds& bounds,
               const JointArray& q)
       : chain_(chain), target_(target), bounds_(bounds), q_(q) {
@@ -32,14 +32,14 @@ class PoseDescent {
   const JointArray& q() const { return q_; }
   const Task<M>& task() const { return *now_; }
 
-  // One step towards the target that also moves by `pull` as far as the task leaves it free.
+  // One step towards the target that also moves by `pull` in the task's null space.
   void pull(const JointArray& pull) {
     propose(pull, 1.0);
     take();
   }
 
   // Steps while the error falls, at least one: a slow path is then followed smoothly and not in
-  // jerks of the tolerance's size.
+  // jumps of the tolerance's size.
   DescentEnd run(const IkTolerance& tolerance, int max_iterations) {
     IkStatus status = IkStatus::kBudget;
     const int last = iterations_ + max_iterations;
@@ -49,7 +49,7 @@ class PoseDescent {
         status = IkStatus::kUnreachable;
         break;
       }
-      constexpr double kMinProgress = 1e-3;  // less in a step is none
+      constexpr double kMinProgress = 1e-3;  // relative decrease in a step that counts
       const bool slow = now_->squared() > (1.0 - kMinProgress) * before;
       if (slow) status = IkStatus::kUnreachable;
     } while (status == IkStatus::kBudget && !now_->within(tolerance) && iterations_ < last);
@@ -58,7 +58,7 @@ class PoseDescent {
   }
 
  private:
-  // Takes a step that lowers the error, damping it more and more; false where none does.
+  // Takes a step that lowers the error, with growing damping; false if none does.
   bool improve(const IkTolerance& tolerance) {
     constexpr double kMaxCaution = 1e6;
     for (double caution = 1.0; caution <= kMaxCaution; caution *= 10.0) {

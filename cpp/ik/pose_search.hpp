@@ -1,7 +1,7 @@
 #pragma once
 
-// The search for one target: attempts from the start and from random configurations, each given
-// up as soon as it gains little, until the budget is used up.
+// The search for one target: attempts from the start and from random configurations, each stopped
+// as soon as it gains little, until the budget is used up.
 
 #include <ctime>
 
@@ -21,7 +21,7 @@ inline double thread_seconds() {
 template <int M, typename Target>
 class PoseSearch {
  public:
-  // Everything that is passed must outlive the search. `start` lies inside the limits.
+  // All arguments must outlive the search. `start` lies inside the limits.
   PoseSearch(const Chain& chain, const Target& target, const IkOptions& options,
              const JointVector& start, std::uint64_t stream)
       : chain_(chain),
@@ -47,7 +47,7 @@ class PoseSearch {
       cpu_end_ = thread_seconds() + options.max_cpu_seconds;
   }
 
-  // Runs the next attempt. False where there is none left, or where the budget ended it.
+  // Runs the next attempt. False if there is none left, or if the budget ended it.
   bool attempt() {
     if (attempts_ > (beyond_ ? 0 : options_.max_restarts) || spent_) return false;
     if (attempts_++ > 0) q_ = random_configuration(chain_, random_);
@@ -62,7 +62,7 @@ class PoseSearch {
   bool found() const { return found_; }
   int iterations() const { return iterations_; }
 
-  // From the best attempt to the nearest configuration that a descent finds, and why there.
+  // From the best attempt to the configuration at which a descent ends, and the reason why.
   IkStatus come_close(std::array<bool, kMaxJoints>& limiting) {
     constexpr int kLastSteps = 100;
     PoseDescent<M, Target> descent(chain_, target_, open_limits_, best_);
@@ -79,7 +79,7 @@ class PoseSearch {
     return press(limiting) ? IkStatus::kLimits : IkStatus::kUnreachable;
   }
 
-  // Of the turns of a joint that wraps, the one nearest to `goal`.
+  // Of the equivalent angles of a joint that wraps, the one nearest to `goal`.
   void take_turns_near(const JointVector& goal) {
     for (int i = 0; i < n_; ++i) {
       const auto k = static_cast<std::size_t>(i);
@@ -148,7 +148,7 @@ class PoseSearch {
     }
   }
 
-  // Marks the joints whose limits keep the error from falling; false where there are none.
+  // Marks the joints whose limits prevent a decrease of the error; false if there are none.
   bool press(std::array<bool, kMaxJoints>& limiting) const {
     constexpr double kFirmly = 1e-3;  // cosine between the joint's effect and the error
     bool any = false;

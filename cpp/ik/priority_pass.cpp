@@ -8,26 +8,26 @@ namespace leadthrough {
 
 namespace {
 
-// Singular values below this share of the whole Jacobian's norm are rounding: no range.
+// Singular values below this fraction of the whole Jacobian's norm are rounding: no range.
 constexpr double kRankTolerance = 1e-12;
-// The same for single rows, of which a bound is made: a lower level moves them by no more.
+// The same for single rows that become bounds: a lower level moves them by no more.
 constexpr double kLeftover = 1e-11;
 // Singular value below which damping is always on, m or rad (weighted) per rad.
 constexpr double kNearSingular = 0.02;
 // Cost of motion that a level does not constrain, relative to a residual of 1 m/s at 1 rad/s.
 constexpr double kIdleWeight = 1e-8;
 
-// Chiaverini 1997, eq. (22), squared once more so that the damping is smooth where it sets in: the
-// further from the singularity, the more is asked for along this direction, so that joints follow a
-// lever that vanishes no quicker than at `quickness`.
+// Chiaverini 1997, eq. (22), squared once more so that the damping is smooth at its onset: it grows
+// with the demand along this direction, so that joint rates near the singularity are bounded by
+// `quickness`.
 double damping(double sigma, double asked, double quickness) {
   const double onset = kNearSingular * kNearSingular + asked / quickness;
   const double fade = 1.0 - std::min(sigma * sigma / onset, 1.0);
   return onset * fade * fade;
 }
 
-// Turns the rows pairwise until all are orthogonal (Hestenes 1958, one-sided Jacobi); turned(p, q,
-// c, s) sees each turn. Rows below `negligible` are left as they are.
+// Rotates the rows pairwise until all are orthogonal (Hestenes 1958, one-sided Jacobi);
+// rotated(p, q, c, s) is called for each rotation. Rows below `negligible` are unchanged.
 template <typename Turned>
 void orthogonalise(TaskMatrix& rows, double negligible, Turned turned) {
   constexpr int kSweeps = 40;
@@ -99,8 +99,8 @@ Range numerical_range(const TaskMatrix& jacobian, const JointVector& error, doub
   return range;
 }
 
-// Turns the columns of `basis` so that the first ones span those directions (rows of `right`, in
-// coordinates of the basis) and the others their complement: Householder's reflections.
+// Rotates the columns of `basis` so that the first ones span those directions (rows of `right`, in
+// coordinates of the basis) and the others their complement: Householder reflections.
 template <typename Basis>
 void put_first(const TaskMatrix& right, Eigen::Index rank, Basis& basis) {
   TaskMatrix rest = right;
@@ -188,8 +188,8 @@ bool PriorityPass::move(const Step& step) {
     reached = nearest(step, 0.0, rows, lower, upper);
     const JointVector residuals = (goal - reached).cwiseProduct(step.weight.cwiseSqrt());
     const double residual = residuals.head(step.rank).norm();
-    // A level that cannot be met would drive joints to their bounds for the least gain, and to and
-    // fro where their lever changes its sign. What can be met is met exactly.
+    // An infeasible level would drive joints to their bounds for a negligible gain, and back and
+    // forth when their lever changes sign. Feasible levels are met exactly.
     const double strain = residual / (1.0 + residual) / quickness_;
     if (strain > 0.0) reached = nearest(step, strain, rows, lower, upper);
   }
@@ -200,7 +200,7 @@ bool PriorityPass::move(const Step& step) {
 
 JointVector PriorityPass::nearest(const Step& step, double damping, Polytope::Rows rows,
                                   const Polytope::Sides& lower, const Polytope::Sides& upper) {
-  // In coordinates where a miss costs the same in every direction.
+  // In coordinates where a residual costs the same in every direction.
   const JointVector root = (step.weight.array() + damping).sqrt();
   for (Eigen::Index k = 0; k < rows.cols(); ++k) rows.col(k) /= root[k];
   const JointVector goal = step.pull.cwiseQuotient(root);

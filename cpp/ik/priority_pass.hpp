@@ -15,8 +15,8 @@ class PriorityPass {
   // Starts from the motion inside the box that is nearest to rest.
   PriorityPass(const MotionBox& box, double quickness);
 
-  // Comes as near to jacobian * motion = wanted as the levels before and the bounds leave room for,
-  // and keeps what was reached from then on. True where a bound stood in the way.
+  // Comes as near to jacobian * motion = wanted as the levels before and the bounds allow, and
+  // constrains later levels to preserve it. True if a bound is active.
   bool equal(const TaskMatrix& jacobian, const JointVector& wanted);
   // The same for jacobian * motion >= wanted, one row.
   bool at_least(const TaskMatrix& jacobian, double wanted);
@@ -31,7 +31,7 @@ class PriorityPass {
   struct Step {
     Basis basis;
     JointVector pull, weight;
-    Eigen::Index rank = 0;  // of the coordinates, those the level is about
+    Eigen::Index rank = 0;  // number of leading coordinates in the level's range
   };
 
   Step plan(const TaskMatrix& jacobian, const JointVector& wanted) const;

@@ -10,8 +10,8 @@ namespace {
 // Keeps the damped matrix regular at singularities, (0.1 mm)^2: the box bounds the step.
 constexpr double kFloor = 1e-8;
 
-// Around interval k, from sample k - 1 to sample k. The arm stands still before the first sample
-// and after the last, for as long as the neighbouring interval takes.
+// Around interval k, from sample k - 1 to sample k. The arm rests before the first sample and after
+// the last, for as long as the neighbouring interval takes.
 Interval interval_before(const Eigen::Ref<const Eigen::VectorXd>& times, Eigen::Index k) {
   const Eigen::Index last = times.size() - 1;
   const double duration = times[k] - times[k - 1];
@@ -88,8 +88,8 @@ class Pursuit {
     return pull;
   }
 
-  // The target, moved back by the part of the lag that cannot be made up for in this sample: the
-  // joints meet the path as they would meet a wall, or they would overshoot it.
+  // The target, moved back by the part of the lag that this sample cannot remove: the joints
+  // approach the path as they would approach a wall, or they would overshoot it.
   IkTarget catching_up(const IkTarget& target, double duration) const {
     const double left = 1.0 - closing_share(duration);
     if (left == 0.0) return target;
@@ -113,7 +113,7 @@ class Pursuit {
       const double distance = std::abs(lag_.columns[i].dot(dual));
       const double acceleration =
           kPartOfAcceleration * options_.acceleration[static_cast<Eigen::Index>(i)];
-      // Nearer than this one sample will do.
+      // Within this lag one sample suffices.
       if (distance <= 0.5 * acceleration * duration * duration) continue;
       const double most = braking_velocity(distance, acceleration, duration) * duration;
       share = std::min(share, most / distance);
@@ -121,7 +121,7 @@ class Pursuit {
     return share;
   }
 
-  // Gauss-Newton steps inside the bounds, for as long as they gain anything.
+  // Gauss-Newton steps inside the bounds while they gain.
   void move(const IkTarget& target, const DescentBounds& bounds, const JointArray& pull) {
     constexpr int kIterations = 8;
     constexpr double kEnough = 1e-9;  // rad or m of a joint
@@ -162,7 +162,7 @@ class Pursuit {
   const Chain& chain_;
   const PursuitOptions& options_;
   JointArray q_;
-  JointArray scale_{};  // each joint's speed against the fastest one's: the slow are spared
+  JointArray scale_{};  // each joint's speed limit over the fastest one's: slow joints move less
   JointArray velocity_{};
   JointArray step_{};
   Task<M> task_, lag_;

@@ -1,6 +1,6 @@
 #pragma once
 
-// How far a joint may move in one sample under position, velocity and acceleration limits, such
+// Range of a joint's motion in one sample under position, velocity and acceleration limits, such
 // that the next sample's box is never empty.
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace leadthrough {
 struct Interval {
   double duration = 0.0;
   double since_last = 0.0;  // from the middle of the interval before to the middle of this one
-  double until_rest = 0.0;  // from the middle of this one to the middle of the standing still after
+  double until_rest = 0.0;  // from the middle of this one to the middle of the rest after it
 };
 
 // The largest mean velocity over `duration` towards a wall `distance` away that still lets the
@@ -38,7 +38,7 @@ struct JointRates {
 
 // Mean velocities allowed over `interval` to a joint that moved at `last` before it, with the
 // position limits `room.lower` (<= 0) and `room.upper` away, braking
-// before them with a part of the acceleration limit. Never empty where `last` was allowed.
+// before them with a part of the acceleration limit. Never empty if `last` was allowed.
 inline Span allowed_velocities(const JointRates& limits, const Interval& interval, const Span& room,
                                double last, double part_of_braking) {
   const double change = limits.acceleration * interval.since_last;

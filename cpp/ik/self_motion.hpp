@@ -1,12 +1,12 @@
 #pragma once
 
-// Self-motion of redundant arms: towards a posture while the tool stays where it is.
+// Self-motion of redundant arms: towards a posture at a constant tool pose.
 
 #include "ik/pose_descent.hpp"
 
 namespace leadthrough {
 
-// Goal of self-motion; joints that are not pulled follow the task.
+// Goal of self-motion; joints without a goal follow the task.
 struct SelfMotionGoal {
   JointArray q{};
   std::array<bool, kMaxJoints> pulled{};
@@ -21,7 +21,7 @@ inline SelfMotionGoal towards(const JointVector& posture) {
   return goal;
 }
 
-// The middle of the ranges; joints without one are not pulled.
+// The middle of the ranges; joints without a range have no goal.
 inline SelfMotionGoal towards_middle(const Chain& chain) {
   SelfMotionGoal goal = towards(middle(chain));
   for (int i = 0; i < chain.joints(); ++i)
@@ -32,7 +32,7 @@ inline SelfMotionGoal towards_middle(const Chain& chain) {
 template <int M, typename Target>
 class SelfMotion {
  public:
-  // `q` must lie inside the bounds. Everything that is passed must outlive the motion.
+  // `q` must lie inside the bounds. All arguments must outlive the motion.
   SelfMotion(const Chain& chain, const Target& target, const DescentBounds& bounds,
              const IkTolerance& tolerance, const JointArray& q)
       : chain_(chain),
@@ -44,8 +44,8 @@ class SelfMotion {
   }
 
   // Steps in the exact null space, I - J^+ J of the undamped J over the joints that no limit
-  // holds, each put back onto the target and kept where it brought the joints nearer to the goal.
-  // `share` of the way is tried first.
+  // holds, each projected back onto the target and accepted if it brought the joints nearer to the
+  // goal. `share` of the distance is tried first.
   void run(const SelfMotionGoal& goal, double share, int max_iterations) {
     constexpr int kSteps = 40;
     constexpr double kMinGain = 1e-5;          // of the distance, in a full step
@@ -86,7 +86,7 @@ class SelfMotion {
 
   int joints() const { return chain_.joints(); }
 
-  // Puts q onto the target; false where that fails.
+  // Projects q onto the target; false if that fails.
   bool hold(JointArray& q, int steps) {
     PoseDescent<M, Target> descent(chain_, target_, bounds_, q);
     if (!descent.task().within(tolerance_)) {
@@ -99,8 +99,8 @@ class SelfMotion {
   }
 
   JointArray moved(const SelfMotionGoal& goal, double share) const {
-    // Regular where joints are held; elsewhere what it leaves of the pull moves the tool by less
-    // than rounding would.
+    // Regular when joints are held; otherwise its remainder of the pull moves the tool by less than
+    // rounding would.
     constexpr double kUndamped = 1e-12;  // m^2
     const auto n = static_cast<std::size_t>(joints());
     JointArray pull{}, lower{}, upper{};

@@ -8,7 +8,7 @@ namespace leadthrough {
 
 namespace {
 
-// The search's best, moved in the null space where that is wanted.
+// The search's best configuration, moved in the null space if requested.
 template <int M, typename Target>
 IkResult finish(PoseSearch<M, Target>& search, const Chain& chain, const IkOptions& options,
                 const JointVector& start) {

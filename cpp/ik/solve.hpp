@@ -2,7 +2,7 @@
 
 // Inverse kinematics of single poses: damped least squares with joint limits and restarts.
 // The step is Nakamura and Hanafusa 1986's, with the damping led by the error as in
-// Sugihara 2011; joints that meet a limit are held there and the rest takes over their share.
+// Sugihara 2011; joints that reach a limit are held there and the others compensate.
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace leadthrough {
 
-// Without rotation only the position is asked for.
+// Without a rotation only the position is constrained.
 struct IkTarget {
   Eigen::Vector3d position;
   std::optional<Eigen::Matrix3d> rotation;
@@ -23,8 +23,8 @@ struct IkTarget {
 
 enum class IkStatus {
   kConverged,
-  kUnreachable,  // beyond the arm's length, or it came to rest away from the target
-  kLimits,       // it came to rest with joints pressed against their limits
+  kUnreachable,  // beyond the arm's length, or converged away from the target
+  kLimits,       // converged with joints pressed against their limits
   kBudget,       // iterations or CPU time used up
 };
 
@@ -47,16 +47,16 @@ struct IkAxes {
 
 enum class IkMode {
   kFastest,  // the first solution found
-  kClosest,  // of all that the budget finds, the one nearest to the reference
+  kClosest,  // of all solutions found within the budget, the one nearest to the reference
 };
 
 struct IkOptions {
   IkTolerance tolerance;
-  std::optional<IkAxes> axes;  // none: all are asked for alike, which is quickest
+  std::optional<IkAxes> axes;  // none: all are constrained alike, which is quickest
   IkMode mode = IkMode::kFastest;
   std::optional<JointVector> reference;  // none: q0
-  // Share of the way to the middle of the joints' ranges taken by each step of self-motion once
-  // the target is met, 0 (none) to 1; only redundant arms move.
+  // Fraction of the distance to the middle of the joints' ranges taken by each step of self-motion
+  // once the target is met, 0 (none) to 1; only redundant arms move.
   double nullspace_gain = 0.0;
   std::optional<JointVector> posture;  // self-motion goes here instead
   int max_iterations = 2000;
@@ -66,12 +66,12 @@ struct IkOptions {
 };
 
 struct IkResult {
-  JointVector q;  // inside the limits, the closest found
+  JointVector q;  // inside the limits, the closest one found
   IkStatus status = IkStatus::kBudget;
-  double position_error = 0.0;     // m, over the axes asked for
-  double orientation_error = 0.0;  // rad, 0 where no rotation was asked for
+  double position_error = 0.0;     // m, over the constrained axes
+  double orientation_error = 0.0;  // rad, 0 for targets without a rotation
   int iterations = 0;
-  std::array<bool, kMaxJoints> limiting{};  // the joints that bar the way, with kLimits
+  std::array<bool, kMaxJoints> limiting{};  // with kLimits, the joints whose limits block
 };
 
 // A start q0 outside the limits is moved to the nearest configuration inside. `stream` selects an
@@ -88,14 +88,14 @@ std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const 
                                      int threads);
 
 // Up to `count` solutions, nearest to the reference first, of which any two differ by more than
-// `separation` (rad, whole turns left out, or m) in some joint. A redundant arm's are first moved
-// in the null space as near to the reference as the task lets them. The search goes on until the
-// budget is used up; none found, none returned.
+// `separation` (rad, modulo 2 pi, or m) in some joint. For redundant arms each is first moved in
+// the null space as near to the reference as the task allows. The search continues until the budget
+// is used up, and may return no solution.
 std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
                                    const Eigen::Ref<const Eigen::VectorXd>& q0,
                                    const IkOptions& options, int count, double separation);
 
-// Nearest configuration inside the limits; the middle of each range, 0 where there is none.
+// Nearest configuration inside the limits; the middle of each range, 0 without a range.
 JointVector project(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q);
 JointVector middle(const Chain& chain);
 

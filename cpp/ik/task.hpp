@@ -1,6 +1,6 @@
 #pragma once
 
-// A target as seen from a configuration: the error that is left and how each joint changes it.
+// A target relative to a configuration: the error and its derivative by each joint.
 // M is the task's dimension: 6 for poses, 3 for positions. Nothing here allocates.
 
 #include <Eigen/Geometry>
@@ -13,21 +13,21 @@
 
 namespace leadthrough {
 
-// Weighs rotations against translations: 0.3 m a rad is about the arm's reach from its wrist.
+// Weight of rotations against translations: 0.3 m per rad is about the arm's reach from its wrist.
 constexpr double kOrientationWeight = 0.3;
 
 template <int M>
 using TaskVector = Eigen::Matrix<double, M, 1>;
 using JointArray = std::array<double, kMaxJoints>;
 
-// A target seen from a configuration, rotations weighted.
+// A target relative to a configuration, rotations weighted.
 template <int M>
 struct Task {
   TaskVector<M> error;
   std::array<TaskVector<M>, kMaxJoints> columns;
   double position_error = 0.0;
   double orientation_error = 0.0;
-  bool in_axes = true;  // each axis inside a tolerance of its own, where it has one
+  bool in_axes = true;  // each axis with a tolerance of its own is inside it
 
   double squared() const { return error.squaredNorm(); }
   bool within(const IkTolerance& tolerance) const {
@@ -50,7 +50,7 @@ inline Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& m) {
                              0.5 * (m(1, 0) - m(0, 1)));
   const double sine = skew.norm();
   const double cosine = 0.5 * (m.trace() - 1.0);
-  // Near a half turn the axis is lost in the skew part.
+  // Near pi the skew part does not determine the axis.
   constexpr double kLostAxis = 1e-3;
   if (cosine < 0.0 && sine < kLostAxis) return so3::log(so3::from_matrix(m));
   return sine == 0.0 ? skew : Eigen::Vector3d(skew * (std::atan2(sine, cosine) / sine));

@@ -19,8 +19,8 @@ JointVector forward(std::vector<Level>& levels, const MotionBox& box, double qui
   return pass.motion();
 }
 
-// The pass that aims at what the levels from `top` to `held` want and keeps what `motion` does for
-// the levels from `held` on.
+// The pass that aims at the demands of the levels from `top` to `held` and preserves the effect of
+// `motion` on the levels from `held` on.
 JointVector correct(std::vector<Level>& levels, std::size_t top, std::size_t held,
                     const JointVector& motion, const MotionBox& box, double quickness) {
   PriorityPass pass(box, quickness);

@@ -9,10 +9,10 @@ namespace {
 
 struct Preference {
   JointArray posture;
-  double share;  // of the way to the posture
+  double share;  // of the distance to the posture
 };
 
-// The limits, narrowed to what the joints may move from `q`.
+// The limits, narrowed to the joints' largest step from `q`.
 DescentBounds reachable(const Chain& chain, const JointArray& q, double max_step) {
   DescentBounds bounds{};
   for (int i = 0; i < chain.joints(); ++i) {
@@ -30,13 +30,13 @@ bool reached(const DescentEnd& end, const IkTolerance& tolerance) {
 template <int M, typename Target>
 DescentEnd follow_sample(const Chain& chain, const Target& target, const Preference& preferred,
                          const TrackOptions& options, JointArray& q) {
-  // Beside a singularity the last digits cost most: they are tried for, not insisted on.
+  // Near a singularity the last digits cost most: they are attempted, not required.
   constexpr double kAim = 0.1;
   const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
   const DescentBounds bounds = reachable(chain, q, options.max_step);
   const bool pulls = chain.joints() > M && preferred.share > 0.0;
   DescentEnd end;
-  for (const bool pulled : {true, false}) {  // without the pull where it leads astray
+  for (const bool pulled : {true, false}) {  // without the pull if it prevents convergence
     if (pulled && !pulls) continue;
     PoseDescent<M, Target> descent(chain, target, bounds, q);
     if (pulled) descent.pull(pull_to(preferred.posture, chain.joints(), q, preferred.share));

@@ -16,8 +16,8 @@ using TaskDirections = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 
 using SquareTask = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 using SmallTwist = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 
-// Directions below this share of the largest singular value count as lost: what the secondary
-// task moves there, the tool does not notice.
+// Directions below this fraction of the largest singular value count as lost: the secondary task's
+// motion along them does not move the tool.
 constexpr double kLost = 1e-9;
 
 // The whole of what is left to the target, base frame.
@@ -100,7 +100,7 @@ IkResult solve_yang(const Chain& chain, const IkTarget& target,
                      offset.orientation_error <= tolerance.orientation;
     if (met) result.status = IkStatus::kConverged;
     if (met || result.iterations >= max_iterations) break;
-    // A step longer than the arm means nothing.
+    // A step longer than the arm is meaningless.
     if (offset.position_error > farthest)
       offset.twist.head<3>() *= farthest / offset.position_error;
     const YangStep step =

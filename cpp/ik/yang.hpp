@@ -1,22 +1,22 @@
 #pragma once
 
-// The plain method of Yang et al., "DLS-IK and ProMPs", equations 3 to 7, as a reference: one
-// damped least-squares step a sample, with a pull to the middle of the ranges in the null space.
-// solve_ik and track are quicker and reach more.
+// The plain method of Yang et al., "DLS-IK and ProMPs", equations 3 to 7, as a baseline: one
+// damped least-squares step per sample, with a pull to the middle of the ranges in the null space.
+// solve_ik and track are quicker and reach more targets.
 
 #include "ik/solve.hpp"
 
 namespace leadthrough {
 
-// The paper lets the damping grow with the condition number but gives no rule. Ours is
+// The paper lets the damping grow with the condition number but states no rule. Ours is
 // lambda^2 = damping^2 (1 - (condition_threshold / kappa)^2) above the threshold and 0 below: it
-// starts smoothly and ends at `damping` in the singularity. kappa is that of the Jacobian with its
-// rotation rows in metres, and so are the task and the damping.
+// starts smoothly and ends at `damping` in the singularity. kappa is the condition number of the
+// Jacobian with its rotation rows in metres, and so are the task and the damping.
 struct YangOptions {
   double damping = 0.1;  // m a rad
   double alpha = 0.0;    // of equation 5, (m a rad)^2
   double condition_threshold = 10.0;
-  double nullspace_gain = 0.5;   // share of the way to the middle, 1/s
+  double nullspace_gain = 0.5;   // 1/s, rate of approach to the middle
   double rotation_weight = 0.3;  // m a rad
 };
 
@@ -26,8 +26,8 @@ struct YangStep {
   double damping = 0.0;  // lambda
 };
 
-// Equations 4 to 7. twist: the tool's velocity, linear first, base frame; its rotation is left
-// out where `positions_only`.
+// Equations 4 to 7. twist: the tool's velocity, linear first, base frame; its rotation is ignored
+// with `positions_only`.
 YangStep yang_step(const Chain& chain, const double* q, const Vector6& twist, bool positions_only,
                    const YangOptions& options = {});
 
@@ -48,7 +48,7 @@ struct YangPath {
   Eigen::VectorXd position_errors, orientation_errors;
 };
 
-// One step a sample, from `start`; steps: the seconds from the sample before. Orientations
+// One step per sample, from `start`; steps: seconds from the sample before. Orientations
 // (w, x, y, z) may have no rows.
 YangPath yang_path(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                    const Eigen::Ref<const Rows4>& orientations,

@@ -102,7 +102,7 @@ Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>
     pairs.row(count++) << static_cast<std::int32_t>(i), static_cast<std::int32_t>(j);
     if (i == 0 && j == 0) break;
     const Move move = moves[static_cast<std::size_t>(i * b.rows() + j)];
-    // Costs that are too large for a double tell no way, but the first points are where all end.
+    // Costs that overflow leave the path undefined, but all paths end at the first points.
     const bool along_a = j == 0 || (i > 0 && move != Move::kAlongB);
     const bool along_b = i == 0 || (j > 0 && move != Move::kAlongA);
     if (along_a) --i;

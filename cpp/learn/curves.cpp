@@ -77,7 +77,7 @@ bool fill_curves(const BasisRows& basis, Eigen::Index rows, const Eigen::Ref<con
     if (!(static_cast<double>(values.cols()) * largest < kSurelyFinite)) certain = false;
     for (Eigen::Index part = 0; part < values.rows() / count; ++part) {
       const Panels panels(values.middleRows(part * count, count));
-      // Threads begin far from each other, so that they do not wait for the same new memory.
+      // Threads begin far from each other, so that they do not contend for the same new pages.
       const Eigen::Index begin = run * motions / runs;
       for (Eigen::Index i = 0; i < motions; ++i) {
         const Eigen::Index motion = (begin + i) % motions;

@@ -6,7 +6,7 @@
 namespace leadthrough {
 namespace {
 
-// Shares of a matrix' largest entry: what users compute is symmetric and definite to this only.
+// Fractions of a matrix' largest entry: computed matrices are symmetric and definite to this only.
 constexpr double kRounding = 1e-9;
 
 using RowsIn = Eigen::Ref<const Rows>;

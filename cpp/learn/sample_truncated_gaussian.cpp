@@ -8,7 +8,7 @@
 namespace leadthrough {
 namespace {
 
-// In a corner a particle could bounce for ever; where it is then, it is inside.
+// In a corner a particle could be reflected without end; it is inside at every reflection.
 constexpr int kMaxBounces = 1000;
 
 // The time at which a cos t + b sin t next rises to `limit`, or `horizon` if it does not before.

@@ -18,14 +18,14 @@ class BandMatrix {
   // row >= column >= row - width.
   double& at(int row, int column) { return rows_[place(row, column)]; }
 
-  // Takes an unknown out of the system: its solution is its right side.
+  // Fixes an unknown: its solution is its right-hand side.
   void hold(int i) {
     for (int j = std::max(0, i - width_); j < i; ++j) at(i, j) = 0.0;
     for (int j = i + 1; j <= std::min(size_ - 1, i + width_); ++j) at(j, i) = 0.0;
     at(i, i) = 1.0;
   }
 
-  // Solves in place and leaves the factor behind; false where the matrix is not positive definite.
+  // Solves in place and stores the factor; false if the matrix is not positive definite.
   bool solve(Eigen::VectorXd& x) {
     for (int i = 0; i < size_; ++i) {
       const int first = std::max(0, i - width_);

@@ -13,7 +13,7 @@ inline std::uint64_t mixed(std::uint64_t hash, long value) {
   return (hash ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(value))) * 0x100000001b3U;
 }
 
-// The cell of a configuration, of a size in rad or m; whole turns count for nothing.
+// The cell of a configuration, of a size in rad or m; full revolutions are ignored.
 inline std::uint64_t cell_of(const Chain& chain, const JointArray& q, double size) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (std::size_t i = 0; i < static_cast<std::size_t>(chain.joints()); ++i) {

@@ -12,14 +12,14 @@ namespace {
 
 constexpr int kMaxKnots = 160;
 constexpr int kRounds = 8;
-constexpr double kMinRoom = 0.001;  // m beyond the margins that the refinement looks for
-constexpr double kWide = 0.004;     // m beyond the margins, of a way that is not narrow
-constexpr double kMoreRoom = 5e-4;  // m beyond what a round missed
-// Of the certificate, m: in most rounds, and in the last ones, where little is missing.
+constexpr double kMinRoom = 0.001;  // m beyond the margins that the refinement aims at
+constexpr double kWide = 0.004;     // m beyond the margins, of a path that is not narrow
+constexpr double kMoreRoom = 5e-4;  // m beyond a round's missing clearance
+// Of the certificate, m: in most rounds, and in the last ones, which lack little clearance.
 constexpr double kExactness = 2e-4, kGreatExactness = 2e-5;
 constexpr int kLastRounds = 2;
 constexpr Eigen::Index kMaxParts = 32;  // that a sample's interval is checked in
-constexpr double kAstray = 0.3;         // rad or m that a sample may be away from the curve
+constexpr double kAstray = 0.3;         // rad or m, largest distance of a sample from the curve
 
 class Search {
  public:
@@ -43,7 +43,7 @@ class Search {
     struct Effort {
       std::size_t width;
       double cell;
-      double layers;  // apart, beside what is usual
+      double layers;  // spacing of layers relative to the nominal one
       bool of_every_family;
     };
     constexpr std::array<Effort, kMaxAttempts> kEfforts{
@@ -71,8 +71,8 @@ class Search {
   }
 
  private:
-  // Refines until the check finds nothing nearer than the margins; `touch` says where it still
-  // does.
+  // Refines until the check finds no pair nearer than the margins; `touch` is the remaining closest
+  // pair.
   std::optional<Rows> smooth(const Climb& found, std::optional<Approach>& touch) {
     make_knots(found);
     Rows q(path_.positions.rows(), chain_.joints());
@@ -121,7 +121,7 @@ class Search {
     return result;
   }
 
-  // The configuration at each sample, on the path; false where one is not.
+  // The configuration at each sample, on the path; false if one is not.
   bool all_samples(Rows& q) {
     constexpr double kAim = 0.1;
     const IkTolerance aim{kAim * tolerance_.position, kAim * tolerance_.orientation};
@@ -164,8 +164,8 @@ class Search {
     return q;
   }
 
-  // Asks for more room where the motion comes too near; none where it does so nowhere. A
-  // controller goes through the samples on a smooth curve: that is what is checked, on a finer grid
+  // Raises the room of knots where the motion comes too near; returns the closest pair, if any. A
+  // controller interpolates the samples by a smooth curve: this curve is checked, on a finer grid
   // where it bulges.
   std::optional<Approach> give_room(const Rows& q, double exactness) {
     std::optional<Approach> touch;
@@ -188,7 +188,7 @@ class Search {
     return touch;
   }
 
-  // Rows, `parts` of them a sample, that come too near, and the clearance that they lack.
+  // Rows, `parts` per sample, that come too near, and their missing clearance.
   void look_at(const CollisionScene& scene, const Rows& rows, Eigen::Index parts,
                const MotionOptions& options, std::optional<Approach>& touch,
                std::vector<double>& more) const {
@@ -204,7 +204,7 @@ class Search {
       raise({report.samples[i], static_cast<double>(i) / per_sample}, options.margin, more);
   }
 
-  // The samples and, between them, places of a cubic through them.
+  // The samples and, between them, points of a cubic through them.
   Rows denser(const Rows& q, Eigen::Index parts) const {
     Rows result((q.rows() - 1) * parts + 1, q.cols());
     for (Eigen::Index row = 0; row < result.rows(); ++row) {
@@ -234,8 +234,8 @@ class Search {
         more[k] = std::max(more[k], missing + kMoreRoom);
   }
 
-  // How far any part of the arm may be away from the straight way between two samples where a
-  // controller goes on a smooth curve through them, m: an eighth of the second differences.
+  // Bound on the deviation of any part of the arm from linear motion between two samples for a
+  // smooth curve through them, m: an eighth of the second differences.
   static double bulge(const CollisionScene& scene, const Rows& q) {
     if (q.rows() < 3) return 0.0;
     Rows both = Rows::Zero(2, q.cols());

@@ -1,8 +1,8 @@
 #pragma once
 
-// Joints along a path of the tip with which the whole arm keeps clear, between samples as well: the
-// ladder finds the family of postures, the refinement makes it smooth and roomy, the check
-// certifies.
+// Collision-free joint motion of the whole arm along a path of the tip, between samples as well:
+// the ladder graph selects the branch of postures, the refinement smooths it and increases its
+// clearance, the check certifies it.
 
 #include "collision/check.hpp"
 #include "path/ladder.hpp"
@@ -15,7 +15,7 @@ struct Margins {
 };
 
 struct ClearPath {
-  Rows q;                          // a row a sample; none where there is no way
+  Rows q;                          // one row per sample; none if no path was found
   std::optional<JointArray> last;  // the configuration at the last layer reached
   DeadEnd dead_end;
   // The closest pair, if a path was found but is not certified.
@@ -25,7 +25,7 @@ struct ClearPath {
 // After a failed search the next is finer and takes three times as long.
 constexpr int kMaxAttempts = 3;
 
-// Bodies are numbered as in `against(model, obstacles)`. max_attempts: at most so many.
+// Bodies are numbered as in `against(model, obstacles)`.
 ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
                           const TipPath& path, const Eigen::Ref<const Rows>& postures,
                           const std::optional<JointArray>& start, const Margins& margins,

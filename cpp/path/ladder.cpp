@@ -21,17 +21,17 @@ constexpr double kAwayFromStart = 1.0;     // at the first layer
 constexpr double kAwayFromPath = 0.02;     // on the surface of the tube
 constexpr double kBesideObstacle = 0.02;
 constexpr double kBesideLimit = 0.02;
-constexpr double kRoom = 0.02;      // m that an obstacle is better away
-constexpr double kLimitZone = 0.1;  // rad or m before a limit
-constexpr double kStride = 1.6;     // cells that a step along what is free takes, out of its own
-constexpr double kAside = 0.5;      // of a tube, that a step in it takes
-constexpr double kSurface = 0.95;   // of a tube, where a step ends that would leave it
-constexpr double kFamily = 0.8;     // rad or m: configurations of a family are nearer to each other
-constexpr std::size_t kFew = 12;    // configurations of a layer
+constexpr double kRoom = 0.02;        // m, preferred distance of obstacles beyond the margin
+constexpr double kLimitZone = 0.1;    // rad or m before a limit
+constexpr double kStride = 1.6;       // cells, length of a step along a free direction
+constexpr double kAside = 0.5;        // of a tube's radius, length of a step in it
+constexpr double kSurface = 0.95;     // of a tube's radius, end of a step that would leave it
+constexpr double kFamily = 0.8;       // rad or m: cell size of a branch of configurations
+constexpr std::size_t kFew = 12;      // configurations of a layer
 constexpr double kFinestCell = 0.01;  // rad or m
 constexpr int kRestarts = 100;        // of inverse kinematics at the first layer
 constexpr int kRestartSteps = 40;
-constexpr int kMaxRepairs = 400;  // of ways whose configurations do not connect
+constexpr int kMaxRepairs = 400;  // of routes whose configurations do not connect
 
 struct Node {
   JointArray q;
@@ -120,7 +120,7 @@ class Ladder {
       open.push_back(q);
       offer(0, q);
     }
-    // The first layer is walked through obstacles too: nothing is known yet of what lies behind.
+    // The first layer is explored through obstacles too: free space behind them is not known yet.
     const std::size_t most = 8 * options_.width;
     for (std::size_t i = 0; i < open.size() && open.size() < most; ++i)
       walk(layer.task, JointArray(open[i]), [&](const JointArray& q) {
@@ -154,7 +154,7 @@ class Ladder {
     narrow(layer);
   }
 
-  // The limits, narrowed to what a joint may move from one layer to the next.
+  // The limits, narrowed to a joint's largest motion from one layer to the next.
   DescentBounds around(const JointArray& q) const {
     DescentBounds bounds{};
     for (std::size_t i = 0; i < n_; ++i) {
@@ -164,8 +164,8 @@ class Ladder {
     return bounds;
   }
 
-  // Goes on from every configuration of a layer along what the task leaves free, through obstacles
-  // too: behind them lies what a step from the layer before may reach.
+  // Explores a layer from every configuration along the task's null space, through obstacles too:
+  // configurations behind them may be in reach of the layer before.
   void fill(std::size_t k) {
     Layer& layer = layers_[k];
     std::vector<JointArray>& open = open_;
@@ -176,7 +176,7 @@ class Ladder {
       });
   }
 
-  // Calls found(q) for the configurations a cell away that have not been looked at.
+  // Calls found(q) for the unvisited configurations a cell away.
   template <typename Found>
   void walk(const TipTask& task, const JointArray& from, Found found) {
     const FreeDirections free = task.free_directions(from);
@@ -194,7 +194,7 @@ class Ladder {
     if (task.tube()) walk_in_tube(task, from, found);
   }
 
-  // The same for places of the tube, on both sides along each of its axes.
+  // The same for positions in the tube, on both sides along each of its axes.
   template <typename Found>
   void walk_in_tube(const TipTask& task, const JointArray& from, Found found) {
     const TubePlace here = task.place(from);
@@ -211,8 +211,8 @@ class Ladder {
     }
   }
 
-  // Keeps a configuration that is clear, new and can be reached; false where it is not new or out
-  // of reach.
+  // Adds a configuration that is clear, new and in reach; false if it is not new or out of
+  // reach.
   bool offer(std::size_t k, const JointArray& q) {
     if (!cells_.insert(cell(layers_[k].task, q)).second) return false;
     constexpr int kNew = -1;
@@ -228,7 +228,7 @@ class Ladder {
     return true;
   }
 
-  // Gives a node of layer k its cheapest parent; false where none is within reach.
+  // Sets the cheapest parent of a node of layer k; false if none is within reach.
   bool adopt(std::size_t k, int child, Node& node) const {
     const std::vector<Node>& parents = layers_[k - 1].nodes;
     node.cost = kInfinity;
@@ -273,7 +273,7 @@ class Ladder {
     layer.nodes.resize(most);
   }
 
-  // First the cheapest of every family, then the second of every one, and so on.
+  // First the cheapest of every branch, then the second of every branch, and so on.
   void take_turns(std::vector<Node>& nodes) const {
     std::unordered_map<std::uint64_t, int> counts;
     std::vector<std::pair<int, Node>> ranked;
@@ -285,8 +285,8 @@ class Ladder {
                    [](const auto& each) { return each.second; });
   }
 
-  // Sees that the cheapest way holds between its layers too, or takes the next. The layer up to
-  // which one does; all of them if that is none.
+  // Verifies the cheapest route between its layers too; if it fails, takes the next one. Returns
+  // the first layer out of reach of verified routes, or the number of layers.
   std::size_t connect() {
     for (int repair = 0; repair < kMaxRepairs; ++repair) {
       const std::vector<int> chosen = chosen_nodes(layers_.size() - 1);
@@ -300,7 +300,7 @@ class Ladder {
     return layers_.size() - 1;
   }
 
-  // The cost of each node of a layer anew; false where no way leads to any of them.
+  // Recomputes the cost of each node of a layer; false if no route leads to any of them.
   bool relax(std::size_t k) {
     bool any = false;
     for (std::size_t b = 0; b < layers_[k].nodes.size(); ++b)
@@ -308,8 +308,8 @@ class Ladder {
     return any;
   }
 
-  // Whether the arm stays on the path, in its family of postures and without a touch, from one
-  // layer to the next.
+  // True if the arm stays on the path, on its branch of postures and collision-free from one layer
+  // to the next.
   bool holds(std::size_t k, int parent, int child) {
     if (held_.count({static_cast<int>(k), parent, child}) > 0) return true;
     const JointArray& a = layers_[k - 1].nodes[index(parent)].q;
@@ -346,7 +346,7 @@ class Ladder {
     return chosen;
   }
 
-  // The configurations of the cheapest way through the first `count` layers.
+  // The configurations of the cheapest route through the first `count` layers.
   std::vector<JointArray> route(std::size_t count) const {
     std::vector<JointArray> q;
     if (count == 0) return q;
@@ -360,7 +360,7 @@ class Ladder {
     dead_end_ = {};
   }
 
-  // In a tube, places far from each other have cells of their own.
+  // In a tube, positions far from each other have different cells.
   std::uint64_t cell(const TipTask& task, const JointArray& q) const {
     std::uint64_t hash = cell_of(chain_, q, cell_);
     if (!task.tube()) return hash;
@@ -378,7 +378,7 @@ class Ladder {
   std::vector<Layer> layers_;
   std::unordered_set<std::uint64_t> cells_;
   double cell_ = options_.cell;
-  std::vector<JointArray> open_;  // configurations of the layer to go on from
+  std::vector<JointArray> open_;  // configurations of the layer to explore from
   std::set<Edge> refused_, held_;
   DeadEnd dead_end_;
 };

@@ -1,8 +1,8 @@
 #pragma once
 
-// A search over all that the task leaves free: the path of the tip is cut into layers, each layer
-// holds configurations that meet it and are clear, and the cheapest way leads from layer to layer.
-// Configurations that cannot be reached from the previous layer are never examined.
+// A search over the task's redundancy in a ladder graph: the path of the tip is cut into layers,
+// each layer holds collision-free configurations that meet the task, and the result is the cheapest
+// path through all layers. Configurations out of reach of the previous layer are never examined.
 
 #include <map>
 #include <vector>
@@ -38,8 +38,8 @@ struct Climb {
   bool arrived() const { return q.size() == samples.size(); }
 };
 
-// postures: wished configurations, a row a sample; not finite where there is no wish. start: the
-// configuration at the first sample comes as near to it as it can.
+// postures: preferred configurations, one row per sample; not finite without a preference. start:
+// the configuration at the first sample is as near to it as possible.
 Climb climb(const Chain& chain, const TipPath& path, ClearanceTest& test,
             const Eigen::Ref<const Rows>& postures, const std::optional<JointArray>& start,
             const LadderOptions& options);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMax = 1e4;  // layers
 
-// How far the tip moves between two rows, in layers.
+// Motion of the tip between two rows, in layers.
 double steps_between(const TipPath& path, Eigen::Index row, double spacing,
                      double rotation_spacing) {
   const double distance = (path.positions.row(row + 1) - path.positions.row(row)).norm();

@@ -1,7 +1,7 @@
 #pragma once
 
-// Samples at which a path is examined first, also between two rows: evenly spaced along the tip's
-// translation and rotation.
+// Samples at which a path is examined first, possibly between two rows: evenly spaced along the
+// tip's translation and rotation.
 
 #include <vector>
 

@@ -99,8 +99,8 @@ class Refinement {
     }
   }
 
-  // Pulls the tip towards its path with the tube's softness, and hard where it leaves the tube. The
-  // errors that the tube has room for are then none any more.
+  // Pulls the tip towards its path, softly in the tube and hard outside it. Errors along the tube's
+  // axes are then zeroed.
   void add_place(int k, const Tube& tube, Model& model) {
     auto& [place, moves] = places_[static_cast<std::size_t>(k)];
     place = tube.place(error_.error);
@@ -128,7 +128,7 @@ class Refinement {
     }
   }
 
-  // The tip leaves its path and comes back smoothly.
+  // The tip leaves its path and returns smoothly.
   void add_bend(int first, Model& model) {
     constexpr std::array<double, 3> kWeights{1.0, -2.0, 1.0};
     const auto at = static_cast<std::size_t>(first);
@@ -147,13 +147,13 @@ class Refinement {
     }
   }
 
-  // Whether a knot is in a tube of this dimension, or on the path.
+  // True if a knot is in a tube of this dimension (0: on the path).
   bool fits(std::size_t knot, Eigen::Index dimension) const {
     const auto own = places_[knot].place.size();
     return own == dimension || own == 0;
   }
 
-  // By the unknown number i of three knots.
+  // Derivative by unknown i of three knots.
   TubePlace slope_of_bend(std::size_t first, int i, const std::array<double, 3>& weights) const {
     const auto knot = static_cast<std::size_t>(i / n_);
     const Place& at = places_[first + knot];
@@ -190,7 +190,7 @@ class Refinement {
     }
   }
 
-  // A weighted sum of up to three knots from `first` on, to be small.
+  // Penalty of a weighted sum of up to three knots from `first` on.
   void add_difference(int first, const std::array<double, 3>& weights, double scale,
                       const std::vector<JointArray>& q, Model& model) {
     for (int i = 0; i < n_; ++i) {
@@ -211,7 +211,7 @@ class Refinement {
     }
   }
 
-  // Joints at a limit that would be pushed out stay where they are.
+  // Joints at a limit with a step outwards are fixed.
   bool step(const Model& model, double damping, std::vector<JointArray>& q) const {
     BandMatrix hessian = model.hessian;
     Eigen::VectorXd change = model.descent;
@@ -245,7 +245,7 @@ class Refinement {
   int n_;
   TipError error_;
   std::vector<NearPair> near_;
-  std::vector<Place> places_;  // of all knots at the curve looked at; empty without a tube
+  std::vector<Place> places_;  // of all knots of the present curve; empty without a tube
 };
 
 }  // namespace

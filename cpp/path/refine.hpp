@@ -1,8 +1,8 @@
 #pragma once
 
-// The whole curve at once: smooth, near the wished postures, the tip on its path and everything
-// clear. Gauss-Newton on a banded system with Levenberg's damping; clearance enters by the
-// gradients at the nearest points of all pairs that are near.
+// Optimisation of the whole curve at once: smooth, near the preferred postures, the tip on its path
+// and all pairs clear. Gauss-Newton on a banded system with Levenberg's damping; clearance enters
+// by the gradients at the nearest points of all near pairs.
 
 #include <vector>
 
@@ -11,15 +11,15 @@
 
 namespace leadthrough::path {
 
-// A place of the curve. room: what its distances should exceed their margins by, m. posture: not
-// finite for joints that may stand anywhere.
+// A knot of the curve. room: desired excess of its distances over their margins, m. posture: not
+// finite for joints without a preference.
 struct Knot {
   TipTask task;
   JointArray posture;
   double room;
 };
 
-// q: one configuration a knot, which comes back better.
+// q: one configuration per knot, improved in place.
 void refine(const Chain& chain, const std::vector<Knot>& knots, ClearanceTest& test,
             const std::vector<double>& margins, std::vector<JointArray>& q);
 

@@ -9,7 +9,7 @@ namespace leadthrough::path {
 namespace {
 
 constexpr double kEdge = 0.98;      // of a tube, to which the tip is brought from outside
-constexpr double kMinWidth = 1e-3;  // m or rad: an axis with less room stays on the path
+constexpr double kMinWidth = 1e-3;  // m or rad: narrower axes stay on the path
 
 // The path's pose at a sample: straight, and about one axis, between two rows.
 IkTarget target_at(const TipPath& path, double sample) {
@@ -32,7 +32,7 @@ IkTarget target_at(const TipPath& path, double sample) {
   return target;
 }
 
-// The tube's room at a sample, for the axes that the task asks for.
+// The tube at a sample, for the task's axes.
 std::optional<Tube> tube_at(const TipPath& path, double sample) {
   if (path.tube.rows() == 0) return std::nullopt;
   const Eigen::Index last = path.positions.rows() - 1;
@@ -86,7 +86,7 @@ TubePlace TipTask::place(const JointArray& q) const {
   return tube_->place(error.error);
 }
 
-// The target with the tip at a place of the tube. Along axes left free it is where q has it.
+// The target with the tip at a position of the tube. Along free axes it is q's own.
 IkTarget TipTask::moved(const TubePlace& place, const JointArray& q) const {
   const Eigen::Matrix3d frame = target_.rotation.value_or(Eigen::Matrix3d::Identity());
   Kinematics kinematics;
@@ -112,7 +112,7 @@ bool TipTask::settle_at(const TubePlace& place, const DescentBounds& bounds,
   if (!tube_)
     return leadthrough::settle(chain_, target_, axes_, bounds, tolerance, max_iterations, q);
   const TubePlace wanted = place.size() > 0 ? place : TubePlace::Zero(tube_->dimension());
-  // An axis left free turns with the target: that the tip came to be in the tube is looked at.
+  // A free axis rotates with the target: whether the tip is inside the tube must be tested.
   return leadthrough::settle(chain_, moved(wanted, q), axes_, bounds, tolerance, max_iterations,
                              q) &&
          this->place(q).norm() <= 1.0;
@@ -126,8 +126,8 @@ bool TipTask::settle(const DescentBounds& bounds, const IkTolerance& tolerance, 
   return settle_at(at, bounds, tolerance, q, max_iterations);
 }
 
-// The rows of the Jacobian, made orthonormal, are taken out of the joints' axes, the axis that
-// keeps most first.
+// The rows of the Jacobian, orthonormalised, are projected out of the joints' axes, the axis with
+// the largest remainder first.
 FreeDirections TipTask::free_directions(const JointArray& q) const {
   constexpr double kDependent = 1e-4;  // m a rad: at a singularity a row adds nothing
   TipError error;

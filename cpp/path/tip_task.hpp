@@ -19,17 +19,17 @@ struct TipPath {
   Eigen::Ref<const Rows> tube;
 };
 
-// Directions in which the joints move and the tip does not, across each other; the largest element
-// of each is 1.
+// Null-space directions of the joints, orthogonal to each other; the largest element of each
+// is 1.
 struct FreeDirections {
   int count = 0;
   std::array<JointArray, kMaxJoints> directions{};
 };
 
-// A place in the tube, in units of it: 0 on the path, of length 1 on the tube's surface.
+// Position in the tube, in units of its radii: 0 on the path, of length 1 on the tube's surface.
 using TubePlace = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 
-// Of the task's errors, in m and rad, those that a tube leaves room for: e = factor place.
+// The task's errors with room in the tube, in m and rad: e = factor * place.
 struct Tube {
   std::array<int, 6> rows{};  // of the task's errors
   std::array<int, 6> axes{};  // 0 to 2 along the target's axes, 3 to 5 about them
@@ -46,11 +46,11 @@ class TipTask {
  public:
   TipTask(const Chain& chain, const TipPath& path, double sample);
 
-  // Moves q onto the task inside the bounds; false where it cannot be met to the tolerance. With a
-  // tube, a tip inside stays where it is, and one outside goes to the nearest place.
+  // Moves q onto the task inside the bounds; false if it cannot be met to the tolerance. With a
+  // tube, a tip inside does not move, and one outside goes to the nearest position inside.
   bool settle(const DescentBounds& bounds, const IkTolerance& tolerance, JointArray& q,
               int max_iterations = 12) const;
-  // The same onto a place in the tube; an empty one is the path.
+  // The same onto a position in the tube; an empty one is the path.
   bool settle_at(const TubePlace& place, const DescentBounds& bounds, const IkTolerance& tolerance,
                  JointArray& q, int max_iterations = 12) const;
   FreeDirections free_directions(const JointArray& q) const;

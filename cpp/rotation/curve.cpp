@@ -10,21 +10,21 @@ namespace leadthrough::so3 {
 
 namespace {
 
-// Closer than this to a whole turn, rounding decides the axis: the one before it is kept.
+// Closer than this to a full revolution rounding decides the axis: the previous axis is used.
 constexpr double kWholeTurn = 1e-11;  // sine of half the angle
 
-// Beside a sphere of whole turns a vector moves further than its rotation, without bound: by
-// (angle / 2) / sin(angle / 2) at most. Past this factor it says little about the motion.
+// Near the spheres of angle 2 pi n a vector moves further than its rotation, without bound: by a
+// factor of at most (angle / 2) / sin(angle / 2). Beyond this factor it says little of the motion.
 constexpr double kMaxGain = 10.0;
 
 // Largest change of the axis by rounding, near kWholeTurn.
 constexpr double kAxisNoise = 1e-4;  // rad
 
-// Two rotations this close to half a turn apart have no shortest turn between them.
+// Two rotations whose distance is this close to pi have no unique shortest rotation between them.
 constexpr double kHalfTurnMargin = 1e-6;  // rad
 
 // All logarithms of q in the double cover lie 4 pi apart on one line: the one nearest to
-// `previous`. Those between them are of -q, which no short turn reaches.
+// `previous`. Those between them belong to -q, which is far away in the double cover.
 Vector3 nearest_log(const Quaternion& q, const Vector3& previous) {
   const Vector3 vector = q.tail<3>();
   const double sine = vector.norm();
@@ -50,7 +50,7 @@ Matrix3 skew(const Vector3& v) {
   return m;
 }
 
-// The matrix that scales what is across the axis and turns it about the axis by a right angle.
+// 1 along the axis; across it, `across` plus `turned` times a rotation by a right angle.
 Matrix3 about_axis(const Vector3& axis, double across, double turned) {
   return across * Matrix3::Identity() + (1.0 - across) * axis * axis.transpose() +
          turned * skew(axis);
@@ -67,7 +67,7 @@ Matrices rows_of(const Eigen::Ref<const Vectors>& rotation_vectors, Jacobian jac
   return result;
 }
 
-// Of cos(x) and sin(x) / x, in powers of x^2; exact to rounding up to an eighth of a turn.
+// Of cos(x) and sin(x) / x, in powers of x^2; exact to rounding up to pi / 4.
 constexpr double kCosine[] = {1.0,
                               -1.0 / 2.0,
                               1.0 / 24.0,
@@ -86,7 +86,7 @@ constexpr double kSinc[] = {1.0,
                             1.0 / 6227020800.0,
                             -1.0 / 1307674368000.0};
 
-// Arc given to equal quaternions: the great circle is a straight line there to 1e-13.
+// Smallest arc, for equal quaternions: the great circle is a straight line there to 1e-13.
 constexpr double kMinArc = 1e-6;  // rad
 
 // A great circle between two quaternions of one hemisphere, seen from its middle.

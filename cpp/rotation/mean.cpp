@@ -8,7 +8,7 @@ namespace leadthrough::so3 {
 
 namespace {
 
-// Every step is a fraction of the one before, so what is left is below this too.
+// Every step is a fraction of the one before, so the remaining error is below this too.
 constexpr double kLastStep = 1e-14;  // rad
 constexpr int kMaxSteps = 100;
 
