@@ -16,15 +16,15 @@ template <typename A, typename V>
 void orthogonalize_columns(A& a, V& v) {
   constexpr double kOrthogonal = 4.0 * std::numeric_limits<double>::epsilon();
   constexpr int kMaxSweeps = 40;
-  bool turned = true;
-  for (int sweep = 0; turned && sweep < kMaxSweeps; ++sweep) {
-    turned = false;
+  bool rotated = true;
+  for (int sweep = 0; rotated && sweep < kMaxSweeps; ++sweep) {
+    rotated = false;
     for (Eigen::Index q = 1; q < a.cols(); ++q)
       for (Eigen::Index p = 0; p < q; ++p) {
         const double across = a.col(p).dot(a.col(q));
         const double pp = a.col(p).squaredNorm(), qq = a.col(q).squaredNorm();
         if (std::abs(across) <= kOrthogonal * std::sqrt(pp * qq)) continue;
-        turned = true;
+        rotated = true;
         const double zeta = (qq - pp) / (2.0 * across);
         const double tangent = std::copysign(1.0 / (std::abs(zeta) + std::hypot(1.0, zeta)), zeta);
         const double cosine = 1.0 / std::hypot(1.0, tangent), sine = cosine * tangent;

@@ -211,9 +211,9 @@ bool step_down(const Field<Times>& field, double length, Coordinates& p, double&
   const double slope = std::hypot(gradient[0], gradient[1], gradient[2]);
   for (int n = 0; n < kHalvings; ++n, length *= 0.5) {
     const Coordinates middle = moved(field.grid(), p, gradient, 0.5 * length);
-    Coordinates turned{};
-    if (field.interpolate(middle, turned) == kInfinity) continue;
-    const Coordinates next = moved(field.grid(), p, turned, length);
+    Coordinates direction{};
+    if (field.interpolate(middle, direction) == kInfinity) continue;
+    const Coordinates next = moved(field.grid(), p, direction, length);
     Coordinates unused{};
     const double reached = field.interpolate(next, unused);
     if (!(reached < arrival - kMinGain * slope * length) || !field.is_free(p, next)) continue;

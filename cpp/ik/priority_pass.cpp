@@ -28,8 +28,8 @@ double damping(double sigma, double asked, double quickness) {
 
 // Rotates the rows pairwise until all are orthogonal (Hestenes 1958, one-sided Jacobi);
 // rotated(p, q, c, s) is called for each rotation. Rows below `negligible` are unchanged.
-template <typename Turned>
-void orthogonalise(TaskMatrix& rows, double negligible, Turned turned) {
+template <typename Rotated>
+void orthogonalise(TaskMatrix& rows, double negligible, Rotated rotated) {
   constexpr int kSweeps = 40;
   constexpr double kOrthogonal = 1e-15;
   const double least = negligible * negligible;
@@ -49,7 +49,7 @@ void orthogonalise(TaskMatrix& rows, double negligible, Turned turned) {
         const auto old = rows.row(p).eval();
         rows.row(p) = c * old - s * rows.row(q);
         rows.row(q) = s * old + c * rows.row(q);
-        turned(p, q, c, s);
+        rotated(p, q, c, s);
       }
   }
 }

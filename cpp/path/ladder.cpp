@@ -315,8 +315,7 @@ class Ladder {
     const JointArray& a = layers_[k - 1].nodes[index(parent)].q;
     const JointArray& b = layers_[k].nodes[index(child)].q;
     constexpr int kParts = 4;
-    constexpr double kMaxDeviation =
-        0.25;  // rad or m that a joint may be away from the straight way
+    constexpr double kMaxDeviation = 0.25;  // rad or m, of a joint from the straight line
     const double from = layers_[k - 1].sample;
     for (int part = 1; part < kParts; ++part) {
       const double share = static_cast<double>(part) / kParts;

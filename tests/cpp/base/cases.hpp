@@ -2,7 +2,7 @@
 
 namespace leadthrough::test {
 
-// How many random cases a test takes: all of them, or fewer with AddressSanitizer, which is slow
+// Number of random cases of a test: all of them, or fewer with AddressSanitizer, which is slow
 // and looks for faults of memory only: the build without it judges the answers of all.
 constexpr int cases([[maybe_unused]] int all, [[maybe_unused]] int with_sanitizer) {
 #ifdef __SANITIZE_ADDRESS__

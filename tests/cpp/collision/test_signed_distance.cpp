@@ -32,7 +32,7 @@ TEST(SignedDistance, GrowsAlongItsGradient) {
   }
 }
 
-// Where every direction is as good as others, too.
+// Also at points where every direction is equivalent.
 TEST(SignedDistance, GrowsAlongItsGradientFromTheMiddle) {
   for (const Convex& body : kBodies) {
     const Shape shape = shape_of(body);

@@ -123,7 +123,7 @@ TEST(Tracking, PursuitOfAMirroredPathIsMirrored) {
   EXPECT_LT((tracks[0] + tracks[1]).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-// Where the tip stands still, its posture takes three tenths of the joints' speed, either way.
+// At a constant tip pose, self-motion takes three tenths of the joints' speed, in both directions.
 TEST(Tracking, AFarPostureIsApproachedGently) {
   const Chain chain = test::crooked_chain();
   const int samples = 12;

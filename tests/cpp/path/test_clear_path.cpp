@@ -61,7 +61,7 @@ TEST(ClearPath, LeadsTheElbowAroundABallAndKeepsTheTip) {
   const Planar arm;
   const path::ClearPath free = arm.among({});
   ASSERT_EQ(free.q.rows(), 41);
-  // Where the elbow was at half time.
+  // Position of the elbow at half time.
   const double upper = free.q(20, 0);
   const PlacedShapes there = ball(0.4 * std::cos(upper), 0.4 * std::sin(upper));
   EXPECT_TRUE(check_motion(against(arm.model, there), free.q).first.has_value());
