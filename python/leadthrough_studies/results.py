@@ -10,7 +10,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from leadthrough.io.atomic import replacing
+from leadthrough.io.files import replacing
 from leadthrough.show import page
 from leadthrough.tasks import Row
 

@@ -14,7 +14,7 @@ import leadthrough as lt
 from leadthrough import io, preprocess
 from leadthrough.cli import errors
 from leadthrough.cli.options import RestOptions
-from leadthrough.io.atomic import replacing
+from leadthrough.io.files import replacing
 from leadthrough.models import archive
 from leadthrough.motion import Motion
 

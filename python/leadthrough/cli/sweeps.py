@@ -239,7 +239,7 @@ def _place(  # an option each
     import numpy as np
 
     from leadthrough.cli import parse, reading
-    from leadthrough.io.atomic import replacing
+    from leadthrough.io.files import replacing
 
     if skill is None or area is None:
         missing, given = ("--area", "--skill") if area is None else ("--skill", "--area")

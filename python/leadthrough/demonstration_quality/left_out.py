@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from leadthrough import tasks
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
-from leadthrough.io.atomic import replacing
+from leadthrough.io.files import replacing
 from leadthrough.models import Model, Skill, Target, TargetRegion
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.preprocess.align import features

@@ -21,10 +21,9 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event, Events
-from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.columns import demonstrated_columns
+from leadthrough.io.files import MAX_LINE, ReadLimits, StrPath, not_text, replacing
 from leadthrough.io.joint_trajectory import checked_joint_names, joint_columns, quantities
-from leadthrough.io.read_limits import MAX_LINE, ReadLimits, not_text
 from leadthrough.io.table import Table
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 

@@ -19,8 +19,8 @@ from leadthrough.io import (
     robomimic,
     rosbag,
 )
-from leadthrough.io.atomic import StrPath
 from leadthrough.io.csv import read_table
+from leadthrough.io.files import StrPath
 from leadthrough.io.robot_programs import write_franka, write_urscript
 from leadthrough.io.table import ArrayTable, Request, Table
 from leadthrough.motion import Motion, checked_motion

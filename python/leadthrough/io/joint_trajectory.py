@@ -19,9 +19,15 @@ import numpy as np
 
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event
-from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.io.files import (
+    ReadLimits,
+    StrPath,
+    load_yaml,
+    read_text,
+    refusing_damage,
+    replacing,
+)
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
-from leadthrough.io.read_limits import ReadLimits, load_yaml, read_text, refusing_damage
 from leadthrough.io.table import ArrayTable
 from leadthrough.motion import JointTrajectory
 

@@ -21,8 +21,8 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event
 from leadthrough.io import headers
 from leadthrough.io.columns import is_gripper
+from leadthrough.io.files import MAX_WIDTH, ReadLimits, read_text, refusing_damage
 from leadthrough.io.headers import Columns
-from leadthrough.io.read_limits import MAX_WIDTH, ReadLimits, read_text, refusing_damage
 from leadthrough.io.table import ArrayTable
 
 _STATE = "observation.state"

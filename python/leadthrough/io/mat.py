@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import InvalidInput
-from leadthrough.io.read_limits import MAX_BYTES, ReadLimits, read_bytes, refusing_damage
+from leadthrough.io.files import MAX_BYTES, ReadLimits, read_bytes, refusing_damage
 from leadthrough.io.table import ArrayTable
 
 # An array of numbers, a structure as a dict, a cell array or an array of structures as a list, in

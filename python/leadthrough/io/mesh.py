@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check, optional
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import reader_process
-from leadthrough.io.atomic import StrPath
-from leadthrough.io.read_limits import ReadLimits, read_bytes, refusing_damage
+from leadthrough.io.files import ReadLimits, StrPath, read_bytes, refusing_damage
 from leadthrough.shapes import Mesh
 
 _Triangles = tuple[Float64Array, NDArray[np.int64]]

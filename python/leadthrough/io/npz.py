@@ -22,11 +22,10 @@ from numpy.typing import NDArray
 from leadthrough import check
 from leadthrough.check import InvalidInput
 from leadthrough.events import Event, Events
-from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.columns import demonstrated_columns
+from leadthrough.io.files import ReadLimits, StrPath, refusing_damage, replacing
 from leadthrough.io.headers import Columns
 from leadthrough.io.joint_trajectory import joint_columns, quantities
-from leadthrough.io.read_limits import ReadLimits, refusing_damage
 from leadthrough.io.table import ArrayTable
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, checked_motion
 

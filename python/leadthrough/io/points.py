@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import npz
-from leadthrough.io.atomic import StrPath
-from leadthrough.io.read_limits import ReadLimits, read_bytes, refusing_damage
+from leadthrough.io.files import ReadLimits, StrPath, read_bytes, refusing_damage
 from leadthrough.shapes import PointCloud
 
 SUFFIXES = (".pcd", ".ply", ".npy", ".csv", ".txt", ".xyz")

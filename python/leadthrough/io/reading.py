@@ -14,8 +14,8 @@ from pathlib import Path
 
 from leadthrough.check import InvalidInput
 from leadthrough.io import formats, lerobot, reader_process, robomimic
-from leadthrough.io.atomic import StrPath
 from leadthrough.io.columns import check_complete, recording
+from leadthrough.io.files import StrPath
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
 from leadthrough.io.recording import Recording
 from leadthrough.io.table import Request, Table, as_request

@@ -16,7 +16,7 @@ import numpy as np
 
 from leadthrough import optional
 from leadthrough.check import InvalidInput
-from leadthrough.io.read_limits import MAX_WIDTH, ReadLimits, refusing_damage
+from leadthrough.io.files import MAX_WIDTH, ReadLimits, refusing_damage
 from leadthrough.io.table import ArrayTable, Request
 
 _ROLES = {

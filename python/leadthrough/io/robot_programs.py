@@ -13,8 +13,8 @@ import numpy as np
 
 from leadthrough import check, events
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.io.atomic import StrPath, replacing
 from leadthrough.io.csv import write_rows
+from leadthrough.io.files import StrPath, replacing
 from leadthrough.io.joint_trajectory import checked_joint_names, resting_at_both_ends
 from leadthrough.motion import JointTrajectory
 

@@ -25,7 +25,7 @@ from leadthrough import optional
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.events import Event, Events
 from leadthrough.io import joint_trajectory
-from leadthrough.io.atomic import StrPath, making_folder, replacing
+from leadthrough.io.files import ReadLimits, StrPath, making_folder, refusing_damage, replacing
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
 from leadthrough.io.joint_trajectory import (
     NANOSECONDS,
@@ -34,7 +34,6 @@ from leadthrough.io.joint_trajectory import (
     stamp_nanoseconds,
     to_stamp,
 )
-from leadthrough.io.read_limits import ReadLimits, refusing_damage
 from leadthrough.io.table import ArrayTable, Request
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 

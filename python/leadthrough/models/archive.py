@@ -19,7 +19,7 @@ from leadthrough.check import InvalidInput
 from leadthrough.drawing import Drawn
 from leadthrough.errors import UnsupportedQuery
 from leadthrough.io import npz
-from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.io.files import StrPath, replacing
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.protocol import Distributed, Parameter, Skill, fitted_again

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check, events
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import FitError, UnsupportedQuery
-from leadthrough.io.atomic import StrPath
+from leadthrough.io.files import StrPath
 from leadthrough.models import archive
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.posture import demonstrated_posture

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import NotFitted
-from leadthrough.io.atomic import StrPath
+from leadthrough.io.files import StrPath
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.targets import Target

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from leadthrough import check
 from leadthrough.arm import Arm, IkOptions, check_arm
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.io.files import StrPath, replacing
 from leadthrough.models.targets import TargetRegion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene

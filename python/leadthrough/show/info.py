@@ -12,8 +12,8 @@ from typing import Any
 from leadthrough.arm import Arm
 from leadthrough.check import InvalidInput
 from leadthrough.io import formats, reader_process, rosbag
-from leadthrough.io.atomic import StrPath
 from leadthrough.io.columns import recording
+from leadthrough.io.files import StrPath
 from leadthrough.io.reading import blaming, names_of
 from leadthrough.io.table import Request
 from leadthrough.models import archive

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
-from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.io.files import StrPath, replacing
 from leadthrough.repr import ShortRepr
 from leadthrough.show.animation import Animation
 from leadthrough.show.surfaces import creased

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
 from leadthrough.drawing.figure import styled
-from leadthrough.io.atomic import StrPath, replacing
+from leadthrough.io.files import StrPath, replacing
 from leadthrough.show import page
 from leadthrough.show.animation import ARM, Animation
 from leadthrough.show.arm_scene import arm_scene

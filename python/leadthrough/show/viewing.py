@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from leadthrough import check
 from leadthrough.arm import Arm, check_arm
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.io.atomic import StrPath
+from leadthrough.io.files import StrPath
 from leadthrough.models.protocol import Skill, Target
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Scene, SceneLike, as_scene

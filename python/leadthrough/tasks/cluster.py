@@ -18,7 +18,7 @@ from weakref import WeakValueDictionary
 from leadthrough import optional
 from leadthrough.check import InvalidInput
 from leadthrough.errors import CodeMismatch, SchedulerUnreachable
-from leadthrough.io.atomic import replacing
+from leadthrough.io.files import replacing
 from leadthrough.tasks import code
 from leadthrough.tasks.process import Process
 from leadthrough.tasks.task import Job, Report, Task, check_importable

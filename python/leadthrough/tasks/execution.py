@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from leadthrough.io.atomic import replacing
+from leadthrough.io.files import replacing
 from leadthrough.repr import ShortRepr
 from leadthrough.tasks.engine import Outcome, Progress, run, with_manifest
 from leadthrough.tasks.task import Store, Task

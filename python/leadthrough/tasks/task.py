@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from leadthrough.check import InvalidInput
-from leadthrough.io.atomic import replacing
+from leadthrough.io.files import replacing
 from leadthrough.tasks import code
 
 _PROMPT = "__main__"

@@ -24,9 +24,8 @@ from leadthrough.errors import LimitsInfeasible
 from leadthrough.motion import JointTrajectory, computed_joints
 from leadthrough.timing import request as checks
 from leadthrough.timing.limits_report import KINDS, ROUNDING, Kind, Peak, check_positions, judged
-from leadthrough.timing.lines import time_lines
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed
-from leadthrough.timing.samples import AT_REST, Samples
+from leadthrough.timing.samples import AT_REST, Samples, time_lines
 from leadthrough.timing.section_law import time_section
 from leadthrough.timing.sections import Lines, Path, Sections, path_of
 from leadthrough.trajectories import Curve

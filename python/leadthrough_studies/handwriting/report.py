@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from leadthrough.drawing import palette
 from leadthrough.drawing.figure import styled
-from leadthrough.io.atomic import replacing
+from leadthrough.io.files import replacing
 from leadthrough.motion import Trajectory
 from leadthrough.show import page, plot
 from leadthrough_studies.handwriting.demo import Handwriting

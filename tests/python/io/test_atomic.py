@@ -14,7 +14,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.io.atomic import making_folder, replacing
+from leadthrough.io.files import making_folder, replacing
 
 SUFFIXES = ("csv", "npz", "json", "yaml", "mcap", "db3", "script")
 

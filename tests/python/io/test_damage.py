@@ -13,7 +13,7 @@ import pytest
 from robustness import bombs, damage, measured
 
 from leadthrough.errors import InvalidInput, LeadthroughError
-from leadthrough.io import read_limits
+from leadthrough.io import files
 
 SUFFIXES = damage.RECORDINGS
 ROUNDS = 60
@@ -65,7 +65,7 @@ def test_files_of_another_kind_are_refused(whole, tmp_path, suffix):
 
 
 def test_an_archive_that_inflates_too_far_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(read_limits, "MAX_BYTES", 10_000_000)
+    monkeypatch.setattr(files, "MAX_BYTES", 10_000_000)
     path = tmp_path / "bomb.npz"
     np.savez_compressed(path, joints=np.zeros((1_300_000, 1)))
     assert path.stat().st_size < 20_000

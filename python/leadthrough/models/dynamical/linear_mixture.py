@@ -20,7 +20,7 @@ from leadthrough import optional
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models.dynamical.field import Field, StoredArrays
-from leadthrough.models.gaussians.em import monomials
+from leadthrough.models.gaussians.mixture import monomials
 
 _EXTRA = "stable"
 

@@ -31,8 +31,8 @@ from leadthrough.models.dynamical.linear_mixture import (
 from leadthrough.models.dynamical.lyapunov import fitted_quadratics
 from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Samples
-from leadthrough.models.gaussians.em import Blocks, fit_blocks
 from leadthrough.models.gaussians.fitting import least_criterion
+from leadthrough.models.gaussians.mixture import Blocks, fit_blocks
 
 _DECAY, _RIDGE = 0.1, 1e-6
 # The least deviation of a component, of positions and of directions.

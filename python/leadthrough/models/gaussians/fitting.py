@@ -15,9 +15,8 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.models.gaussians.em import Blocks, Steps, fit_blocks
 from leadthrough.models.gaussians.kmeans import clustered, seeds
-from leadthrough.models.gaussians.mixture import Mixture
+from leadthrough.models.gaussians.mixture import Blocks, Mixture, Steps, fit_blocks
 from leadthrough.repr import ShortRepr
 
 FitT = TypeVar("FitT")

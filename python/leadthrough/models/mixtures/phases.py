@@ -18,14 +18,6 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.models.coordinates import Coordinates, coordinates_of
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
-from leadthrough.models.gaussians.em import (
-    MIN_VARIANCE,
-    Blocks,
-    Steps,
-    bounded,
-    fit_blocks,
-    sums_of,
-)
 from leadthrough.models.gaussians.fitting import (
     FittedMixture,
     Units,
@@ -35,7 +27,15 @@ from leadthrough.models.gaussians.fitting import (
     own_units,
     phase_units,
 )
-from leadthrough.models.gaussians.mixture import Mixture
+from leadthrough.models.gaussians.mixture import (
+    MIN_VARIANCE,
+    Blocks,
+    Mixture,
+    Steps,
+    bounded,
+    fit_blocks,
+    sums_of,
+)
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 

@@ -34,8 +34,7 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import FitError, NoContinuousLogarithm
 from leadthrough.models.coordinates import NODES, Coordinates, carried
 from leadthrough.models.frame import Frame
-from leadthrough.models.gaussians.em import Blocks
-from leadthrough.models.gaussians.mixture import Mixture
+from leadthrough.models.gaussians.mixture import Blocks, Mixture
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.queries import MAX_GAIN, fraction_inside
 from leadthrough.motion import MotionT, PoseTrajectory, normalised_times

@@ -24,8 +24,7 @@ from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.frame import Frame
-from leadthrough.models.gaussians.em import Blocks
-from leadthrough.models.gaussians.mixture import Mixture
+from leadthrough.models.gaussians.mixture import Blocks, Mixture
 from leadthrough.models.mean_orientation import middle_orientations
 from leadthrough.models.mixtures.gmr import GMR, GMRSkill, wanted_ends
 from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns

@@ -3,7 +3,7 @@
 import numpy as np
 
 from leadthrough.models import kmeans
-from leadthrough.models.gaussians.em import MIN_VARIANCE, Steps
+from leadthrough.models.gaussians.mixture import MIN_VARIANCE, Steps
 
 
 def climbed(steps, components, iterations):
