@@ -16,7 +16,7 @@ import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
-MAX_SENTENCES = 222
+MAX_SENTENCES = 199
 
 # A sentence: from its first word to the mark at its end.
 _SENTENCE = re.compile(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich import box
 from rich.console import Console
-from rich.progress import track
+from rich.progress import Progress
 from rich.table import Table
 
 import leadthrough as lt
@@ -138,12 +138,14 @@ def demo(
     performed: list[Performed] = []
     written: list[Handwriting] = []
     if "handwriting" in wanted:
-        names = track(motion or scenes.MOTIONS, description="Writing")
-        first, written = scenes.handwriting(names, out)
+        with Progress() as progress:  # ended with the loop, also by an error
+            names = progress.track(motion or scenes.MOTIONS, description="Writing")
+            first, written = scenes.handwriting(names, out)
         performed.append(first)
     others = [name for name in wanted if name != "handwriting"]
-    tracked = track(others, description=" and ".join(others).capitalize(), disable=not others)
-    performed += [scenes.other(name, out) for name in tracked]
+    with Progress(disable=not others) as progress:
+        tracked = progress.track(others, description=" and ".join(others).capitalize())
+        performed += [scenes.other(name, out) for name in tracked]
     report.write_page(performed, written, out)
     simulated = report.write_simulation(performed[0], out)
     console = Console()
