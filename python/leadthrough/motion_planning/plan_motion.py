@@ -79,6 +79,8 @@ def plan_motion(
     """
     check_arm(arm)
     around = None if scene is None else as_scene(scene)
+    if not isinstance(query, Query | None):
+        raise check.refused("query", "a Query", query)
     most = check.integer(rounds, "rounds", at_least=1)
     if last_resort is not None:
         check.choice(last_resort, "last_resort", get_args(LastResort))

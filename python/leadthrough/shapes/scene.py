@@ -57,7 +57,8 @@ class RandomObstacle(ShortRepr):
 
     def __post_init__(self) -> None:
         check_shapes([self.shape])
-        reach = check.frozen(np.broadcast_to(np.asarray(self.reach), 3), "reach", shape=(3,))
+        reach = np.asarray(self.reach)
+        reach = check.frozen(np.full(3, reach) if reach.ndim == 0 else reach, "reach", shape=(3,))
         if (reach < 0.0).any():
             raise InvalidInput(f"reach: expected distances >= 0, got {reach}")
         object.__setattr__(self, "reach", reach)

@@ -112,6 +112,8 @@ def test_wrong_arguments_are_refused(panda, skill, box):
         lt.plan_motion(skill, panda, rounds=0)
     with pytest.raises(InvalidInput, match="margin"):
         lt.plan_motion(skill, panda, lt.Scene([box], -0.01))
+    with pytest.raises(InvalidInput, match="query: expected a Query"):
+        lt.plan_motion(skill, panda, [box], {"goal": (0.4, 0.0, 0.4)})
     with pytest.raises(InvalidInput, match=r"arm: expected an Arm, got None"):
         lt.plan_motion(skill, None)
 

@@ -63,6 +63,7 @@ def test_random_obstacle_is_drawn_inside_its_region_and_repeatably():
         lambda: MovingObstacle(BALL, np.inf),
         lambda: RandomObstacle(BALL, (0.0, -0.1, 0.0)),
         lambda: RandomObstacle(BALL, np.nan),
+        lambda: RandomObstacle(BALL, (0.1, 0.2)),
         lambda: RandomObstacle("ball", 0.1),
     ],
 )
