@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core
+import leadthrough._core as core
 
 Float64Array = NDArray[np.float64]
 Text = TypeVar("Text", bound=str)
@@ -233,7 +233,7 @@ def _of_shape(result: Float64Array, name: str, shape: Sequence[int | str]) -> Fl
 
 def _checked(result: Float64Array, name: str, shape: Sequence[int | str]) -> Float64Array:
     _of_shape(result, name, shape)
-    if not _core.all_finite(result):
+    if not core.all_finite(result):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
         position = f" at index {where if len(where) > 1 else where[0]}" if where else ""
         raise refused(name, "finite numbers", f"{result[where]}{position}")

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check, rotations
+import leadthrough._core as core
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing import Drawn, of_joints, of_points, of_poses
 from leadthrough.events import Event, Events, within
@@ -451,4 +452,4 @@ def _slopes(times: Float64Array, values: Float64Array, *, at_rest: bool) -> Floa
     """Slopes (n, joints) of the cubic spline through values (n, joints)."""
     if len(times) == 1:
         return np.zeros_like(values)
-    return _core.spline_slopes(times - times[0], np.ascontiguousarray(values), at_rest)
+    return core.spline_slopes(times - times[0], np.ascontiguousarray(values), at_rest)

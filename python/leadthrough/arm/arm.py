@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm import collision, following, recorded_joints, robot_files
 from leadthrough.arm import inverse_kinematics as ik
 from leadthrough.arm.clearing import CollisionTest
@@ -165,7 +166,7 @@ class Arm(ArmModel):
         target = ik.one_pose(position, orientation)
         start = ik.one_start(self._chain, q0, chosen.posture)
         core_options = ik.compiled(chosen, ik.random_seed(seed))
-        answer = _core.solve_ik(self._chain, *target, start, core_options)
+        answer = core.solve_ik(self._chain, *target, start, core_options)
         return ik.one_result(self.joint_names, answer)
 
     def inverse_kinematics_batch(
@@ -197,7 +198,7 @@ class Arm(ArmModel):
         workers = check.integer(threads, "threads", at_least=1, at_most=256)
         starts = ik.many_starts(self._chain, q0, len(targets[0]), chosen.posture)
         core_options = ik.compiled(chosen, ik.random_seed(seed))
-        columns = _core.solve_ik_batch(self._chain, *targets, starts, core_options, workers)
+        columns = core.solve_ik_batch(self._chain, *targets, starts, core_options, workers)
         return ik.batch_of_results(columns)
 
     def inverse_kinematics_all(
@@ -229,7 +230,7 @@ class Arm(ArmModel):
             One row per configuration; none where no solution was found.
         """
         chosen = ik.checked_options(options, self._chain, orientation)
-        columns = _core.solve_ik_all(
+        columns = core.solve_ik_all(
             self._chain,
             *ik.one_pose(position, orientation),
             ik.one_start(self._chain, q0, chosen.posture),
@@ -392,7 +393,7 @@ class Arm(ArmModel):
 
         `collision_pairs` lists the parts that are compared.
         """
-        return collision.nearest(self._chain, q, _core.itself(self._collision), threads)
+        return collision.nearest(self._chain, q, core.itself(self._collision), threads)
 
     @overload
     def is_clear(self, q: Sequence[float], scene: SceneLike = ...) -> bool: ...

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check, rotations
+import leadthrough._core as core
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr, numbers_text
 from leadthrough.shapes import Shape, Solid, names_of
@@ -83,7 +84,7 @@ class Attachment(ShortRepr):
         placed = shape.at(self._in_link(shape.position), self._rotated(shape.orientation))
         return replace(carried, shapes=(*self.shapes, placed))
 
-    def applied_to(self, chain: _core.Chain) -> _core.Chain:
+    def applied_to(self, chain: core.Chain) -> core.Chain:
         """A chain that ends in the link, with the loads added and the tip moved."""
         for load in self.loads:
             chain = chain.with_load(load.mass, load.center, load.inertia)

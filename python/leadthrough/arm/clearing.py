@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from leadthrough import _core
+import leadthrough._core as core
 from leadthrough.arm.inverse_kinematics import all_axes, free_axes
 from leadthrough.arm.tip_path import TipPath
 from leadthrough.check import Float64Array
@@ -38,12 +38,12 @@ _NAMED = 3
 class CollisionTest:
     """Whether an arm keeps the margins of a scene, at configurations and along motions."""
 
-    model: _core.CollisionModel  # the arm's own shapes
+    model: core.CollisionModel  # the arm's own shapes
     scene: Scene  # with the margins to keep
     max_attempts: int = _MAX_ATTEMPTS
 
     @staticmethod
-    def of(model: _core.CollisionModel, scene: SceneLike) -> CollisionTest:
+    def of(model: core.CollisionModel, scene: SceneLike) -> CollisionTest:
         """The test that planning uses: it keeps the planning tolerance beyond the margins."""
         return CollisionTest(model, as_scene(scene).for_planning())
 
@@ -51,9 +51,9 @@ class CollisionTest:
         """Whether straight motions from row to row of q (n, joints) keep the margins."""
         # Most motions that come too near to an obstacle do so at a row: that is quick to see.
         surely = self.scene.margin - _TOUCHING
-        at_rows = _core.clear_batch(self.model, self.shapes, q, surely, _ANY_OVERLAP)
+        at_rows = core.clear_batch(self.model, self.shapes, q, surely, _ANY_OVERLAP)
         return all(at_rows) and all(
-            _core.check_motion(pairs, q, margin, _TOLERANCE, 1)[2] is None
+            core.check_motion(pairs, q, margin, _TOLERANCE, 1)[2] is None
             for pairs, margin in self._pairs
         )
 
@@ -64,28 +64,28 @@ class CollisionTest:
     def clear_rows(self, q: Float64Array) -> list[bool]:
         """Whether the arm keeps the margins, for each row of q (n, joints)."""
         margins = self.scene.margin, self.scene.self_collision_margin
-        return _core.clear_batch(self.model, self.shapes, q, *margins)
+        return core.clear_batch(self.model, self.shapes, q, *margins)
 
     @cached_property
-    def shapes(self) -> list[_core.Shape]:
+    def shapes(self) -> list[core.Shape]:
         """The obstacles as the core takes them."""
         return compiled(self.scene.shapes)
 
     @cached_property
-    def _pairs(self) -> tuple[tuple[_core.CollisionScene, float], ...]:
+    def _pairs(self) -> tuple[tuple[core.CollisionScene, float], ...]:
         return (
-            (_core.against(self.model, self.shapes), self.scene.margin),
-            (_core.itself(self.model), self.scene.self_collision_margin),
+            (core.against(self.model, self.shapes), self.scene.margin),
+            (core.itself(self.model), self.scene.self_collision_margin),
         )
 
 
 def clear_path(
-    chain: _core.Chain,
+    chain: core.Chain,
     path: TipPath,
     around: CollisionTest | None,
     *,
     start: Float64Array | None,
-    tolerance: _core.IkTolerance,
+    tolerance: core.IkTolerance,
 ) -> Float64Array:
     """Configurations (n, joints) along the path that keep clear, between samples too."""
     on_path = replace(path, tube=path.tube[:0])
@@ -98,14 +98,14 @@ def clear_path(
 
 
 def _clear_path(
-    chain: _core.Chain,
+    chain: core.Chain,
     path: TipPath,
     around: CollisionTest | None,
     start: Float64Array | None,
-    tolerance: _core.IkTolerance,
+    tolerance: core.IkTolerance,
 ) -> Float64Array:
     scene = Scene(margin=0.0) if around is None else around.scene
-    q, last, sample, pairs, touch = _core.clear_path(
+    q, last, sample, pairs, touch = core.clear_path(
         chain,
         None if around is None else around.model,
         compiled(scene.shapes),

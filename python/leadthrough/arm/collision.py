@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check, sanity
+import leadthrough._core as core
+from leadthrough import check, sanity
 from leadthrough.arm.kinematics import joint_rows
 from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array, InvalidInput
@@ -34,23 +35,23 @@ _Nearest = tuple[float, int, int, float, Float64Array, Float64Array]
 
 
 def collision_model(
-    robot: _core.Robot,
-    chain: _core.Chain,
+    robot: core.Robot,
+    chain: core.Chain,
     ends: tuple[str, str],
     mesh_folders: Sequence[str],
     attached: Sequence[Shape],
-) -> _core.CollisionModel:
+) -> core.CollisionModel:
     """The shapes of the robot and the pairs worth a check; some 10 ms to choose them."""
     meshes = [hull_vertices(*mesh, mesh_folders) for mesh in robot.meshes]
-    model = _core.CollisionModel(robot, chain, *ends, meshes, compiled(attached))
+    model = core.CollisionModel(robot, chain, *ends, meshes, compiled(attached))
     if not model.bodies:
         raise InvalidRobot("robot", "no link has collision geometry, so nothing can be checked")
     return model
 
 
 def check_motion(
-    model: _core.CollisionModel,
-    chain: _core.Chain,
+    model: core.CollisionModel,
+    chain: core.Chain,
     trajectory: JointTrajectory | ArrayLike,
     scene: SceneLike,
     *,
@@ -60,24 +61,24 @@ def check_motion(
     """See `Arm.check`."""
     q, times = _configurations(trajectory, tuple(chain.joint_names))
     around = as_scene(scene)
-    pairs = (against(model, chain, around.shapes), _core.itself(model))
+    pairs = (against(model, chain, around.shapes), core.itself(model))
     margins = (around.margin, around.self_collision_margin)
     exact = check.number(tolerance, "tolerance", at_least=_MIN_TOLERANCE)
     count = check.integer(threads, "threads", at_least=1, at_most=256)
     _require_short_steps(pairs, q, exact)
     from_obstacles, from_itself = (
-        _clearance(each, margin, times, _core.check_motion(each, q, margin, exact, count))
+        _clearance(each, margin, times, core.check_motion(each, q, margin, exact, count))
         for each, margin in zip(pairs, margins, strict=True)
     )
     return CollisionReport(from_obstacles, from_itself, tolerance=exact)
 
 
 def against(
-    model: _core.CollisionModel, chain: _core.Chain, shapes: Sequence[Shape]
-) -> _core.CollisionScene:
+    model: core.CollisionModel, chain: core.Chain, shapes: Sequence[Shape]
+) -> core.CollisionScene:
     """Pairs of the arm's bodies and obstacles; warns of obstacles that are too far away."""
     _warn_of_far_obstacles(chain.reach, shapes)
-    return _core.against(model, compiled(shapes))
+    return core.against(model, compiled(shapes))
 
 
 def _warn_of_far_obstacles(reach: float, shapes: Sequence[Shape]) -> None:
@@ -94,12 +95,12 @@ def _warn_of_far_obstacles(reach: float, shapes: Sequence[Shape]) -> None:
 
 
 def nearest(
-    chain: _core.Chain, q: ArrayLike, pairs: _core.CollisionScene, threads: int
+    chain: core.Chain, q: ArrayLike, pairs: core.CollisionScene, threads: int
 ) -> float | Float64Array:
     """Smallest distances of pairs, a number or (m,) for a batch."""
     batch, (rows,) = joint_rows(chain, q=q)
     count = check.integer(threads, "threads", at_least=1, at_most=256)
-    distances = _core.nearest_bodies(pairs, rows, count)[0]
+    distances = core.nearest_bodies(pairs, rows, count)[0]
     return distances if batch else float(distances[0])
 
 
@@ -124,9 +125,9 @@ def _configurations(
 
 
 def _require_short_steps(
-    both: Iterable[_core.CollisionScene], q: Float64Array, tolerance: float
+    both: Iterable[core.CollisionScene], q: Float64Array, tolerance: float
 ) -> None:
-    step = max(_core.longest_step(pairs, q) for pairs in both)
+    step = max(core.longest_step(pairs, q) for pairs in both)
     if not step <= tolerance * _MAX_STEPS:
         raise InvalidInput(
             f"trajectory: between two samples the arm may move by {step:.3g} m, too far to be "
@@ -135,7 +136,7 @@ def _require_short_steps(
 
 
 def _clearance(
-    pairs: _core.CollisionScene,
+    pairs: core.CollisionScene,
     margin: float,
     times: Float64Array | None,
     found: tuple[Float64Array, _Nearest | None, _Nearest | None],
@@ -150,7 +151,7 @@ def _clearance(
 
 
 def _closest_pair(
-    pairs: _core.CollisionScene, times: Float64Array | None, found: _Nearest | None
+    pairs: core.CollisionScene, times: Float64Array | None, found: _Nearest | None
 ) -> ClosestPair | None:
     if found is None or np.isinf(found[3]):
         return None

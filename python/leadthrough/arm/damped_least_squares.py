@@ -20,7 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm.inverse_kinematics import (
     IkBatch,
     batch_of_results,
@@ -65,9 +66,9 @@ class DampedLeastSquares:
         check.number(self.nullspace_gain, "nullspace_gain", at_least=0.0)
         check.number(self.rotation_weight, "rotation_weight", above=0.0)
 
-    def compiled(self) -> _core.YangOptions:
+    def compiled(self) -> core.YangOptions:
         """The settings as the core takes them."""
-        return _core.YangOptions(
+        return core.YangOptions(
             self.damping,
             self.alpha,
             self.condition_threshold,
@@ -129,7 +130,7 @@ def damped_inverse_kinematics(
     Source: Yang, Liu and Pears, equations 3 to 7.
     """
     targets = many_poses(positions, orientations)
-    columns = _core.solve_yang(
+    columns = core.solve_yang(
         arm._chain,
         *targets,
         many_starts(arm._chain, q0, len(targets[0])),
@@ -153,7 +154,7 @@ def follow_path(
     Source: Yang, Liu and Pears, equations 3 to 7.
     """
     chain, path = arm._chain, TipPath.of(motion)
-    q, *columns = _core.yang_path(
+    q, *columns = core.yang_path(
         chain,
         path.positions,
         path.orientations,

@@ -20,8 +20,7 @@ from leadthrough.check import Float64Array
 from leadthrough.drawing import Dot, Line, Panel, bars, on_paper, palette, triad
 
 if TYPE_CHECKING:
-    from leadthrough import _core
-
+    import leadthrough._core as core
 # Quantities, with a heading that is no wider than its numbers, so that 80 columns do.
 _COLUMNS = {
     "lower": "lower\nrad (deg)",
@@ -76,11 +75,11 @@ def _joints(arm: ArmModel) -> str:
     return _rendered(table)
 
 
-def _mimicry(mimic: _core.Mimic) -> str:
+def _mimicry(mimic: core.Mimic) -> str:
     return f"= {mimic.multiplier:.4g} {mimic.joint} {mimic.offset:+.4g}"
 
 
-def _limits(arm: ArmModel, joint: _core.Joint) -> Iterator[str]:
+def _limits(arm: ArmModel, joint: core.Joint) -> Iterator[str]:
     i = arm.joint_names.index(joint.name)
     for name in _COLUMNS:
         column = getattr(arm.limits, name)
@@ -92,7 +91,7 @@ def _limits(arm: ArmModel, joint: _core.Joint) -> Iterator[str]:
             yield _number(column[i]) + _unit(name, joint, float(column[i]))
 
 
-def _unit(name: str, joint: _core.Joint, value: float) -> str:
+def _unit(name: str, joint: core.Joint, value: float) -> str:
     """The same value in degrees for a limit of an angle; the unit for a limit of a length."""
     if name not in ("lower", "upper"):
         return ""

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.limits import known_acceleration
@@ -67,7 +68,7 @@ class DifferentialIk(ShortRepr):
     gain: float
     posture: Float64Array
     nullspace_gain: float
-    _solver: _core.DifferentialIk = field(repr=False)
+    _solver: core.DifferentialIk = field(repr=False)
     _joints: int = field(repr=False)
 
     def __init__(
@@ -94,7 +95,7 @@ class DifferentialIk(ShortRepr):
             gain=rates[0],
             posture=preferred,
             nullspace_gain=rates[1],
-            _solver=_core.DifferentialIk(chain, *limits, preferred, interval, *rates),
+            _solver=core.DifferentialIk(chain, *limits, preferred, interval, *rates),
             _joints=joints,
         )
 

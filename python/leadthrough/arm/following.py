@@ -16,7 +16,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check, events
+import leadthrough._core as core
+from leadthrough import check, events
 from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.ik_failure import failure, require_reachable
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
@@ -217,10 +218,10 @@ def _checked(options: FollowOptions | None) -> FollowOptions:
 
 
 def slowed(
-    chain: _core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
+    chain: core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
 ) -> Float64Array:
     """The times, stretched where joints (n, joints) would exceed their rate limits."""
-    stretched, stuck = _core.slow_down(times, q, limits.velocity, known_acceleration(limits))
+    stretched, stuck = core.slow_down(times, q, limits.velocity, known_acceleration(limits))
     if stuck >= 0:
         joint = chain.joint_names[stuck]
         raise LimitsInfeasible(
@@ -237,7 +238,7 @@ def velocities_of(times: Float64Array, q: Float64Array) -> Float64Array:
 
 
 def _postures(
-    chain: _core.Chain, posture: Motion | ArrayLike | None, times: Float64Array
+    chain: core.Chain, posture: Motion | ArrayLike | None, times: Float64Array
 ) -> Float64Array:
     """The configuration (n, joints) that the arm should keep close to at each of the times."""
     joints = len(chain.joint_names)

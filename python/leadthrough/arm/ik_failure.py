@@ -11,7 +11,8 @@ from collections.abc import Collection, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core, rotations
+import leadthrough._core as core
+from leadthrough import rotations
 from leadthrough.arm.inverse_kinematics import STATUSES, Axis, IkOptions, compiled
 from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.link_poses import link_poses
@@ -42,7 +43,7 @@ _REASONS = {
 
 
 def failure(
-    chain: _core.Chain, limits: JointLimits, path: TipPath, track: Track, *, otherwise: str
+    chain: core.Chain, limits: JointLimits, path: TipPath, track: Track, *, otherwise: str
 ) -> IkFailure:
     """The error for the first sample that a track misses."""
     i, closest = track.reached, track.q[track.reached]
@@ -85,17 +86,17 @@ def _at_limit(limits: JointLimits, q: Float64Array, bars: Sequence[bool]) -> Ite
 
 
 def _nearest(
-    chain: _core.Chain, path: TipPath, samples: NDArray[np.intp], q0: Float64Array
+    chain: core.Chain, path: TipPath, samples: NDArray[np.intp], q0: Float64Array
 ) -> tuple[Float64Array, NDArray[np.int32], Float64Array, Float64Array, NDArray[np.bool_]]:
     """Joints (m, joints) nearest to samples, status codes, errors in m and rad, limiting joints."""
     wanted, starts = path.only(samples), np.repeat(q0[None], len(samples), axis=0)
-    q, codes, far, angles, _, bars = _core.solve_ik_batch(
+    q, codes, far, angles, _, bars = core.solve_ik_batch(
         chain, wanted.positions, wanted.orientations, starts, path.options(), 1
     )
     return q, codes, far, angles, bars
 
 
-def _beyond(chain: _core.Chain, path: TipPath, first: int, q0: Float64Array) -> str:
+def _beyond(chain: core.Chain, path: TipPath, first: int, q0: Float64Array) -> str:
     """By how much the rest of a path, some samples of it, exceeds what the arm reaches."""
     samples = np.unique(np.linspace(first, len(path) - 1, _LOOKED_AT).round().astype(np.intp))
     _, codes, far, angles, _ = _nearest(chain, path, samples, q0)
@@ -104,12 +105,12 @@ def _beyond(chain: _core.Chain, path: TipPath, first: int, q0: Float64Array) -> 
 
 
 def _barred(
-    chain: _core.Chain, limits: JointLimits, sample: TipPath, q: Float64Array
+    chain: core.Chain, limits: JointLimits, sample: TipPath, q: Float64Array
 ) -> NDArray[np.bool_]:
     """Joints (joints,) whose limits keep the tip from coming nearer to a sample."""
     positions, orientations = chain.forward_kinematics(q[None])
     missing = sample.positions[0] - positions[0]
-    columns = _core.jacobian(chain, q[None])[0]
+    columns = core.jacobian(chain, q[None])[0]
     if len(sample.orientations) and not sample.free:
         turn = rotations.compose(sample.orientations, rotations.inverse(orientations))
         missing = np.concatenate([missing, rotations.log(turn)[0]])
@@ -192,7 +193,7 @@ def _require_end(
         max_restarts=_RESTARTS,
     )
     for seed in _SEEDS:
-        q, codes, far, angles, _, bars = _core.solve_ik_batch(
+        q, codes, far, angles, _, bars = core.solve_ik_batch(
             arm._chain,
             path.positions[i : i + 1],
             orientation,

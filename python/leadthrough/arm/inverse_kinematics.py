@@ -11,7 +11,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
 
@@ -20,7 +21,7 @@ Axis = Literal["x", "y", "z", "rx", "ry", "rz"]
 AXES: tuple[Axis, ...] = get_args(Axis)
 
 IkMode = Literal["fastest", "closest"]
-_MODES = {"fastest": _core.IkMode.FASTEST, "closest": _core.IkMode.CLOSEST}
+_MODES = {"fastest": core.IkMode.FASTEST, "closest": core.IkMode.CLOSEST}
 IkStatus = Literal["converged", "unreachable", "limits", "budget"]
 # In the order of the core's codes.
 STATUSES: tuple[IkStatus, ...] = get_args(IkStatus)
@@ -110,7 +111,7 @@ class IkOptions(ShortRepr):
 
 
 @lru_cache(maxsize=64)  # control loops ask with the same options
-def compiled(options: IkOptions, seed: int, *, find_all: bool = False) -> _core.IkOptions:
+def compiled(options: IkOptions, seed: int, *, find_all: bool = False) -> core.IkOptions:
     """The options as the core takes them."""
     position, along = _tolerance(options.position_tolerance, "position_tolerance")
     orientation, about = _tolerance(options.orientation_tolerance, "orientation_tolerance")
@@ -122,8 +123,8 @@ def compiled(options: IkOptions, seed: int, *, find_all: bool = False) -> _core.
     seconds = math.inf
     if options.max_cpu_seconds is not None:
         seconds = check.number(options.max_cpu_seconds, "max_cpu_seconds", above=0.0)
-    return _core.IkOptions(
-        _core.IkTolerance(position, orientation),
+    return core.IkOptions(
+        core.IkTolerance(position, orientation),
         _axes(options.free or (), (*along, *about), options.weights),
         _MODES["closest" if closest else "fastest"],
         posture if closest else None,
@@ -189,7 +190,7 @@ class IkBatch(ShortRepr):
 
 
 def one_start(
-    chain: _core.Chain, q0: ArrayLike | None, posture: ArrayLike | None = None
+    chain: core.Chain, q0: ArrayLike | None, posture: ArrayLike | None = None
 ) -> Float64Array:
     """The configuration that a search starts from: q0, else the posture, else the middle."""
     if q0 is not None:
@@ -198,7 +199,7 @@ def one_start(
 
 
 def many_starts(
-    chain: _core.Chain, q0: ArrayLike | None, count: int, posture: ArrayLike | None = None
+    chain: core.Chain, q0: ArrayLike | None, count: int, posture: ArrayLike | None = None
 ) -> Float64Array:
     """Configurations (count, joints) from as many rows of q0, or from one for all."""
     if q0 is not None and np.ndim(q0) == 2:
@@ -256,26 +257,26 @@ def many_poses(
     return where, check.quaternions(orientations, "orientations", shape=(len(where), 4))
 
 
-def tolerance(position: float, orientation: float) -> _core.IkTolerance:
+def tolerance(position: float, orientation: float) -> core.IkTolerance:
     """Tolerances in m and rad."""
-    return _core.IkTolerance(
+    return core.IkTolerance(
         check.number(position, "position_tolerance", above=0.0),
         check.number(orientation, "orientation_tolerance", above=0.0),
     )
 
 
-def free_axes(free: Collection[Axis]) -> _core.IkAxes | None:
+def free_axes(free: Collection[Axis]) -> core.IkAxes | None:
     """The axes of a path along which each sample's are free, or None if none is."""
     return _axes(free, [math.inf] * len(AXES), None)
 
 
-def all_axes(free: Collection[Axis]) -> _core.IkAxes:
+def all_axes(free: Collection[Axis]) -> core.IkAxes:
     """The same, given also where none is free: errors are then along each sample's axes."""
-    return _core.IkAxes([name in free for name in AXES], [math.inf] * len(AXES), np.ones(6))
+    return core.IkAxes([name in free for name in AXES], [math.inf] * len(AXES), np.ones(6))
 
 
 def checked_options(
-    options: IkOptions | None, chain: _core.Chain, orientation: ArrayLike | None
+    options: IkOptions | None, chain: core.Chain, orientation: ArrayLike | None
 ) -> IkOptions:
     """The options, if they fit the arm and the target."""
     if options is None:
@@ -298,7 +299,7 @@ def _tolerance(value: ArrayLike, name: str) -> tuple[float, Float64Array]:
 
 def _axes(
     free: Collection[Axis], bounds: Sequence[float], weights: ArrayLike | None
-) -> _core.IkAxes | None:
+) -> core.IkAxes | None:
     """The axes, or None if none is free and all count alike, which is solved faster."""
     if isinstance(free, str) or not isinstance(free, Collection):
         names = ", ".join(repr(name) for name in AXES)
@@ -309,7 +310,7 @@ def _axes(
         raise InvalidInput("free: expected at least one axis not to be free, got all six")
     if not free and weights is None and np.isinf(bounds).all():
         return None
-    return _core.IkAxes(
+    return core.IkAxes(
         [name in free for name in AXES],
         bounds,
         np.ones(6) if weights is None else _positive(weights, "weights", 6),

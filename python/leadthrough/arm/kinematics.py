@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 
 # A singular value below this fraction of the largest one is rounding.
@@ -16,16 +17,16 @@ _SINGULAR = 6 * np.finfo(np.float64).eps
 ROTATION_WEIGHT = 0.3
 
 
-def jacobian(chain: _core.Chain, q: ArrayLike) -> Float64Array:
+def jacobian(chain: core.Chain, q: ArrayLike) -> Float64Array:
     """Jacobian (6, joints) of a configuration, or (m, 6, joints) of a batch."""
-    matrix = _core.jacobian_of_one(chain, q)
+    matrix = core.jacobian_of_one(chain, q)
     if matrix is not None:
         return matrix
-    return matrices(_core.jacobian, chain, q=q)
+    return matrices(core.jacobian, chain, q=q)
 
 
 def matrices(
-    kernel: Callable[..., Float64Array], chain: _core.Chain, **values: ArrayLike
+    kernel: Callable[..., Float64Array], chain: core.Chain, **values: ArrayLike
 ) -> Float64Array:
     """A kernel's matrices (6, joints) of a configuration, or (m, 6, joints) of a batch."""
     batch, rows = joint_rows(chain, **values)
@@ -49,7 +50,7 @@ def condition_number(jacobians: Float64Array, rotation_weight: float) -> Float64
     )
 
 
-def joint_rows(chain: _core.Chain, **values: ArrayLike) -> tuple[bool, list[Float64Array]]:
+def joint_rows(chain: core.Chain, **values: ArrayLike) -> tuple[bool, list[Float64Array]]:
     """Whether the values are batches, and each as checked rows (m, joints)."""
     shapes: Sequence[tuple[int | str, ...]] = ((chain.joints,), ("m", chain.joints))
     rows = []

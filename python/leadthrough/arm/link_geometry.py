@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from leadthrough import _core, rotations
+import leadthrough._core as core
+from leadthrough import rotations
 from leadthrough.arm.robot_files import find_mesh, hull_vertices
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import MissingDependency
@@ -24,7 +25,7 @@ class LinkSurface:
     colour: tuple[float, float, float] | None = None
 
 
-def convex_parts(robot: _core.Robot, mesh_folders: Sequence[str]) -> dict[str, list[ConvexPart]]:
+def convex_parts(robot: core.Robot, mesh_folders: Sequence[str]) -> dict[str, list[ConvexPart]]:
     """The collision geometry of each link, in the link's frame."""
     return {
         link: [
@@ -37,7 +38,7 @@ def convex_parts(robot: _core.Robot, mesh_folders: Sequence[str]) -> dict[str, l
 
 
 def surfaces(
-    robot: _core.Robot, mesh_folders: Sequence[str]
+    robot: core.Robot, mesh_folders: Sequence[str]
 ) -> tuple[dict[str, list[LinkSurface]], tuple[str, ...]]:
     """The surfaces of each link, visual or collision geometry, and reasons for missing ones."""
     found, remarks = {}, []
@@ -52,7 +53,7 @@ def surfaces(
 
 
 def _of_link(
-    robot: _core.Robot, link: str, mesh_folders: Sequence[str]
+    robot: core.Robot, link: str, mesh_folders: Sequence[str]
 ) -> tuple[list[LinkSurface], str]:
     """The link's surfaces, and the reason if the preferred ones cannot be read."""
     trouble = ""
@@ -68,13 +69,13 @@ def _of_link(
     return [], trouble
 
 
-def _needs_library(pieces: Sequence[_core.Geometry]) -> bool:
+def _needs_library(pieces: Sequence[core.Geometry]) -> bool:
     files = [each.file.lower() for each in pieces if each.kind == "mesh"]
     return not all(file.endswith((".stl", ".obj")) for file in files)
 
 
 def _convex_parts(
-    geometry: _core.Geometry, link: str, mesh_folders: Sequence[str]
+    geometry: core.Geometry, link: str, mesh_folders: Sequence[str]
 ) -> list[ConvexPart]:
     if geometry.kind != "mesh":
         return list(_primitive(geometry).convex_parts())
@@ -82,7 +83,7 @@ def _convex_parts(
     return [ConvexPart("mesh", (), geometry.position, _orientation(geometry), vertices)]
 
 
-def _surface(geometry: _core.Geometry, mesh_folders: Sequence[str]) -> Surface:
+def _surface(geometry: core.Geometry, mesh_folders: Sequence[str]) -> Surface:
     if geometry.kind != "mesh":
         return _primitive(geometry).placed_surface()
     from leadthrough.io.mesh import read_triangles  # only robots with meshes need it
@@ -95,10 +96,10 @@ def _surface(geometry: _core.Geometry, mesh_folders: Sequence[str]) -> Surface:
     return Surface(vertices * geometry.sizes, faces).moved(geometry.position, rotation)
 
 
-def _primitive(geometry: _core.Geometry) -> Primitive:
+def _primitive(geometry: core.Geometry) -> Primitive:
     solid = PRIMITIVES[geometry.kind].from_sizes(geometry.sizes, geometry.position)
     return solid.at(geometry.position, _orientation(geometry))
 
 
-def _orientation(geometry: _core.Geometry) -> Float64Array:
+def _orientation(geometry: core.Geometry) -> Float64Array:
     return np.asarray(rotations.from_euler(geometry.angles[None], convention="xyz")[0])

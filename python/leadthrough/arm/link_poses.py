@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from leadthrough import _core, rotations
+import leadthrough._core as core
+from leadthrough import rotations
 from leadthrough.arm.model import ArmModel
 from leadthrough.check import Float64Array
 
@@ -37,7 +38,7 @@ def _values(arm: ArmModel, q: Float64Array) -> dict[str, Float64Array]:
 
 
 def _motion(
-    joint: _core.Joint, values: Mapping[str, Float64Array]
+    joint: core.Joint, values: Mapping[str, Float64Array]
 ) -> tuple[Float64Array, Float64Array]:
     """Rotations (n, 3, 3) and shifts (n, 3), m, of a joint's child from its pose at zero."""
     value = values[joint.name]

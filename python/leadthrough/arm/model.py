@@ -10,7 +10,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm import kinematics
 from leadthrough.arm.attachment import Attachment, Load
 from leadthrough.arm.collision import collision_model
@@ -37,8 +38,8 @@ class ArmModel(Drawn):
     locked_joints: Mapping[str, float] = field(default_factory=dict, repr=False)
     attachment: Attachment = field(default_factory=Attachment, repr=False)
     mesh_folders: tuple[str, ...] = field(default=(), repr=False)
-    _robot: _core.Robot = field(init=False, repr=False)
-    _chain: _core.Chain = field(init=False, repr=False)
+    _robot: core.Robot = field(init=False, repr=False)
+    _chain: core.Chain = field(init=False, repr=False)
 
     def _repr_parts(self) -> list[str]:
         names = self.joint_names
@@ -51,8 +52,8 @@ class ArmModel(Drawn):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "locked_joints", checked_values(self.locked_joints))
-        robot = _core.Robot(self.document).hold(list(self.locked_joints.items()))
-        chain = _core.Chain(robot, self.base, self.tip)
+        robot = core.Robot(self.document).hold(list(self.locked_joints.items()))
+        chain = core.Chain(robot, self.base, self.tip)
         if list(self.joint_names) != chain.joint_names:
             raise InvalidInput(
                 f"limits: expected the joints {chain.joint_names}, got {list(self.joint_names)}"
@@ -66,13 +67,13 @@ class ArmModel(Drawn):
         return type(self), (*stated, dict(self.locked_joints), self.attachment, self.mesh_folders)
 
     @cached_property
-    def _collision(self) -> _core.CollisionModel:
+    def _collision(self) -> core.CollisionModel:
         """The collision shapes of the robot and the pairs of them to check."""
         ends = self.base, self.tip
         return collision_model(self._robot, self._chain, ends, self.mesh_folders, self.attached)
 
     @property
-    def robot(self) -> _core.Robot:
+    def robot(self) -> core.Robot:
         """The robot that the arm is part of, with the locked joints fixed.
 
         It has a `name`, its `links`, and its `tree`: every joint, parents first, with the indices
@@ -169,7 +170,7 @@ class ArmModel(Drawn):
 
         The tip's acceleration is J qdd + J' qd.
         """
-        return kinematics.matrices(_core.jacobian_derivative, self._chain, q=q, qd=qd)
+        return kinematics.matrices(core.jacobian_derivative, self._chain, q=q, qd=qd)
 
     def jacobian_second_derivative(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike
@@ -178,7 +179,7 @@ class ArmModel(Drawn):
 
         The tip's jerk is J qddd + 2 J' qdd + J'' qd.
         """
-        kernel = _core.jacobian_second_derivative
+        kernel = core.jacobian_second_derivative
         return kinematics.matrices(kernel, self._chain, q=q, qd=qd, qdd=qdd)
 
     def manipulability(self, q: ArrayLike) -> Float64Array:
@@ -224,7 +225,7 @@ class ArmModel(Drawn):
         self._require_masses()
         batch, rows = kinematics.joint_rows(self._chain, q=q, qd=qd, qdd=qdd)
         pull = check.array(gravity, "gravity", shape=(3,))
-        kernel = _core.inverse_dynamics
+        kernel = core.inverse_dynamics
         torques = kinematics.finite(kernel(self._chain, rows[0], rows[1], rows[2], pull))
         return torques if batch else torques[0]
 
@@ -255,7 +256,7 @@ class ArmModel(Drawn):
         self._require_masses()
         batch, (rows,) = kinematics.joint_rows(self._chain, q=q)
         joints = self._chain.joints
-        matrices = kinematics.finite(_core.mass_matrix(self._chain, rows))
+        matrices = kinematics.finite(core.mass_matrix(self._chain, rows))
         shaped = matrices.reshape(len(rows), joints, joints)
         return shaped if batch else shaped[0]
 

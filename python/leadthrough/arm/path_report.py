@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from leadthrough import _core, check, rotations
+import leadthrough._core as core
+from leadthrough import check, rotations
 from leadthrough.arm import kinematics
 from leadthrough.arm.limits import JointLimits, margins
 from leadthrough.arm.tip_path import TipPath
@@ -104,7 +105,7 @@ class PathReport(Drawn):
 
 
 def path_report(
-    chain: _core.Chain,
+    chain: core.Chain,
     limits: JointLimits,
     trajectory: JointTrajectory,
     motion: Trajectory | PoseTrajectory,
@@ -140,7 +141,7 @@ def path_report(
     )
 
 
-def _condition_number(chain: _core.Chain, q: Float64Array) -> Float64Array:
+def _condition_number(chain: core.Chain, q: Float64Array) -> Float64Array:
     jacobians = kinematics.jacobian(chain, q)
     return kinematics.condition_number(jacobians, kinematics.ROTATION_WEIGHT)
 

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from leadthrough import _core, sanity
+import leadthrough._core as core
+from leadthrough import sanity
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
     JointTrajectory,
@@ -23,7 +24,7 @@ _BEYOND, _BEYOND_RANGE = 0.5, 0.25
 _OTHER_TIP = 0.05
 
 
-def joints_of(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
+def joints_of(chain: core.Chain, trajectory: Motion) -> JointTrajectory:
     """See `Arm.joints_of`."""
     own = _own(chain, trajectory)
     if outside := _outside(chain, own):
@@ -31,7 +32,7 @@ def joints_of(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
     return own
 
 
-def warn_of_another_arm(chain: _core.Chain, motion: Motion) -> None:
+def warn_of_another_arm(chain: core.Chain, motion: Motion) -> None:
     """Warns if the joints that go along with a demonstrated motion take the tip elsewhere."""
     joints = demonstrated_joints(chain, motion)
     if joints is None or not isinstance(motion, Trajectory | PoseTrajectory):
@@ -47,7 +48,7 @@ def warn_of_another_arm(chain: _core.Chain, motion: Motion) -> None:
         )
 
 
-def _outside(chain: _core.Chain, own: JointTrajectory) -> str | None:
+def _outside(chain: core.Chain, own: JointTrajectory) -> str | None:
     """What is wrong with joints far beyond the arm's limits, if any are."""
     with np.errstate(invalid="ignore"):
         allowed = np.maximum(_BEYOND, _BEYOND_RANGE * (chain.upper - chain.lower))
@@ -64,7 +65,7 @@ def _outside(chain: _core.Chain, own: JointTrajectory) -> str | None:
     )
 
 
-def _own(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
+def _own(chain: core.Chain, trajectory: Motion) -> JointTrajectory:
     names = tuple(chain.joint_names)
     if not isinstance(trajectory, JointTrajectory):
         got = type(trajectory).__name__
@@ -83,7 +84,7 @@ def _own(chain: _core.Chain, trajectory: Motion) -> JointTrajectory:
     )
 
 
-def demonstrated_joints(chain: _core.Chain, motion: Motion) -> JointTrajectory | None:
+def demonstrated_joints(chain: core.Chain, motion: Motion) -> JointTrajectory | None:
     """The arm's own joints that go along with a motion of the tip."""
     joints = joints_with(motion)
     if joints is None:
@@ -94,7 +95,7 @@ def demonstrated_joints(chain: _core.Chain, motion: Motion) -> JointTrajectory |
         return None
 
 
-def _unwrapped(chain: _core.Chain, positions: Float64Array) -> Float64Array:
+def _unwrapped(chain: core.Chain, positions: Float64Array) -> Float64Array:
     """Joints (n, joints) without the leaps of whole turns that encoders make."""
     endless = ~(np.isfinite(chain.lower) & np.isfinite(chain.upper))
     leaps = endless & (np.abs(np.diff(positions, axis=0)) > np.pi).any(axis=0)
@@ -124,7 +125,7 @@ def _columns(trajectory: JointTrajectory, names: tuple[str, ...]) -> list[int]:
     return [recorded.index(name) for name in names]
 
 
-def poses(chain: _core.Chain, trajectory: Motion) -> PoseTrajectory:
+def poses(chain: core.Chain, trajectory: Motion) -> PoseTrajectory:
     """See `Arm.poses`."""
     own = _own(chain, trajectory)
     if outside := _outside(chain, own):

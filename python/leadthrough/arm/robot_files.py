@@ -18,7 +18,8 @@ from urllib.parse import unquote, urlparse
 
 import numpy as np
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import InvalidRobot
@@ -52,11 +53,11 @@ def ends_and_limits(
     limits: JointLimits | str | PathLike[str] | None,
 ) -> tuple[str, str, JointLimits]:
     """The base and tip link of an arm, and its limits: those given, or the URDF's, completed."""
-    robot = _core.Robot(document)
+    robot = core.Robot(document)
     base, tip = ends
     base = robot.links[0] if base is None else check.choice(base, "base", robot.links)
     tip = _only_leaf(robot) if tip is None else check.choice(tip, "tip", robot.links)
-    chain = _core.Chain(robot.hold(list(locked.items())), base, tip)
+    chain = core.Chain(robot.hold(list(locked.items())), base, tip)
     names = tuple(chain.joint_names)
     stated = JointLimits(names, chain.lower, chain.upper, chain.velocity, effort=chain.effort)
     if limits is None:
@@ -66,7 +67,7 @@ def ends_and_limits(
     return base, tip, read_limits(limits, stated, other_joints=robot.joints)
 
 
-def _only_leaf(robot: _core.Robot) -> str:
+def _only_leaf(robot: core.Robot) -> str:
     if len(robot.leaves) > 1:
         raise InvalidInput(
             f"tip: expected a link's name, as the robot ends in several links; name one of "

@@ -24,7 +24,8 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.limits import known_acceleration
@@ -63,8 +64,8 @@ class TaskStack(ShortRepr):
     tasks: tuple[ArmTask, ...]
     scheme: Scheme
     rest_damping: float
-    _parts: dict[ArmTask, _core.ArmTask] = field(repr=False)  # the tasks as the core takes them
-    _stack: _core.TaskStack = field(repr=False)
+    _parts: dict[ArmTask, core.ArmTask] = field(repr=False)  # the tasks as the core takes them
+    _stack: core.TaskStack = field(repr=False)
 
     def __init__(
         self,
@@ -167,7 +168,7 @@ class TaskStack(ShortRepr):
         arm, known = self.arm, self._parts
         checked = _checked(tasks, len(arm.joint_names))
         parts = {task: known.get(task) or task._compiled(self._frame) for task in checked}
-        stack = _core.TaskStack(
+        stack = core.TaskStack(
             arm._chain,
             [parts[task] for task in checked],
             arm.limits.velocity,
@@ -180,18 +181,18 @@ class TaskStack(ShortRepr):
     def _joints(self, value: ArrayLike, name: str) -> Float64Array:
         return magnitudes.values(value, name, shape=(len(self.arm.joint_names),))
 
-    def _frame(self, link: str | None, point: Float64Array) -> _core.Frame:
+    def _frame(self, link: str | None, point: Float64Array) -> core.Frame:
         if link is None:
-            return _core.Frame(self.arm._chain, point)
+            return core.Frame(self.arm._chain, point)
         try:
-            upper = _core.Chain(self.arm._robot, self.arm.base, link)
+            upper = core.Chain(self.arm._robot, self.arm.base, link)
         except InvalidRobot as error:
             raise InvalidInput(f"link: expected a link that the arm moves: {error}") from None
         if upper.joint_names != list(self.arm.joint_names[: len(upper.joint_names)]):
             raise InvalidInput(
                 f"link: expected a link that only the arm's joints move, got {link!r}"
             )
-        return _core.Frame(upper, point)
+        return core.Frame(upper, point)
 
 
 def _checked(tasks: Any, joints: int) -> tuple[ArmTask, ...]:
@@ -325,7 +326,7 @@ def resolve(
             f"lower: expected at most upper for joint {i}, got {low[i]} and {high[i]}"
         )
     reverse = check.choice(scheme, "scheme", _SCHEMES) == "reverse"
-    return _core.resolve_stack(rows, goals, low, high, reverse)
+    return core.resolve_stack(rows, goals, low, high, reverse)
 
 
 def _checked_jacobians(jacobians: Sequence[ArrayLike]) -> list[Float64Array]:

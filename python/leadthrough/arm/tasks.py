@@ -19,7 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm import magnitudes
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
@@ -34,7 +35,7 @@ _NOTHING = {
 }
 
 # The frame of a link, at a point given in it.
-FrameOf = Callable[[str | None, Float64Array], _core.Frame]
+FrameOf = Callable[[str | None, Float64Array], core.Frame]
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -56,7 +57,7 @@ class ArmTask(ShortRepr, ABC):
         )
 
     @abstractmethod
-    def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
+    def _compiled(self, frame_of: FrameOf) -> core.ArmTask:
         """The task as the core takes it."""
 
 
@@ -124,10 +125,10 @@ class PoseTask(ArmTask):
             link=link,
         )
 
-    def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
+    def _compiled(self, frame_of: FrameOf) -> core.ArmTask:
         frame = frame_of(self.link, _vector(ZERO, "point", 3))
         pose = (self.position, self.orientation, self.twist)
-        return _core.pose_task(frame, *pose, self.gain, self.damping_ratio)
+        return core.pose_task(frame, *pose, self.gain, self.damping_ratio)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -164,10 +165,10 @@ class PositionTask(ArmTask):
             point=_vector(point, "point", 3),
         )
 
-    def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
+    def _compiled(self, frame_of: FrameOf) -> core.ArmTask:
         frame = frame_of(self.link, self.point)
         goal = (self.position, self.velocity)
-        return _core.position_task(frame, *goal, self.gain, self.damping_ratio)
+        return core.position_task(frame, *goal, self.gain, self.damping_ratio)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -211,14 +212,14 @@ class DirectionTask(ArmTask):
             link=link,
         )
 
-    def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
+    def _compiled(self, frame_of: FrameOf) -> core.ArmTask:
         frame, ends = frame_of(self.link, np.zeros(3)), (self.axis, self.direction)
         rates = (self.gain, self.damping_ratio)
         if self.within == 0.0:
-            return _core.direction_task(frame, *ends, *rates)
+            return core.direction_task(frame, *ends, *rates)
         cosine = math.cos(self.within)
         margin = math.cos(max(self.within - self.margin, 0.0)) - cosine
-        return _core.cone_task(frame, *ends, cosine, margin, *rates)
+        return core.cone_task(frame, *ends, cosine, margin, *rates)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -246,8 +247,8 @@ class PostureTask(ArmTask):
         still = np.zeros_like(goal) if velocity is None else velocity
         vars(self).update(q=goal, velocity=_vector(still, "velocity", len(goal)))
 
-    def _compiled(self, _frame_of: FrameOf) -> _core.ArmTask:
-        return _core.posture_task(self.q, self.velocity, self.gain, self.damping_ratio)
+    def _compiled(self, _frame_of: FrameOf) -> core.ArmTask:
+        return core.posture_task(self.q, self.velocity, self.gain, self.damping_ratio)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -282,9 +283,9 @@ class ElbowTask(ArmTask):
             direction=_unit_vector(direction, "direction"),
         )
 
-    def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
+    def _compiled(self, frame_of: FrameOf) -> core.ArmTask:
         frame = frame_of(self.link, np.zeros(3))
-        return _core.plane_task(frame, self.direction, self.height, self.gain, self.damping_ratio)
+        return core.plane_task(frame, self.direction, self.height, self.gain, self.damping_ratio)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -305,8 +306,8 @@ class JointLimitTask(ArmTask):
         super().__init__(gain, damping_ratio)
         vars(self).update(margin=magnitudes.positive(margin, "margin"))
 
-    def _compiled(self, _frame_of: FrameOf) -> _core.ArmTask:
-        return _core.joint_limit_task(self.margin, self.gain, self.damping_ratio)
+    def _compiled(self, _frame_of: FrameOf) -> core.ArmTask:
+        return core.joint_limit_task(self.margin, self.gain, self.damping_ratio)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -352,10 +353,10 @@ class ObstacleTask(ArmTask):
             point=_vector(point, "point", 3),
         )
 
-    def _compiled(self, frame_of: FrameOf) -> _core.ArmTask:
+    def _compiled(self, frame_of: FrameOf) -> core.ArmTask:
         frame, shape = frame_of(self.link, self.point), self.shape._compiled
         rates = (self.gain, self.damping_ratio)
-        return _core.clearance_task(frame, shape, self.distance, self.margin, *rates)
+        return core.clearance_task(frame, shape, self.distance, self.margin, *rates)
 
 
 def _refuse_huge(shape: Shape) -> None:

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check, rotations
+import leadthrough._core as core
+from leadthrough import check, rotations
 from leadthrough.arm.inverse_kinematics import Axis, IkOptions, compiled
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import PoseTrajectory, Trajectory
@@ -44,7 +45,7 @@ class TipPath:
         """Dimension of the task at a sample: 6 with orientations, 3 without, less what is free."""
         return (6 if len(self.orientations) else 3) - len(self.free)
 
-    def options(self, *, nullspace_gain: float = 0.0) -> _core.IkOptions:
+    def options(self, *, nullspace_gain: float = 0.0) -> core.IkOptions:
         """The options of inverse kinematics for a single sample."""
         return compiled(IkOptions(free=self.free, nullspace_gain=nullspace_gain), 0)
 
@@ -80,7 +81,7 @@ class Track:
         return Track(q, positions, orientations, len(q) - int(missed))
 
     @staticmethod
-    def standing(chain: _core.Chain, path: TipPath, sample: int, q: Float64Array) -> Track:
+    def standing(chain: core.Chain, path: TipPath, sample: int, q: Float64Array) -> Track:
         """The arm stands still at q (joints,) and misses the given sample of a path."""
         position, orientation = chain.forward_kinematics(q[None])
         wanted = path.only(slice(sample, sample + 1))
@@ -94,11 +95,11 @@ class Track:
 
 
 def solve_sample(
-    chain: _core.Chain, path: TipPath, i: int, guesses: Float64Array, options: _core.IkOptions
+    chain: core.Chain, path: TipPath, i: int, guesses: Float64Array, options: core.IkOptions
 ) -> tuple[Float64Array, NDArray[np.int32], Float64Array]:
     """Configurations (m, joints), status codes and errors (m,) for one sample from many guesses."""
     sample = path.only(np.full(len(guesses), i))
-    q, status, position_errors, orientation_errors, *_ = _core.solve_ik_batch(
+    q, status, position_errors, orientation_errors, *_ = core.solve_ik_batch(
         chain, sample.positions, sample.orientations, guesses, options, 1
     )
     return q, status, position_errors + orientation_errors
@@ -127,7 +128,7 @@ def _room(value: ArrayLike, name: str, samples: int) -> Float64Array:
             raise InvalidInput(f"{name}: expected numbers >= 0, got {lengths.min()}")
         return np.diag(lengths**2)
     matrices = check.array(value, name, shape=(samples, 3, 3))
-    if not all(_core.is_covariance(np.ascontiguousarray(each)) for each in matrices):
+    if not all(core.is_covariance(np.ascontiguousarray(each)) for each in matrices):
         raise InvalidInput(
             f"{name}: expected covariances, symmetric and without negative variances"
         )

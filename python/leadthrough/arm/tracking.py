@@ -18,7 +18,8 @@ from itertools import combinations
 
 import numpy as np
 
-from leadthrough import _core, rotations
+import leadthrough._core as core
+from leadthrough import rotations
 from leadthrough.arm.clearing import CollisionTest, clear_path
 from leadthrough.arm.ik_failure import failure
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
@@ -51,14 +52,14 @@ _NEAR_A_LIMIT = 0.05
 class Tracker:
     """Follows a path from given starts."""
 
-    chain: _core.Chain
+    chain: core.Chain
     path: TipPath
     limits: JointLimits
     allowed: tuple[float, float]  # errors in m and rad that count as reached
     max_step: float  # of a joint between two samples, rad or m
 
     @property
-    def tolerance(self) -> _core.IkTolerance:
+    def tolerance(self) -> core.IkTolerance:
         """The errors that count as reached."""
         return tolerance(*self.allowed)
 
@@ -69,10 +70,10 @@ class Tracker:
     def in_time(self, start: Start, damping: float, deviation: tuple[float, float]) -> Track:
         """The track along the path at the path's own pace, inside the limits."""
         first = self._track(start, self.path.only(slice(1)))
-        options = _core.PursuitOptions(
+        options = core.PursuitOptions(
             self.limits.velocity, known_acceleration(self.limits), damping, tolerance(*deviation)
         )
-        columns = _core.pursue(
+        columns = core.pursue(
             self.chain,
             self.path.times,
             self.path.positions,
@@ -110,11 +111,9 @@ class Tracker:
 
     def _track(self, start: Start, path: TipPath) -> Track:
         axes = free_axes(path.free)
-        options = _core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step, axes)
+        options = core.TrackOptions(self.tolerance, _SAMPLE_ITERATIONS, self.max_step, axes)
         pull = path.pull(start.rate)
-        columns = _core.track(
-            self.chain, path.positions, path.orientations, start.q, *pull, options
-        )
+        columns = core.track(self.chain, path.positions, path.orientations, start.q, *pull, options)
         return Track.of(columns, self.allowed)
 
 
@@ -184,14 +183,14 @@ def axes_to_try(
     return [(), *combinations(_ROTATIONS, missing)]
 
 
-def least_rotated(chain: _core.Chain, path: TipPath, tracks: Sequence[Track]) -> Track:
+def least_rotated(chain: core.Chain, path: TipPath, tracks: Sequence[Track]) -> Track:
     """Of tracks with different axes free, the furthest, then that of least orientation error."""
     if len(tracks) == 1:
         return tracks[0]
     return min(tracks, key=lambda track: (-track.reached, _orientation_error(chain, path, track)))
 
 
-def _orientation_error(chain: _core.Chain, path: TipPath, track: Track) -> float:
+def _orientation_error(chain: core.Chain, path: TipPath, track: Track) -> float:
     """The largest angle between the tip and a sample, rad."""
     _, orientations = chain.forward_kinematics(track.q)
     errors = rotations.distance(orientations, path.orientations[: len(orientations)])
@@ -206,19 +205,19 @@ class Start:
     rate: float  # of the motion towards the preferred postures from there, 1/s
 
 
-def _next_to(chain: _core.Chain, path: TipPath, q0: Float64Array, rate: float) -> list[Start]:
+def _next_to(chain: core.Chain, path: TipPath, q0: Float64Array, rate: float) -> list[Start]:
     """The starts next to q0, with and without the pull towards the preferred postures."""
     (q,), *_ = solve_sample(chain, path, 0, q0[None], path.options())
     return [Start(q, pull) for pull in _rates(rate)]
 
 
 def _first_postures(
-    chain: _core.Chain,
+    chain: core.Chain,
     path: TipPath,
     *,
     velocity: Float64Array,
     rate: float,
-    tracking: tuple[_core.IkTolerance, int, float],
+    tracking: tuple[core.IkTolerance, int, float],
 ) -> list[Start]:
     """Starts for the path, the most promising first; at least one."""
     postures, reached = _solutions(chain, path)
@@ -230,11 +229,11 @@ def _first_postures(
     tolerance, iterations, max_step = tracking
     stride = math.ceil(len(path) / _LOOK_AHEAD)
     axes = free_axes(path.free)
-    options = _core.TrackOptions(tolerance, iterations, max_step * stride, axes)
+    options = core.TrackOptions(tolerance, iterations, max_step * stride, axes)
     keys = []
     for i, start in enumerate(starts):
         pull = thin.pull(start.rate)
-        q, *_ = _core.track(chain, thin.positions, thin.orientations, start.q, *pull, options)
+        q, *_ = core.track(chain, thin.positions, thin.orientations, start.q, *pull, options)
         keys.append((-len(q), _cost(chain, q, thin.times, velocity), i))
     return [starts[i] for *_, i in sorted(keys)[:_MAX_STARTS]]
 
@@ -243,7 +242,7 @@ def _rates(rate: float) -> tuple[float, ...]:
     return (rate, 0.0) if rate > 0.0 else (0.0,)
 
 
-def _solutions(chain: _core.Chain, path: TipPath) -> tuple[Float64Array, bool]:
+def _solutions(chain: core.Chain, path: TipPath) -> tuple[Float64Array, bool]:
     guesses = _guesses(chain)
     q, status, errors = solve_sample(chain, path, 0, guesses, path.options())
     if not (status == 0).any():
@@ -254,7 +253,7 @@ def _solutions(chain: _core.Chain, path: TipPath) -> tuple[Float64Array, bool]:
     return _distinct(np.vstack([q[status == 0], centred[its_status == 0]])), True
 
 
-def _guesses(chain: _core.Chain) -> Float64Array:
+def _guesses(chain: core.Chain) -> Float64Array:
     lower = np.maximum(chain.lower, -np.pi)
     upper = np.minimum(chain.upper, np.pi)
     samples = np.random.default_rng(0).uniform(0.0, 1.0, (_GUESSES - 1, len(lower)))
@@ -269,9 +268,7 @@ def _distinct(q: Float64Array) -> Float64Array:
     return distinct
 
 
-def _cost(
-    chain: _core.Chain, q: Float64Array, times: Float64Array, velocity: Float64Array
-) -> float:
+def _cost(chain: core.Chain, q: Float64Array, times: Float64Array, velocity: Float64Array) -> float:
     """The largest joint speed over its limit, higher where joints come near position limits."""
     limit = np.where(np.isfinite(velocity) & (velocity > 0), velocity, 1.0)
     speeds = np.abs(np.diff(q, axis=0)) / np.diff(times[: len(q)])[:, None] / limit

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core
+import leadthrough._core as core
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible, NoPath
@@ -152,7 +152,7 @@ def changed(rules: Rules, history: Float64Array, samples: Float64Array) -> Chang
             break
         resting = max(0, LANDING - len(piece))
         path = np.concatenate([piece, np.repeat(piece[-1:], resting, axis=0)])
-        run = _core.slowed(rules.limits, path, _MAX_STRETCH * len(path))
+        run = core.slowed(rules.limits, path, _MAX_STRETCH * len(path))
         if run is None:
             complete = False
             break
@@ -198,13 +198,13 @@ def beyond_reach(rules: Rules, last: Float64Array, target: Float64Array) -> bool
 def joined_on_time(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
     """The shortest bridge onto a sample when that is due; the first is due a period from now."""
     soon = max(1, int(_ON_TIME * len(target)))
-    return _core.bridge_on_time(rules.limits, history, target, soon)
+    return core.bridge_on_time(rules.limits, history, target, soon)
 
 
 def joined_at_start(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
     """The shortest bridge onto the first sample; if none is short, one with a rest."""
     longest = _most_periods(rules)
-    found = _core.bridge_to_start(rules.limits, history, target, longest)
+    found = core.bridge_to_start(rules.limits, history, target, longest)
     if found is not None:
         return found
     stopping = rules.braked(history, target[:0])
@@ -212,7 +212,7 @@ def joined_at_start(rules: Rules, history: Float64Array, target: Float64Array) -
         return None
     rest = (stopping.rows if len(stopping.rows) else history)[-1:]
     pause = np.repeat(rest, HISTORY, axis=0)  # as long as differences reach
-    found = _core.bridge_to_start(rules.limits, pause, target, longest)
+    found = core.bridge_to_start(rules.limits, pause, target, longest)
     if found is None:
         return None
     return np.concatenate([stopping.rows, pause, found[0]]), found[1]

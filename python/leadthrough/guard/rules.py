@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm import Arm, JointLimits, check_arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard.admission import CommandedState
@@ -47,14 +48,14 @@ class Rules:
 
     joints: JointLimits  # the limits of the joints
     period: float  # between commands, s
-    limits: _core.StepLimits  # of the joints, per period
-    scene: _core.GuardedScene  # the arm and its obstacles
+    limits: core.StepLimits  # of the joints, per period
+    scene: core.GuardedScene  # the arm and its obstacles
 
     def excess(
         self, history: Float64Array, rows: Float64Array
     ) -> tuple[int, int, int, float] | None:
         """The first limit that rows (n, joints) exceed: its order, row, joint and ratio."""
-        return _core.first_excess(self.limits, history, rows)
+        return core.first_excess(self.limits, history, rows)
 
     def contact(
         self,
@@ -69,20 +70,20 @@ class Rules:
         if before >= len(rows):
             return None
         start = rows[before - 1] if before else history[-1]
-        found = _core.first_contact(self.scene, start, rows[before:], age + before, most_work)
+        found = core.first_contact(self.scene, start, rows[before:], age + before, most_work)
         if found is None:
             return None
         return Contact(before + found[0], found[1:] if found[1] else None)
 
     def stop(self, history: Float64Array) -> Float64Array:
         """The fastest stop (n, joints); at rest one command, which has to keep the rules too."""
-        rows = _core.brake(self.limits, history)
+        rows = core.brake(self.limits, history)
         return rows if len(rows) else history[-1:]
 
     def braked(self, history: Float64Array, rows: Float64Array) -> StoppingTrajectory | None:
         """Rows, then the fastest stop; None if that leaves a limit."""
         end = np.concatenate([history, rows])[-HISTORY:]
-        stop = _core.brake(self.limits, end) if len(rows) else self.stop(end)
+        stop = core.brake(self.limits, end) if len(rows) else self.stop(end)
         if self.excess(end, stop) is not None:
             return None
         return StoppingTrajectory(np.concatenate([rows, stop]), len(rows))
@@ -125,7 +126,7 @@ class Rules:
         self, history: Float64Array, rows: Float64Array, age: float
     ) -> StoppingTrajectory | None:
         """The rows with a stop on them; None if that is not certified."""
-        stopped = _core.stopped(self.limits, history, rows)
+        stopped = core.stopped(self.limits, history, rows)
         if stopped is None:
             return None
         executed = int(np.count_nonzero(stopped[1] == np.arange(len(stopped[1]))))
@@ -150,7 +151,7 @@ def history_of(state: CommandedState | ArrayLike, joints: int, period: float) ->
     return np.stack([q - step - (step - bend), q - step, q])
 
 
-def step_limits(limits: JointLimits, period: float) -> _core.StepLimits:
+def step_limits(limits: JointLimits, period: float) -> core.StepLimits:
     """Limits per period."""
     for name in _RATES:
         value = getattr(limits, name)
@@ -162,7 +163,7 @@ def step_limits(limits: JointLimits, period: float) -> _core.StepLimits:
             )
     assert limits.acceleration is not None
     assert limits.jerk is not None
-    return _core.StepLimits(
+    return core.StepLimits(
         limits.lower,
         limits.upper,
         limits.velocity * period,
@@ -171,8 +172,8 @@ def step_limits(limits: JointLimits, period: float) -> _core.StepLimits:
     )
 
 
-def guarded_scene(arm: Arm, scene: Scene, period: float) -> _core.GuardedScene:
+def guarded_scene(arm: Arm, scene: Scene, period: float) -> core.GuardedScene:
     """The arm in a scene, as the core takes them."""
     growth = [speed * period for speed in scene.speeds]
     margins = scene.margin, scene.self_collision_margin
-    return _core.GuardedScene(arm._collision, compiled(scene.shapes), growth, *margins)
+    return core.GuardedScene(arm._collision, compiled(scene.shapes), growth, *margins)

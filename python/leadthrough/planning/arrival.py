@@ -15,7 +15,8 @@ from typing import Any, Literal, cast, overload
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.planning.grid import MAX_CELLS, Grid, bounds_of, spacings
 from leadthrough.repr import ShortRepr
@@ -97,7 +98,7 @@ def arrival_times(
     last = -1 if stop is None else int(flat_indices(stop, "stop", field.shape)[0])
     steps = spacings(spacing, field.ndim)
     check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
-    march = _core.march_float32 if precision == np.float32 else _core.march_float64
+    march = core.march_float32 if precision == np.float32 else core.march_float64
     with check.enough_memory(f"speed: a grid of shape {field.shape}"):
         map_ = np.ascontiguousarray(field, precision)
         return march(map_, steps.tolist(), cells, order, radius, last)
@@ -159,7 +160,7 @@ def arrival_times_batch(
         check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
     fields = [k % len(maps) for k in range(count)]
     cells = [source_cells(starts[k % len(starts)], maps[fields[k]]) for k in range(count)]
-    march = _core.march_batch_float32 if precision == np.float32 else _core.march_batch_float64
+    march = core.march_batch_float32 if precision == np.float32 else core.march_batch_float64
     with check.enough_memory(f"speeds: {count} grids of shape {maps[0].shape}"):
         arrays = [np.ascontiguousarray(field, precision) for field in maps]
         return march([arrays[k] for k in fields], steps.tolist(), cells, order, radius, threads)
@@ -190,7 +191,7 @@ def nearest_sources(
         )
     cells = flat_indices(sources, "sources", raw.shape)
     times = np.ascontiguousarray(raw, np.float64)
-    return _core.nearest_sources(times, spacings(spacing, raw.ndim).tolist(), cells.tolist())
+    return core.nearest_sources(times, spacings(spacing, raw.ndim).tolist(), cells.tolist())
 
 
 @dataclass(frozen=True)
@@ -242,8 +243,8 @@ class ArrivalField:
         self._fastest = 0.0
         self._check_range(field)
         single = self._precision == np.float32
-        make = _core.ArrivalFieldFloat32 if single else _core.ArrivalFieldFloat64
-        self._field: _core.ArrivalFieldFloat32 | _core.ArrivalFieldFloat64
+        make = core.ArrivalFieldFloat32 if single else core.ArrivalFieldFloat64
+        self._field: core.ArrivalFieldFloat32 | core.ArrivalFieldFloat64
         with check.enough_memory(f"speed: a grid of shape {field.shape}"):
             self._speed = np.array(field, self._precision, order="C")
             self._field = make(self._speed, grid.spacing.tolist(), self._sources)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import NoPath
 from leadthrough.planning.arrival import FloatArray
@@ -46,7 +47,7 @@ def descend(
     if not grid.contains(end[None])[0]:
         raise InvalidInput(f"goal: expected a point in the grid, got {end}")
     first, last = grid.coordinates(np.stack([begin, end])).tolist()
-    status, coordinates = _core.descend(times, grid.spacing.tolist(), first, last, length)
+    status, coordinates = core.descend(times, grid.spacing.tolist(), first, last, length)
     if status == "goal_not_source":
         raise InvalidInput(f"goal: expected a point in a source's cell, got {end}")
     if status != "ok":
@@ -73,9 +74,7 @@ def direction(arrival: ArrayLike, grid: Grid, positions: ArrayLike) -> Float64Ar
     """
     points = check.array(positions, "positions", shape=("n", grid.dimensions))
     times = _floats(arrival, grid)
-    status, count, vectors = _core.directions(
-        times, grid.spacing.tolist(), grid.coordinates(points)
-    )
+    status, count, vectors = core.directions(times, grid.spacing.tolist(), grid.coordinates(points))
     if status == "not_times":
         raise InvalidInput(f"arrival: expected times >= 0, got others near {points[count]}")
     if status != "ok":

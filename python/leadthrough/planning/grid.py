@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
 
@@ -78,9 +79,9 @@ class Grid(ShortRepr):
         return len(self.shape)
 
     @property
-    def compiled(self) -> _core.Cells:
+    def compiled(self) -> core.Cells:
         """The cells as the compiled core takes them."""
-        return _core.Cells(self.shape, self.spacing.tolist(), self.origin.tolist())
+        return core.Cells(self.shape, self.spacing.tolist(), self.origin.tolist())
 
     def centres(self) -> Float64Array:
         """Centres of all cells, (*shape, d)."""

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.planning.grid import MAX_CELLS, CellNumbers, Grid, spacings
 from leadthrough.shapes import Shape, check_shapes, compiled
@@ -104,7 +105,7 @@ def distance_transform(mask: ArrayLike, *, spacing: ArrayLike = 1.0) -> Float64A
         )
     steps = spacings(spacing, cells.ndim).tolist()
     with check.enough_memory(f"mask: a grid of shape {cells.shape}"):
-        return _core.distance_transform(np.ascontiguousarray(cells), steps)
+        return core.distance_transform(np.ascontiguousarray(cells), steps)
 
 
 class Walls:
@@ -124,7 +125,7 @@ class Walls:
         middles = np.array([each.middle for each in obstacles]).reshape(-1, 3)
         extents = np.array([each.half_extents for each in obstacles]).reshape(-1, 3)
         shapes = compiled(obstacles)
-        self.compiled = _core.Walls(grid.compiled, margin, shapes, middles, extents)
+        self.compiled = core.Walls(grid.compiled, margin, shapes, middles, extents)
 
     def distances(self, cells: CellNumbers, most: float) -> Float64Array:
         """Distances (n,) to the nearest wall, centre to centre, at most `most`; 0 in walls.

@@ -12,7 +12,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
 from leadthrough.planning.grid import CellArray, CellNumbers, Grid, bounds_of
@@ -200,7 +201,7 @@ class SpeedField:
         compiled: the speeds as the compiled core takes them.
     """
 
-    def __init__(self, grid: Grid, outside: float, compiled: _core.SpeedMap) -> None:
+    def __init__(self, grid: Grid, outside: float, compiled: core.SpeedMap) -> None:
         self.grid, self.outside, self.compiled = grid, outside, compiled
 
     def at(self, cells: CellNumbers) -> Float64Array:
@@ -228,13 +229,13 @@ class MapField(SpeedField):
 
     def __init__(self, grid: Grid, speed: NDArray[Any], outside: float = 0.0) -> None:
         speeds = np.ascontiguousarray(speed, dtype=np.float64)
-        super().__init__(grid, outside, _core.given_speeds(grid.compiled, outside, speeds))
+        super().__init__(grid, outside, core.given_speeds(grid.compiled, outside, speeds))
 
 
 class FreeField(SpeedField):
     """Speeds without obstacles, above a saturation in tubes around paths only."""
 
-    compiled: _core.FreeSpeedMap
+    compiled: core.FreeSpeedMap
 
 
 class ExperienceField(FreeField):
@@ -249,7 +250,7 @@ class ExperienceField(FreeField):
         saturation: float,
     ) -> None:
         fine = [fine_samples(path, grid) for path in paths]
-        speeds = _core.experience_speeds(grid.compiled, saturation, fine, area_of_influence)
+        speeds = core.experience_speeds(grid.compiled, saturation, fine, area_of_influence)
         super().__init__(grid, saturation, speeds)
 
 
@@ -267,7 +268,7 @@ class TubeField(FreeField):
     ) -> None:
         fine = [fine_samples(path, grid) for path in paths]
         plain = [float(weight) for weight in weights]
-        speeds = _core.tube_speeds(grid.compiled, saturation, fine, plain, area_of_influence)
+        speeds = core.tube_speeds(grid.compiled, saturation, fine, plain, area_of_influence)
         super().__init__(grid, saturation, speeds)
 
 
@@ -275,7 +276,7 @@ class ObstacleField(SpeedField):
     """The speeds of `add_obstacles`: a field without obstacles times their distances."""
 
     def __init__(self, free: SpeedField, walls: Walls, *, area_of_influence: float) -> None:
-        speeds = _core.hindered_speeds(free.compiled, walls.compiled, area_of_influence)
+        speeds = core.hindered_speeds(free.compiled, walls.compiled, area_of_influence)
         super().__init__(free.grid, free.outside, speeds)
 
 
@@ -285,9 +286,7 @@ class SaturatedField(SpeedField):
     def __init__(
         self, free: SpeedField, walls: Walls, *, area_of_influence: float, saturation: float
     ) -> None:
-        speeds = _core.saturated_speeds(
-            free.compiled, walls.compiled, area_of_influence, saturation
-        )
+        speeds = core.saturated_speeds(free.compiled, walls.compiled, area_of_influence, saturation)
         super().__init__(free.grid, free.outside, speeds)
 
 
@@ -295,7 +294,7 @@ class DetourField(SpeedField):
     """The speeds of `add_passable_obstacles`; the saturation is that of the free field."""
 
     def __init__(self, free: FreeField, walls: Walls, *, band: float, reach: float) -> None:
-        speeds = _core.passable_speeds(free.compiled, walls.compiled, band, reach)
+        speeds = core.passable_speeds(free.compiled, walls.compiled, band, reach)
         super().__init__(free.grid, free.outside, speeds)
 
 

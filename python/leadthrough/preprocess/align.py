@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core, check, events, rotations
+import leadthrough._core as core
+from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
     Demonstration,
@@ -236,7 +237,7 @@ def warp(middle: Float64Array, curve: Float64Array, *, rigidity: float) -> Float
     """Fractions (n,) of a curve's duration that belong to those of another, end to end."""
     even = np.linspace(0.0, 1.0, len(middle))
     timed = [np.column_stack([each, rigidity * even]) for each in (middle, curve)]
-    late = _mean_partner(_core.dtw_path(*timed)) / (len(even) - 1.0) - even
+    late = _mean_partner(core.dtw_path(*timed)) / (len(even) - 1.0) - even
     # Mirrored through both ends, where it is 0, by as much as two averages take away.
     window = round(_SMOOTHED * len(even)) | 1
     late = np.concatenate([-late[window - 1 : 0 : -1], late, -late[-2 : -window - 1 : -1]])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 
 
@@ -21,7 +22,7 @@ def dtw_distance(a: ArrayLike, b: ArrayLike) -> float:
 
     Source: Sakoe and Chiba 1978, with symmetric steps of weight one.
     """
-    return _finite(_core.dtw_distance(*_curves(a, b)))
+    return _finite(core.dtw_distance(*_curves(a, b)))
 
 
 def frechet_distance(a: ArrayLike, b: ArrayLike) -> float:
@@ -36,7 +37,7 @@ def frechet_distance(a: ArrayLike, b: ArrayLike) -> float:
 
     Source: Eiter and Mannila 1994.
     """
-    return _finite(_core.frechet_distance(*_curves(a, b)))
+    return _finite(core.frechet_distance(*_curves(a, b)))
 
 
 def _curves(a: ArrayLike, b: ArrayLike) -> tuple[Float64Array, Float64Array]:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check, events, rotations
+import leadthrough._core as core
+from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
     Demonstration,
@@ -25,7 +26,7 @@ _MAX_SAMPLES = 10_000_000  # samples
 
 def arc_length(points: ArrayLike) -> Float64Array:
     """Lengths (n,) of the polygonal line through points, from the first one to each, from 0 on."""
-    lengths = _core.arc_lengths(_curve(points))
+    lengths = core.arc_lengths(_curve(points))
     if not np.isfinite(lengths[-1]):
         raise InvalidInput(_ENDLESS)
     return lengths
@@ -34,7 +35,7 @@ def arc_length(points: ArrayLike) -> Float64Array:
 def by_arc_length(points: ArrayLike, count: int) -> Float64Array:
     """Points (count, d), evenly spaced in arc length along the polygonal line through others."""
     curve = _curve(points)
-    even = _core.by_arc_length(curve, check.integer(count, "count", at_least=2))
+    even = core.by_arc_length(curve, check.integer(count, "count", at_least=2))
     if even is None:
         raise InvalidInput(_ENDLESS)
     return even

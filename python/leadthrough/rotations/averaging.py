@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 
 # Within a quarter turn of one point there is only one mean (Afsari 2011); two rotations half a turn
@@ -39,7 +40,7 @@ def mean(quaternions: ArrayLike, *, weights: ArrayLike | None = None) -> Float64
         raise InvalidInput("quaternions: expected at least one rotation, got none")
     factors = _weights(weights, len(layers))
     kept = np.ascontiguousarray(layers[factors > 0]).reshape(-1, 4)
-    means, reach = _core.so3_mean(kept, factors[factors > 0])
+    means, reach = core.so3_mean(kept, factors[factors > 0])
     if (reach > MAX_REACH).any():
         i = int(np.argmax(reach > MAX_REACH))
         where = "" if single else f" in mean {i}"

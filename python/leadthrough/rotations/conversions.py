@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 
 # A recording's rounding takes a matrix this far off; beyond, it is not a rotation.
@@ -20,7 +21,7 @@ CONVENTIONS = (*_INTRINSIC, *(convention.lower() for convention in _INTRINSIC))
 def to_matrix(quaternions: ArrayLike) -> Float64Array:
     """Rotation matrices (n, 3, 3)."""
     q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
-    return np.asarray(_core.so3_to_matrix(q).reshape(-1, 3, 3))
+    return np.asarray(core.so3_to_matrix(q).reshape(-1, 3, 3))
 
 
 def from_matrix(matrices: ArrayLike) -> Float64Array:
@@ -39,7 +40,7 @@ def from_matrix(matrices: ArrayLike) -> Float64Array:
     _check_rotations(m)
     for _ in range(NEWTON_STEPS):
         m = 0.5 * (m + np.linalg.inv(m).transpose(0, 2, 1))
-    return _core.so3_from_matrix(np.ascontiguousarray(m).reshape(-1, 9))
+    return core.so3_from_matrix(np.ascontiguousarray(m).reshape(-1, 9))
 
 
 def _check_rotations(matrices: Float64Array) -> None:
@@ -66,12 +67,12 @@ def from_euler(angles: ArrayLike, *, convention: str) -> Float64Array:
     checked = check.array(angles, "angles", shape=("n", 3))
     axes = check.choice(convention, "convention", CONVENTIONS)
     first, second, third = (
-        _core.so3_exp(angle[:, None] * np.eye(3)["XYZ".index(axis)])
+        core.so3_exp(angle[:, None] * np.eye(3)["XYZ".index(axis)])
         for axis, angle in zip(axes.upper(), checked.T, strict=True)
     )
     if axes.isupper():
         first, third = third, first
-    return _core.so3_compose(third, _core.so3_compose(second, first))
+    return core.so3_compose(third, core.so3_compose(second, first))
 
 
 def to_euler(quaternions: ArrayLike, *, convention: str) -> Float64Array:

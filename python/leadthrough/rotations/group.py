@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import NoContinuousLogarithm
 
@@ -19,7 +20,7 @@ def exp(rotation_vectors: ArrayLike) -> Float64Array:
     Args:
         rotation_vectors: axis times angle, rad, (n, 3), of any length.
     """
-    return _core.so3_exp(check.array(rotation_vectors, "rotation_vectors", shape=("n", 3)))
+    return core.so3_exp(check.array(rotation_vectors, "rotation_vectors", shape=("n", 3)))
 
 
 def log(quaternions: ArrayLike) -> Float64Array:
@@ -29,12 +30,12 @@ def log(quaternions: ArrayLike) -> Float64Array:
         quaternions: unit quaternions (n, 4). q and -q have the same logarithm, except at exactly
             pi, where the sign of the vector is q's.
     """
-    return _core.so3_log(check.quaternions(quaternions, "quaternions", shape=("n", 4)))
+    return core.so3_log(check.quaternions(quaternions, "quaternions", shape=("n", 4)))
 
 
 def compose(a: ArrayLike, b: ArrayLike) -> Float64Array:
     """Quaternions (n, 4) of the rotations that turn by b first, then by a."""
-    return _core.so3_compose(*pair(a, b))
+    return core.so3_compose(*pair(a, b))
 
 
 def inverse(quaternions: ArrayLike) -> Float64Array:
@@ -45,7 +46,7 @@ def inverse(quaternions: ArrayLike) -> Float64Array:
 
 def distance(a: ArrayLike, b: ArrayLike) -> Float64Array:
     """Geodesic distances (n,) between rotations, from 0 to pi rad, whatever the signs."""
-    return _core.so3_distance(*pair(a, b))
+    return core.so3_distance(*pair(a, b))
 
 
 def align_signs(quaternions: ArrayLike) -> Float64Array:
@@ -106,10 +107,10 @@ def lift(quaternions: ArrayLike, *, anchor: Literal["start", "goal"] = "start") 
     """
     q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
     backward = check.choice(anchor, "anchor", ("start", "goal")) == "goal"
-    vectors, broken = _core.so3_lift(np.ascontiguousarray(q[::-1]) if backward else q)
+    vectors, broken = core.so3_lift(np.ascontiguousarray(q[::-1]) if backward else q)
     if broken >= 0:
         index, before = (len(q) - 1 - broken, len(q) - broken) if backward else (broken, broken - 1)
-        turn = np.degrees(_core.so3_distance(q[[before]], q[[index]])[0])
+        turn = np.degrees(core.so3_distance(q[[before]], q[[index]])[0])
         raise NoContinuousLogarithm(
             f"quaternions: no rotation vector of sample {index} continues that of sample {before}, "
             f"{turn:.4g} degrees away (half a turn, or beside a whole number of turns)",

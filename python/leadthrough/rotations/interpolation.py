@@ -11,7 +11,8 @@ from math import factorial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.rotations.group import align_signs, pair, timed
 
@@ -39,7 +40,7 @@ def slerp(a: ArrayLike, b: ArrayLike, fractions: ArrayLike) -> Float64Array:
         raise InvalidInput(
             f"fractions: expected numbers from 0 to 1, got {parts.min()} to {parts.max()}"
         )
-    return _core.so3_slerp(first, second, parts)
+    return core.so3_slerp(first, second, parts)
 
 
 def interpolate(times: ArrayLike, quaternions: ArrayLike, at: ArrayLike) -> Float64Array:
@@ -55,7 +56,7 @@ def interpolate(times: ArrayLike, quaternions: ArrayLike, at: ArrayLike) -> Floa
     t, samples = timed(times, quaternions, at_least=2)
     q = align_signs(samples)
     i, fractions = _places(t, at)
-    return _core.so3_slerp(q[i], q[i + 1], fractions)
+    return core.so3_slerp(q[i], q[i + 1], fractions)
 
 
 def squad(times: ArrayLike, quaternions: ArrayLike, at: ArrayLike) -> Float64Array:
@@ -80,22 +81,22 @@ def squad(times: ArrayLike, quaternions: ArrayLike, at: ArrayLike) -> Float64Arr
     q = align_signs(samples)
     i, fractions = _places(t, at)
     leaving, arriving = squad_controls(t, q)
-    chord = _core.so3_slerp(q[i], q[i + 1], fractions)
-    handle = _core.so3_slerp(leaving[i], arriving[i], fractions)
-    return _core.so3_slerp(chord, handle, 2.0 * fractions * (1.0 - fractions))
+    chord = core.so3_slerp(q[i], q[i + 1], fractions)
+    handle = core.so3_slerp(leaving[i], arriving[i], fractions)
+    return core.so3_slerp(chord, handle, 2.0 * fractions * (1.0 - fractions))
 
 
 def squad_controls(times: Float64Array, q: Float64Array) -> tuple[Float64Array, Float64Array]:
     """The two inner rotations of every step between samples, which make `squad` smooth at them."""
     velocities = angular_velocity(times, q)
-    turns = _core.so3_log(_core.so3_compose(q[1:], q[:-1] * [1.0, -1.0, -1.0, -1.0]))
+    turns = core.so3_log(core.so3_compose(q[1:], q[:-1] * [1.0, -1.0, -1.0, -1.0]))
     steps = np.diff(times)[:, None]
     with np.errstate(over="ignore"):  # infinite results are refused below
-        outwards = _core.so3_exp(0.5 * (steps * velocities[:-1] - turns))
-        inwards = _core.so3_exp(0.5 * (turns - steps * velocities[1:]))
+        outwards = core.so3_exp(0.5 * (steps * velocities[:-1] - turns))
+        inwards = core.so3_exp(0.5 * (turns - steps * velocities[1:]))
     if not (np.isfinite(outwards).all() and np.isfinite(inwards).all()):
         raise InvalidInput("times: expected steps of similar length, got steps that are too uneven")
-    return _core.so3_compose(outwards, q[:-1]), _core.so3_compose(inwards, q[1:])
+    return core.so3_compose(outwards, q[:-1]), core.so3_compose(inwards, q[1:])
 
 
 def _places(times: Float64Array, at: ArrayLike) -> tuple[NDArray[np.intp], Float64Array]:
@@ -121,7 +122,7 @@ def left_jacobian(rotation_vectors: ArrayLike) -> Float64Array:
     Source: Sola et al. 2018, eq. 145.
     """
     vectors = check.array(rotation_vectors, "rotation_vectors", shape=("n", 3))
-    return np.asarray(_core.so3_left_jacobian(vectors).reshape(-1, 3, 3))
+    return np.asarray(core.so3_left_jacobian(vectors).reshape(-1, 3, 3))
 
 
 def left_jacobian_inverse(rotation_vectors: ArrayLike) -> Float64Array:
@@ -136,7 +137,7 @@ def left_jacobian_inverse(rotation_vectors: ArrayLike) -> Float64Array:
     Source: Sola et al. 2018, eq. 146.
     """
     vectors = check.array(rotation_vectors, "rotation_vectors", shape=("n", 3))
-    sines = np.linalg.norm(_core.so3_exp(vectors)[:, 1:], axis=1)
+    sines = np.linalg.norm(core.so3_exp(vectors)[:, 1:], axis=1)
     singular = (2.0 * sines < WHOLE_TURN_MARGIN) & (np.abs(vectors).max(axis=1, initial=0.0) > 1.0)
     if singular.any():
         i = int(np.argmax(singular))
@@ -144,7 +145,7 @@ def left_jacobian_inverse(rotation_vectors: ArrayLike) -> Float64Array:
             "rotation_vectors: expected none that is a whole number of turns long, "
             f"got {vectors[i]} at row {i}"
         )
-    return np.asarray(_core.so3_left_jacobian_inverse(vectors).reshape(-1, 3, 3))
+    return np.asarray(core.so3_left_jacobian_inverse(vectors).reshape(-1, 3, 3))
 
 
 def angular_velocity(times: ArrayLike, quaternions: ArrayLike) -> Float64Array:
@@ -191,7 +192,7 @@ def integrate(times: ArrayLike, angular_velocities: ArrayLike, start: ArrayLike)
     t = check.times(times, "times")
     velocities = check.array(angular_velocities, "angular_velocities", shape=(len(t), 3))
     first = check.quaternions(start, "start", shape=(4,))
-    result = _core.so3_integrate(t, velocities, first)
+    result = core.so3_integrate(t, velocities, first)
     if not np.isfinite(result).all():
         raise InvalidInput("angular_velocities: expected turns of finite size, got infinite ones")
     return result
@@ -209,7 +210,7 @@ def _derivative(times: Float64Array, quaternions: Float64Array, *, order: int) -
     rows = first[:, None] + np.arange(width)
     _check_turns(quaternions, first, width)
     back = np.repeat(quaternions * [1.0, -1.0, -1.0, -1.0], width, axis=0)
-    vectors = _core.so3_log(_core.so3_compose(quaternions[rows].reshape(-1, 4), back))
+    vectors = core.so3_log(core.so3_compose(quaternions[rows].reshape(-1, 4), back))
     with np.errstate(all="ignore"):  # a result that is not finite is refused below
         weights = _weights_at_zero(times[rows] - times[:, None], order)
         result = np.einsum("nw,nwi->ni", weights, vectors.reshape(count, width, 3))
@@ -219,7 +220,7 @@ def _derivative(times: Float64Array, quaternions: Float64Array, *, order: int) -
 
 
 def _check_turns(quaternions: Float64Array, first: NDArray[np.intp], width: int) -> None:
-    steps = _core.so3_distance(quaternions[:-1], quaternions[1:])
+    steps = core.so3_distance(quaternions[:-1], quaternions[1:])
     turns = np.sum([steps[first + i] for i in range(width - 1)], axis=0)
     if (turns >= np.pi).any():
         i = int(np.argmax(turns >= np.pi))

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.shapes import surface
 from leadthrough.shapes.shape import IDENTITY, ConvexPart, PointBased, checked_points, pose
@@ -74,5 +75,5 @@ class PointCloud(PointBased):
     def _rounding(self) -> float:
         return self.radius
 
-    def _compile(self) -> _core.Shape:
-        return _core.cloud_shape(self.points, self.radius, self.position, self.orientation)
+    def _compile(self) -> core.Shape:
+        return core.cloud_shape(self.points, self.radius, self.position, self.orientation)

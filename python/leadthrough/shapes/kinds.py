@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from leadthrough import _core
+import leadthrough._core as core
 from leadthrough.check import InvalidInput
 from leadthrough.shapes.cloud import PointCloud
 from leadthrough.shapes.mesh import Mesh
@@ -31,6 +31,6 @@ def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
     return shapes
 
 
-def compiled(shapes: Sequence[Shape]) -> list[_core.Shape]:
+def compiled(shapes: Sequence[Shape]) -> list[core.Shape]:
     """The shapes as the compiled core takes them."""
     return [shape._compiled for shape in shapes]

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.shapes.shape import (
     IDENTITY,
@@ -92,9 +93,9 @@ class Mesh(PointBased, Solid):
         corners = np.concatenate([part.vertices for part in self.parts])
         return np.asarray(corners @ self._rotation.T + self.position)
 
-    def _compile(self) -> _core.Shape:
+    def _compile(self) -> core.Shape:
         hulls = [part.vertices for part in self.parts]
-        return _core.hulls_shape(hulls, self.position, self.orientation)
+        return core.hulls_shape(hulls, self.position, self.orientation)
 
 
 def _triangles(faces: ArrayLike, vertices: int) -> NDArray[np.int64]:

@@ -17,7 +17,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check, rotations
+import leadthrough._core as core
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes.surface import Surface
@@ -67,7 +68,7 @@ class Shape(ShortRepr, ABC):
         """Convex parts that cover it, in the base frame."""
 
     @abstractmethod
-    def _compile(self) -> _core.Shape:
+    def _compile(self) -> core.Shape:
         """The shape for the compiled core, made anew."""
 
     def at(self, position: ArrayLike, orientation: ArrayLike | None = None) -> Self:
@@ -97,7 +98,7 @@ class Shape(ShortRepr, ABC):
         return self._compiled.distances(check.array(points, "points", shape=("n", 3)))
 
     @cached_property
-    def _compiled(self) -> _core.Shape:
+    def _compiled(self) -> core.Shape:
         """The shape as the compiled core takes it."""
         return self._compile()
 
@@ -168,8 +169,8 @@ class Primitive(Solid):
     def convex_parts(self) -> Iterator[ConvexPart]:
         yield ConvexPart(self.kind(), self._half_sizes, self.position, self.orientation)
 
-    def _compile(self) -> _core.Shape:
-        return _core.primitive_shape(self.kind(), self.sizes, self.position, self.orientation)
+    def _compile(self) -> core.Shape:
+        return core.primitive_shape(self.kind(), self.sizes, self.position, self.orientation)
 
 
 class PointBased(Shape):

@@ -14,7 +14,8 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard import CommandedState
@@ -66,7 +67,7 @@ class Law(ABC):
 
     def needed(self, q: Float64Array, qd: Float64Array, qdd: Float64Array) -> Float64Array:
         """Torques (joints,) that a motion needs, without any check of the arguments."""
-        rows = _core.inverse_dynamics(self._chain, q[None], qd[None], qdd[None], self.gravity)
+        rows = core.inverse_dynamics(self._chain, q[None], qd[None], qdd[None], self.gravity)
         return np.asarray(rows[0])
 
     def held(self, q: Float64Array) -> Float64Array:

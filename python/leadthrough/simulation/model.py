@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core, optional, rotations
+import leadthrough._core as core
+from leadthrough import optional, rotations
 from leadthrough.arm import Arm
 from leadthrough.arm.attachment import Load
 from leadthrough.arm.link_geometry import convex_parts
@@ -69,7 +70,7 @@ def plant(
         _add_solids(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
     for a, b in _never_touching(arm):
         spec.add_exclude(bodyname1=_body_name(a), bodyname2=_body_name(b))
-    own = _core.Chain(arm._robot, arm.base, arm.tip)
+    own = core.Chain(arm._robot, arm.base, arm.tip)
     effort = _stricter(own.effort, arm.limits.effort)
     drives = _add_joints(
         mujoco,
@@ -148,7 +149,7 @@ def _add_links(mujoco: Any, spec: Any, arm: Arm, bodies: Mapping[str, Load]) -> 
                 _add_solids(spec, held, shape.convex_parts())
 
 
-def _at_rest(arm: Arm, joint: _core.Joint, driven: set[str]) -> tuple[Float64Array, Float64Array]:
+def _at_rest(arm: Arm, joint: core.Joint, driven: set[str]) -> tuple[Float64Array, Float64Array]:
     """Position and rotation of a joint's child in its parent's frame, where the model begins."""
     if joint.name in driven or joint.kind == "fixed":
         return joint.position, joint.rotation

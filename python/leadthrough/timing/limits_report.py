@@ -20,7 +20,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing import Drawn, Panel, bars
@@ -249,7 +250,7 @@ def _extremes(motion: JointTrajectory) -> _Extremes:
     """The extremes of the quintics between the samples of a motion with all arrays."""
     arrays = _arrays(motion)
     if len(motion.times) > 1:
-        return _Extremes(*_core.motion_peaks(motion.times, *arrays))
+        return _Extremes(*core.motion_peaks(motion.times, *arrays))
     q, velocity, acceleration = (rows[0] for rows in arrays)
     values = np.array([q, q, np.abs(velocity), np.abs(acceleration), np.zeros_like(q)])
     return _Extremes(values, np.full(values.shape, motion.times[0]), np.zeros_like(values))
@@ -260,7 +261,7 @@ def _used_in_steps(motion: JointTrajectory) -> tuple[Float64Array, Float64Array,
     arrays = _arrays(motion)
     with np.errstate(over="ignore", invalid="ignore"):
         jerks = np.abs(np.diff(arrays[2], axis=0)) / np.diff(motion.times)[:, None]
-    return *_core.step_extremes(motion.times, *arrays), jerks
+    return *core.step_extremes(motion.times, *arrays), jerks
 
 
 def _standing(motion: JointTrajectory, rests: tuple[bool, bool]) -> JointTrajectory:

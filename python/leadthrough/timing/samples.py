@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core
+import leadthrough._core as core
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible
@@ -105,7 +105,7 @@ def time_lines(lines: Lines, limits: JointLimits, rate: float) -> Samples:
     changes = np.diff(lines.ends, axis=0)
     bound = (limits.velocity > 0.0) & (acceleration > 0.0) & (jerk > 0.0)
     _check_limits(limits, np.abs(changes), bound)
-    failed, steps, shares = _core.time_lines(
+    failed, steps, shares = core.time_lines(
         np.ascontiguousarray(lines.ends),
         np.where(bound, limits.velocity, 0.0),
         np.where(bound, acceleration, 0.0),

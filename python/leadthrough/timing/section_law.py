@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible
@@ -127,14 +128,14 @@ def _passing(
     )
 
 
-def _timed_path(spline: Spline, scale: Float64Array) -> _core.TimedPath:
+def _timed_path(spline: Spline, scale: Float64Array) -> core.TimedPath:
     pieces, terms, joints = spline.coefficients.shape
     points = min(max(_MIN_POINTS, _POINTS_A_PIECE * pieces), _MAX_POINTS)
     table = spline.coefficients.reshape(pieces * terms, joints)
-    return _core.TimedPath(spline.knots, table, scale, points + 1)
+    return core.TimedPath(spline.knots, table, scale, points + 1)
 
 
-def _end_speed(path: _core.TimedPath, end: int, velocity: Float64Array | None, name: str) -> float:
+def _end_speed(path: core.TimedPath, end: int, velocity: Float64Array | None, name: str) -> float:
     """The speed of the path's length at an end."""
     if velocity is None or not velocity.any():
         return 0.0
@@ -204,7 +205,7 @@ class _Law:
 class TimingProblem:
     """All that the time law of a section is computed from, apart from the bounds on it."""
 
-    path: _core.TimedPath  # the path and its grid
+    path: core.TimedPath  # the path and its grid
     section: Section  # what it is the path of
     rates: _Rates  # of the joints along it
     limits: JointLimits  # of the joints
@@ -270,7 +271,7 @@ def _thinned(count: int, parts: int) -> NDArray[np.intp]:
     return np.append(rows, last)
 
 
-def _rows_at(length: Float64Array, path: _core.TimedPath, section: Section) -> Float64Array:
+def _rows_at(length: Float64Array, path: core.TimedPath, section: Section) -> Float64Array:
     """Progress (n,) of a motion, counted in way-points, samples or knots of the whole path."""
     parameters = np.interp(length, path.length, path.parameter)
     rows = np.interp(parameters, section.parameters, section.rows)
@@ -313,7 +314,7 @@ class _PathBounds:
 
 
 def _bounds(
-    path: _core.TimedPath,
+    path: core.TimedPath,
     limits: JointLimits,
     request: Request,
     *,
@@ -336,7 +337,7 @@ def _bounds(
 
 
 def _with_efforts(
-    bounds: _PathBounds, path: _core.TimedPath, dynamics: InverseDynamics, effort: Float64Array
+    bounds: _PathBounds, path: core.TimedPath, dynamics: InverseDynamics, effort: Float64Array
 ) -> _PathBounds:
     """The bounds, with the joints' efforts kept inside their limits."""
     still = np.zeros_like(path.positions)
@@ -415,7 +416,7 @@ def _on_schedule(
 
 
 def _paced(
-    path: _core.TimedPath, parameters: Float64Array, times: Float64Array
+    path: core.TimedPath, parameters: Float64Array, times: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
     """Times (n,) at the grid's points, and x (n,) there, of a motion known at some parameters."""
     from scipy.interpolate import PchipInterpolator

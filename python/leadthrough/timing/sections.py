@@ -11,7 +11,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import JointTrajectory
 from leadthrough.timing.request import Request
@@ -266,7 +267,7 @@ _ULPS = 8.0 * np.finfo(np.float64).eps
 
 def apart(points: Float64Array) -> NDArray[np.intp]:
     """Indices of the way-points that do not nearly coincide with the one kept before."""
-    kept = _core.rows_apart(np.ascontiguousarray(points), _COINCIDENT)
+    kept = core.rows_apart(np.ascontiguousarray(points), _COINCIDENT)
     last = len(points) - 1
     if (points[kept[-1]] != points[last]).any():
         return np.append(kept[: max(len(kept) - 1, 1)], last)
@@ -360,7 +361,7 @@ def moving_samples(
     times: Float64Array, q: Float64Array, tolerance: float
 ) -> tuple[NDArray[np.intp], Float64Array]:
     """The samples that differ from the one kept before by more than the tolerance."""
-    indices = _core.rows_apart(np.ascontiguousarray(q), tolerance)
+    indices = core.rows_apart(np.ascontiguousarray(q), tolerance)
     if indices[-1] != len(q) - 1:  # which lies within the tolerance of the last one kept
         indices = np.append(indices[: max(len(indices) - 1, 1)], len(q) - 1)
     steps = np.diff(times[indices])
@@ -373,7 +374,7 @@ def fit_within(parameters: Float64Array, q: Float64Array, tolerance: float) -> S
     if len(parameters) <= _DEGREE + 1:
         return through(parameters, q)
     parameters, q = np.ascontiguousarray(parameters), np.ascontiguousarray(q)
-    breaks, table = _core.fit_spline(parameters, q, tolerance)
+    breaks, table = core.fit_spline(parameters, q, tolerance)
     if len(breaks) == 0:
         return through(parameters, q)
     return Spline(parameters[breaks], table.reshape(len(breaks) - 1, _DEGREE + 1, q.shape[1]))
@@ -382,5 +383,5 @@ def fit_within(parameters: Float64Array, q: Float64Array, tolerance: float) -> S
 def through(parameters: Float64Array, q: Float64Array) -> Spline:
     """The cubic spline through all samples; its third derivative is continuous near its ends."""
     parameters, q = np.ascontiguousarray(parameters), np.ascontiguousarray(q)
-    table = _core.cubic_through(parameters, q)
+    table = core.cubic_through(parameters, q)
     return Spline(parameters, table.reshape(len(q) - 1, 4, q.shape[1]))

@@ -14,7 +14,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.curve import PointCurve
@@ -129,7 +130,7 @@ class Bezier(PointCurve):
             shown = shown.derived()
         first, last = self.domain
         fractions = (np.atleast_1d(times) - first) / (last - first)
-        values = _core.bezier_values(shown.points, fractions)
+        values = core.bezier_values(shown.points, fractions)
         return values if times.ndim else values[0]
 
     def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:

@@ -26,7 +26,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
 
@@ -299,7 +300,7 @@ class JerkFilter(ShortRepr):
     def step(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
         """The state one period later, each dimension time-optimal by itself."""
         states, limits, goal = self._checked(state, target)
-        return _state(_core.step_each(states, limits, goal, check_period(period)))
+        return _state(core.step_each(states, limits, goal, check_period(period)))
 
     def step_together(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
         """The state one period later; all dimensions come to rest when the slowest of them can.
@@ -308,16 +309,16 @@ class JerkFilter(ShortRepr):
         its target cannot wait, and arrives earlier.
         """
         states, limits, goal = self._checked(state, target)
-        return _state(_core.step_together(states, limits, goal, check_period(period)))
+        return _state(core.step_together(states, limits, goal, check_period(period)))
 
     def durations(self, state: FilterState, target: ArrayLike) -> Float64Array:
         """Times (d,), s, that `step` takes to rest at the target."""
-        return np.asarray(_core.times_to_rest(*self._checked(state, target)))
+        return np.asarray(core.times_to_rest(*self._checked(state, target)))
 
     def resting_place(self, state: FilterState) -> Float64Array:
         """Positions (d,) at which the dimensions rest after the fastest stop."""
         states, limits, _ = self._checked(state, getattr(state, "position", ()))
-        return np.asarray(_core.resting_places(states, limits))
+        return np.asarray(core.resting_places(states, limits))
 
     def along(self, direction: ArrayLike) -> JerkFilter:
         """The filter of a position on a line, such that all dimensions keep their limits.

@@ -23,7 +23,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check, rotations
+import leadthrough._core as core
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import FitError
 from leadthrough.repr import ShortRepr
@@ -95,7 +96,7 @@ class Slerp(RotationCurve):
         return self.times
 
     def _rotations(self, t: Float64Array) -> Float64Array:
-        return _core.so3_slerp_through(self.times, self.quaternions, t)
+        return core.so3_slerp_through(self.times, self.quaternions, t)
 
     def _turning(self, t: Float64Array) -> Turning:
         turns = rotations.log(
@@ -133,9 +134,9 @@ class Squad(RotationCurve):
 
     def _rotations(self, t: Float64Array) -> Float64Array:
         (a, b, leaving, arriving), _, u = self._corners(t)
-        chord = _core.so3_slerp(a, b, u)
-        handle = _core.so3_slerp(leaving, arriving, u)
-        return _core.so3_slerp(chord, handle, 2.0 * u * (1.0 - u))
+        chord = core.so3_slerp(a, b, u)
+        handle = core.so3_slerp(leaving, arriving, u)
+        return core.so3_slerp(chord, handle, 2.0 * u * (1.0 - u))
 
     def _turning(self, t: Float64Array) -> Turning:
         corners, steps, fraction = self._corners(t)
@@ -187,7 +188,7 @@ class RotationBezier(RotationCurve):
         fractions = self._fractions(t)
         level = [np.repeat(q[None], len(t), axis=0) for q in self.quaternions]
         while len(level) > 1:
-            level = [_core.so3_slerp(a, b, fractions) for a, b in pairwise(level)]
+            level = [core.so3_slerp(a, b, fractions) for a, b in pairwise(level)]
         return level[0]
 
     def _turning(self, t: Float64Array) -> Turning:
@@ -235,10 +236,10 @@ class Turning:
 
     def then(self, outer: Turning) -> Turning:
         """`outer` after this one."""
-        matrices = _core.so3_to_matrix(outer.q).reshape(-1, 3, 3)
+        matrices = core.so3_to_matrix(outer.q).reshape(-1, 3, 3)
         carried = products(matrices, self.velocity)
         return Turning(
-            _core.so3_compose(outer.q, self.q),
+            core.so3_compose(outer.q, self.q),
             outer.velocity + carried,
             outer.acceleration
             + np.cross(outer.velocity, carried)
@@ -248,7 +249,7 @@ class Turning:
     def inverse(self) -> Turning:
         """The inverse rotations, and how they turn."""
         back = self.q * np.array([1.0, -1.0, -1.0, -1.0])
-        matrices = _core.so3_to_matrix(back).reshape(-1, 3, 3)
+        matrices = core.so3_to_matrix(back).reshape(-1, 3, 3)
         return Turning(
             back, -products(matrices, self.velocity), -products(matrices, self.acceleration)
         )
@@ -256,9 +257,9 @@ class Turning:
 
 def turning_of(phi: Float64Array, first: Float64Array, second: Float64Array) -> Turning:
     """The turning of exp(phi), for rotation vectors phi (n, 3) and their two derivatives."""
-    jacobians = _core.so3_left_jacobian(phi).reshape(-1, 3, 3)
+    jacobians = core.so3_left_jacobian(phi).reshape(-1, 3, 3)
     return Turning(
-        _core.so3_exp(phi),
+        core.so3_exp(phi),
         products(jacobians, first),
         products(jacobians, second) + drift(phi, first),
     )
@@ -266,8 +267,8 @@ def turning_of(phi: Float64Array, first: Float64Array, second: Float64Array) -> 
 
 def vectors_of(turning: Turning) -> tuple[Float64Array, Float64Array, Float64Array]:
     """The shortest rotation vectors (n, 3) with two derivatives; no rotation is half a turn."""
-    phi = _core.so3_log(turning.q)
-    inverses = _core.so3_left_jacobian_inverse(phi).reshape(-1, 3, 3)
+    phi = core.so3_log(turning.q)
+    inverses = core.so3_left_jacobian_inverse(phi).reshape(-1, 3, 3)
     first = products(inverses, turning.velocity)
     return phi, first, products(inverses, turning.acceleration - drift(phi, first))
 

@@ -9,7 +9,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.curve import PointCurve
@@ -76,7 +77,7 @@ class Spline(PointCurve):
 
     def _values(self, times: Float64Array, order: int) -> Float64Array:
         rows = self.coefficients.reshape(-1, self.coefficients.shape[2])
-        values = _core.polynomial_values(
+        values = core.polynomial_values(
             self.knots, rows, np.atleast_1d(times), min(order, len(rows))
         )
         return values if times.ndim else values[0]

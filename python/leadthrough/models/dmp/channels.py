@@ -11,7 +11,7 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core
+import leadthrough._core as core
 from leadthrough.check import Float64Array
 from leadthrough.events import Events
 from leadthrough.models.dmp import transformation
@@ -37,7 +37,7 @@ from leadthrough.shapes import Shape
 # A goal nearer than this fraction of the motion's size to the one before is the same.
 _SAME_GOAL = 1e-13
 
-StateT = TypeVar("StateT", _core.PointState, _core.PoseState)
+StateT = TypeVar("StateT", core.PointState, core.PoseState)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,9 +120,9 @@ class Channels(Generic[StateT]):
 
     def ahead(self, state: StateT, phases: Float64Array) -> tuple[Float64Array, Float64Array]:
         """Values and slopes (n, channels) from a state on, at phases (n,)."""
-        return _core.dmp_rollout(self.system.forces, state.course, state.value, state.slope, phases)
+        return core.dmp_rollout(self.system.forces, state.course, state.value, state.slope, phases)
 
-    def course(self, ends: Ends, query: CheckedQuery, *, count: int) -> _core.DmpCourse:
+    def course(self, ends: Ends, query: CheckedQuery, *, count: int) -> core.DmpCourse:
         """The course between ends, through the query's via points of the first channels."""
         learned = self.system
         if ends.equal(learned.ends):
@@ -139,7 +139,7 @@ class Channels(Generic[StateT]):
         goal: Float64Array,
         value: Float64Array | None = None,
         slope: Float64Array | None = None,
-    ) -> _core.DmpCourse:
+    ) -> core.DmpCourse:
         """The course to another goal (channels,), after a jump in value and slope, if any."""
         before, form = state.course, self.system.form
         if form != "blended":
@@ -158,9 +158,9 @@ class Channels(Generic[StateT]):
         """Values and slopes (n, channels) at PHASES, as demonstrated."""
         learned, ends = self.system, self.system.ends
         course = learned.demonstrated_course
-        return _core.dmp_rollout(learned.forces, course, ends.start, ends.start_slope, PHASES)
+        return core.dmp_rollout(learned.forces, course, ends.start, ends.start_slope, PHASES)
 
-    def _moved_course(self, ends: Ends) -> _core.DmpCourse:
+    def _moved_course(self, ends: Ends) -> core.DmpCourse:
         """The course of the form "blended" between other ends than demonstrated."""
         known = self.system.ends
         if ends.start_slope is known.start_slope and ends.goal_slope is known.goal_slope:
@@ -178,7 +178,7 @@ class Channels(Generic[StateT]):
 
 
 @dataclass(frozen=True, eq=False)
-class PointChannels(Channels[_core.PointState]):
+class PointChannels(Channels[core.PointState]):
     """Channels that are the coordinates of a point, or joints."""
 
     joint_names: tuple[str, ...] | None  # None for points
@@ -206,31 +206,31 @@ class PointChannels(Channels[_core.PointState]):
         extent = float(np.linalg.norm(values - values[0], axis=1).max())
         return Part(MOVING if self.joint_names is None else JOINTS, slopes, extent)
 
-    def as_demonstrated(self, duration: float) -> _core.PointState:
+    def as_demonstrated(self, duration: float) -> core.PointState:
         ends = self.system.ends
         course = self.system.demonstrated_course
-        return _core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
+        return core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
 
-    def begin(self, query: CheckedQuery, duration: float) -> _core.PointState:
+    def begin(self, query: CheckedQuery, duration: float) -> core.PointState:
         ends = ends_of(query, self.system.ends, duration)
         course = self.course(ends, query, count=len(ends.start))
-        return _core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
+        return core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
 
-    def lasting(self, state: _core.PointState, duration: float) -> _core.PointState:
-        return _core.PointState(state.course, state.value, state.slope, state.phase, duration)
+    def lasting(self, state: core.PointState, duration: float) -> core.PointState:
+        return core.PointState(state.course, state.value, state.slope, state.phase, duration)
 
-    def lengthening(self, state: _core.PointState, duration: float) -> float:
+    def lengthening(self, state: core.PointState, duration: float) -> float:
         _, slopes = self.ahead(state, COARSE_PHASES)
         return self._replay.lengthening(self._replay.measure.peak(slopes), duration)
 
-    def redirected(self, state: _core.PointState, goal: Target) -> _core.PointState:
+    def redirected(self, state: core.PointState, goal: Target) -> core.PointState:
         wanted = check_channels(goal, "goal", len(self.system.ends.goal))
         course = self.course_to(state, wanted)
-        return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
+        return core.PointState(course, state.value, state.slope, state.phase, state.duration)
 
-    def moved(self, state: _core.PointState, measured: Target) -> _core.PointState:
+    def moved(self, state: core.PointState, measured: Target) -> core.PointState:
         value = check_channels(measured, "measured", len(self.system.ends.goal))
-        return _core.PointState(state.course, value, state.slope, state.phase, state.duration)
+        return core.PointState(state.course, value, state.slope, state.phase, state.duration)
 
     def acceleration(self, coupling: ArrayLike) -> Float64Array:
         """A coupling (d,) as it is."""
@@ -238,7 +238,7 @@ class PointChannels(Channels[_core.PointState]):
 
     def motion(
         self,
-        state: _core.PointState,
+        state: core.PointState,
         phases: Float64Array,
         *,
         constraints: Constraints,

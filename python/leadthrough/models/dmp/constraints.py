@@ -15,7 +15,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import NoPath, UnsupportedQuery
 from leadthrough.models.dmp.transformation import TransformationSystem, end_of
@@ -30,7 +31,7 @@ _REACH = 0.25
 # The last part of a motion, over which the error that a detour has left is blended out.
 _LATEST_PUSH = 0.9
 
-StateT = TypeVar("StateT", _core.PointState, _core.PoseState)
+StateT = TypeVar("StateT", core.PointState, core.PoseState)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,14 +84,12 @@ def roll(
     """Values and slopes (n, channels) at phases (n,) from a state on."""
     forces, start = system.forces, (state.value, state.slope)
     if constraints.are_none:
-        return _core.dmp_rollout(forces, state.course, *start, phases)
+        return core.dmp_rollout(forces, state.course, *start, phases)
     goal = end_of(state.course)
     _check_ends(constraints, state.value, goal)
     near = np.stack([state.value, goal])
     scene = _avoidance_scene(constraints, near=near, size=size)
-    values, slopes, last_push = _core.dmp_rollout_around(
-        forces, state.course, scene, *start, phases
-    )
+    values, slopes, last_push = core.dmp_rollout_around(forces, state.course, scene, *start, phases)
     if len(constraints.lower):  # a barrier's steps leave rounding beyond it
         values = np.clip(values, constraints.lower, constraints.upper)
     if system.form == "blended" and last_push > 0.0:
@@ -129,11 +128,11 @@ def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Arra
 
 def _avoidance_scene(
     constraints: Constraints, *, near: Float64Array, size: float
-) -> _core.AvoidanceScene:
+) -> core.AvoidanceScene:
     """Constraints as the kernels take them."""
     obstacles, size = constraints.obstacles, size or 1.0
     allowed = 0.5 * _clearances(obstacles, near).min(axis=1)
-    return _core.AvoidanceScene(
+    return core.AvoidanceScene(
         compiled(obstacles),
         np.clip(allowed, _MIN_MARGIN * size, _MARGIN * size),
         _REACH * size,

@@ -30,7 +30,8 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import _core, check, rotations
+import leadthrough._core as core
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import FitError, NoContinuousLogarithm
 from leadthrough.models.dmp.progress import running_mean
@@ -60,7 +61,7 @@ _MEDIAN = 2.366
 
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 _ZERO = np.zeros(3)
-_NO_OFFSET = _core.DmpPath()
+_NO_OFFSET = core.DmpPath()
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +77,12 @@ class OrientationCoordinates(ShortRepr):
     rhythmic: bool = False  # whether the curve closes and repeats
 
     @cached_property
-    def curve(self) -> _core.DmpCurve:
+    def curve(self) -> core.DmpCurve:
         """The curve as the compiled core takes it."""
         turns = rotations.compose(rotations.inverse(self.controls[:-1]), self.controls[1:])
         covered = _covered(self.speeds)
         zyz = self.representation == "euler"
-        return _core.DmpCurve(
+        return core.DmpCurve(
             self.controls, rotations.log(turns), self.speeds, covered, zyz, self.rhythmic
         )
 
@@ -92,33 +93,33 @@ class OrientationCoordinates(ShortRepr):
         if self.representation == "euler":
             return _ZERO, _ZERO
         if self.representation != "anchored":
-            last = _core.dmp_offset(goal, self.goal, _ZERO)
+            last = core.dmp_offset(goal, self.goal, _ZERO)
             return last, last
-        first = _core.dmp_offset(start, self.start, _ZERO)
-        return first, _core.dmp_offset(goal, self.goal, first if near is None else near)
+        first = core.dmp_offset(start, self.start, _ZERO)
+        return first, core.dmp_offset(goal, self.goal, first if near is None else near)
 
     def coordinates(
         self,
         orientation: Float64Array,
         *,
         phase: float,
-        offset: _core.DmpPath,
+        offset: core.DmpPath,
         near: Float64Array,
         velocity: Float64Array = _ZERO,
     ) -> tuple[Float64Array, Float64Array]:
         """Coordinates of an orientation, and their slope."""
         if self.representation == "log":
             near = _ZERO
-        return _core.dmp_coordinates(self.curve, offset, phase, orientation, velocity, near)
+        return core.dmp_coordinates(self.curve, offset, phase, orientation, velocity, near)
 
     def orientations(
         self,
         phases: Float64Array,
         values: Float64Array,
-        offset: _core.DmpPath = _NO_OFFSET,
+        offset: core.DmpPath = _NO_OFFSET,
     ) -> Float64Array:
         """Orientations of coordinates, sign-continuous."""
-        return _core.dmp_orientations(self.curve, offset, phases, values)
+        return core.dmp_orientations(self.curve, offset, phases, values)
 
     def arrays(self) -> dict[str, Float64Array]:
         """Its arrays by name, for a file."""

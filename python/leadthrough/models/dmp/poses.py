@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, rotations
+import leadthrough._core as core
+from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, UnsupportedQuery
 from leadthrough.events import Events
@@ -48,7 +49,7 @@ _SAMPLES = 1000
 
 
 @dataclass(frozen=True, eq=False)
-class PoseChannels(Channels[_core.PoseState]):
+class PoseChannels(Channels[core.PoseState]):
     """Channels of the position, and of the orientation in its coordinates."""
 
     orientation: OrientationCoordinates
@@ -77,14 +78,14 @@ class PoseChannels(Channels[_core.PoseState]):
         rotated = float(rotations.distance(q, np.repeat(q[:1], len(q), axis=0)).max())
         return Part(MOVING, slopes[:, :3], moved), Part(ROTATING, angular_velocities(q), rotated)
 
-    def as_demonstrated(self, duration: float) -> _core.PoseState:
+    def as_demonstrated(self, duration: float) -> core.PoseState:
         ends, curve = self.system.ends, self.orientation.curve
         course = self.system.demonstrated_course
-        return _core.PoseState(
-            course, ends.start, ends.start_slope, 0.0, duration, curve, _core.DmpPath()
+        return core.PoseState(
+            course, ends.start, ends.start_slope, 0.0, duration, curve, core.DmpPath()
         )
 
-    def begin(self, query: CheckedQuery, duration: float) -> _core.PoseState:
+    def begin(self, query: CheckedQuery, duration: float) -> core.PoseState:
         first, first_q = as_pose(query.start, "start")
         last, last_q = as_pose(query.goal, "goal")
         asked = replace(query, start=first, goal=last)
@@ -98,25 +99,25 @@ class PoseChannels(Channels[_core.PoseState]):
         else:
             ends = positions.joined(rotated)
         course = self.course(ends, query, count=3)
-        state = _core.PoseState(
+        state = core.PoseState(
             course, ends.start, ends.start_slope, 0.0, duration, self.orientation.curve, offset
         )
         as_demonstrated = first_q is None and last_q is None
         return state if as_demonstrated else self._without_spin(state)
 
-    def lasting(self, state: _core.PoseState, duration: float) -> _core.PoseState:
-        return _core.PoseState(
+    def lasting(self, state: core.PoseState, duration: float) -> core.PoseState:
+        return core.PoseState(
             state.course, state.value, state.slope, state.phase, duration, state.curve, state.offset
         )
 
-    def lengthening(self, state: _core.PoseState, duration: float) -> float:
-        linear, angular = _core.dmp_peak_speeds(self.system.forces, state, COARSE_PHASES)
+    def lengthening(self, state: core.PoseState, duration: float) -> float:
+        linear, angular = core.dmp_peak_speeds(self.system.forces, state, COARSE_PHASES)
         moving, rotating = self._replay
         return max(moving.lengthening(linear, duration), rotating.lengthening(angular, duration))
 
     def motion(
         self,
-        state: _core.PoseState,
+        state: core.PoseState,
         phases: Float64Array,
         *,
         constraints: Constraints,
@@ -124,7 +125,7 @@ class PoseChannels(Channels[_core.PoseState]):
         joints: JointTrajectory | None,
     ) -> PoseTrajectory:
         if constraints.are_none:
-            positions, orientations = _core.dmp_poses(self.system.forces, state, phases)
+            positions, orientations = core.dmp_poses(self.system.forces, state, phases)
         else:
             values, _ = roll(self.system, state, phases, constraints=constraints, size=self.size)
             positions = values[:, :3].copy()
@@ -142,7 +143,7 @@ class PoseChannels(Channels[_core.PoseState]):
         """A coupling (3,) or (6,) as linear and angular acceleration (6,)."""
         return pose_acceleration(coupling)
 
-    def redirected(self, state: _core.PoseState, goal: Target) -> _core.PoseState:
+    def redirected(self, state: core.PoseState, goal: Target) -> core.PoseState:
         position, q = as_pose(goal, "goal")
         wanted = np.concatenate([check_channels(position, "goal", 3), self.system.ends.goal[3:]])
         known, before = self.orientation, state.offset.end
@@ -162,7 +163,7 @@ class PoseChannels(Channels[_core.PoseState]):
             course = scaled_by(course, _ORIENTATION, wanted[3:] - self._started(state, offset))
         return self._without_spin(self._with(state, course, value, slope, offset))
 
-    def moved(self, state: _core.PoseState, measured: Target) -> _core.PoseState:
+    def moved(self, state: core.PoseState, measured: Target) -> core.PoseState:
         position, given = as_pose(measured, "measured")
         q = state.orientation if given is None else given
         value, slope = self._coordinates_of(state, q, state.offset)
@@ -188,11 +189,11 @@ class PoseChannels(Channels[_core.PoseState]):
 
     def _rotated_ends(
         self, start: Float64Array | None, goal: Float64Array | None
-    ) -> tuple[Ends, _core.DmpPath]:
+    ) -> tuple[Ends, core.DmpPath]:
         """Ends of the orientation's coordinates, and the offset of the curve."""
         learned, known = self.system.ends.part(_ORIENTATION), self.orientation
         if start is None and goal is None:
-            return learned, _core.DmpPath()
+            return learned, core.DmpPath()
         first = known.start if start is None else start
         last = known.goal if goal is None else goal
         offset = self._offset(*known.offsets(first, last))
@@ -202,20 +203,20 @@ class PoseChannels(Channels[_core.PoseState]):
         at_goal, _ = known.coordinates(last, phase=1.0, offset=offset, near=learned.goal)
         return replace(learned, start=at_start, goal=at_goal), offset
 
-    def _offset(self, first: Float64Array, last: Float64Array) -> _core.DmpPath:
+    def _offset(self, first: Float64Array, last: Float64Array) -> core.DmpPath:
         """The path between offsets (3,) of the curve, by the orientation's own progress."""
         if not (first.any() or last.any()):
-            return _core.DmpPath()
+            return core.DmpPath()
         own = self.progress.part(_ORIENTATION)
-        return _core.DmpPath(own.breaks, own.shift(first, last))
+        return core.DmpPath(own.breaks, own.shift(first, last))
 
-    def _started(self, state: _core.PoseState, offset: _core.DmpPath) -> Float64Array:
+    def _started(self, state: core.PoseState, offset: core.DmpPath) -> Float64Array:
         """Coordinates (3,) under another offset of where a state of the form "ijspeert" began."""
         known, began = self.orientation, end_of(state.course)[3:] - state.course.gain[3:]
         first = known.orientations(np.zeros(1), began[None], state.offset)[0]
         return known.coordinates(first, phase=0.0, offset=offset, near=began)[0]
 
-    def _offset_to(self, state: _core.PoseState, shift: Float64Array) -> _core.DmpPath:
+    def _offset_to(self, state: core.PoseState, shift: Float64Array) -> core.DmpPath:
         if np.abs(shift).max() <= _SAME_ORIENTATION:
             return state.offset
         if state.phase == 0.0:
@@ -224,7 +225,7 @@ class PoseChannels(Channels[_core.PoseState]):
         return state.offset.superposed(state.phase, until, _NOTHING, _NOTHING, shift)
 
     def _coordinates_of(
-        self, state: _core.PoseState, orientation: Float64Array, offset: _core.DmpPath
+        self, state: core.PoseState, orientation: Float64Array, offset: core.DmpPath
     ) -> tuple[Float64Array, Float64Array]:
         """Value and slope (6,) of the state, with another orientation or under another offset."""
         e, e_slope = self.orientation.coordinates(
@@ -238,16 +239,16 @@ class PoseChannels(Channels[_core.PoseState]):
 
     def _with(
         self,
-        state: _core.PoseState,
-        course: _core.DmpCourse,
+        state: core.PoseState,
+        course: core.DmpCourse,
         value: Float64Array,
         slope: Float64Array,
-        offset: _core.DmpPath | None = None,
-    ) -> _core.PoseState:
+        offset: core.DmpPath | None = None,
+    ) -> core.PoseState:
         by = state.offset if offset is None else offset
-        return _core.PoseState(course, value, slope, state.phase, state.duration, state.curve, by)
+        return core.PoseState(course, value, slope, state.phase, state.duration, state.curve, by)
 
-    def _without_spin(self, state: _core.PoseState) -> _core.PoseState:
+    def _without_spin(self, state: core.PoseState) -> core.PoseState:
         """The same state, unless the tool would spin from it to the end."""
         if not self.refuses_spins or state.phase >= 1.0:
             return state
@@ -263,7 +264,7 @@ class PoseChannels(Channels[_core.PoseState]):
             'use "anchored"'
         )
 
-    def _orientations(self, state: _core.PoseState, phases: Float64Array) -> Float64Array:
+    def _orientations(self, state: core.PoseState, phases: Float64Array) -> Float64Array:
         values, _ = self.ahead(state, phases)
         return self.orientation.orientations(phases, values, state.offset)
 

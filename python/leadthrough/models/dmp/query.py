@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import UnsupportedQuery
 from leadthrough.models.demonstrations import MAX_NUMBER
@@ -85,8 +86,8 @@ def _or(value: Target | None, name: str, nominal: Float64Array) -> Float64Array:
 
 
 def course_through(
-    learned: TransformationSystem, direct: _core.DmpCourse, ends: Ends, via: Via, *, count: int
-) -> _core.DmpCourse:
+    learned: TransformationSystem, direct: core.DmpCourse, ends: Ends, via: Via, *, count: int
+) -> core.DmpCourse:
     """A course made to pass via points."""
     if not isinstance(via, Sequence):
         raise InvalidInput(f"via: expected a sequence of (phase, point), got {type(via).__name__}")
@@ -94,7 +95,7 @@ def course_through(
         return direct
     phases, points = _via(via, count)
     asked = np.concatenate([[0.0], phases])
-    values, _ = _core.dmp_rollout(learned.forces, direct, ends.start, ends.start_slope, asked)
+    values, _ = core.dmp_rollout(learned.forces, direct, ends.start, ends.start_slope, asked)
     offsets = np.zeros_like(values[1:])
     offsets[:, :count] = points - values[1:, :count]
     return transformation.with_via(direct, list(zip(phases, offsets, strict=True)))

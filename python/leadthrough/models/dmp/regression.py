@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core
+import leadthrough._core as core
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models.dmp.transformation import (
@@ -135,7 +135,7 @@ def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> T
     system = TransformationSystem(RHYTHMIC, np.ascontiguousarray(solution), ends)
     swung_in = np.array([0.0, _SWUNG_IN])
     asked = course(RHYTHMIC, system.ends)
-    y, slopes = _core.dmp_rollout(system.forces, asked, centre, rest, swung_in)
+    y, slopes = core.dmp_rollout(system.forces, asked, centre, rest, swung_in)
     return replace(system, ends=Ends(y[-1].copy(), centre, slopes[-1].copy(), rest))
 
 
@@ -204,7 +204,7 @@ def _responses(kernels: Kernels, phases: Float64Array) -> tuple[Float64Array, Fl
     """Errors (n, weights) that each function alone makes, and the last value and slope of them."""
     rest = np.zeros(kernels.values.shape[1])
     still = course("hoffmann", Ends(rest, rest, rest, rest))
-    values, slopes = _core.dmp_rollout(each_alone(kernels), still, rest, rest, phases)
+    values, slopes = core.dmp_rollout(each_alone(kernels), still, rest, rest, phases)
     return values, np.stack([values[-1], slopes[-1]])
 
 
@@ -218,7 +218,7 @@ def _without_force(target: _Target) -> tuple[Float64Array, Float64Array]:
         return powers @ minimum_jerk(ends), powers @ slopes
     no_weights = np.zeros((target.kernels.values.shape[1], len(ends.start)))
     forces = tabulated(target.kernels, no_weights)
-    known, _ = _core.dmp_rollout(
+    known, _ = core.dmp_rollout(
         forces, course(target.form, ends), ends.start, ends.start_slope, phases
     )
     return known, (phases * np.exp(-RATE * phases))[:, None]

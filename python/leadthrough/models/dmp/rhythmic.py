@@ -15,7 +15,8 @@ from typing import Any, ClassVar, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check, events
+import leadthrough._core as core
+from leadthrough import check, events
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import UnsupportedQuery
 from leadthrough.models.archive import Arrays
@@ -163,7 +164,7 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
         if known is None:
             ends = _cycle_ends(learned, start, goal, scale)
             course = transformation.course(RHYTHMIC, ends, amplitude=scale)
-            return _core.PointState(course, ends.start, ends.start_slope, 0.0, total)
+            return core.PointState(course, ends.start, ends.start_slope, 0.0, total)
         first, first_q = as_pose(start, "start")
         centre, centre_q = as_pose(goal, "goal")
         position = _cycle_ends(learned.part(slice(3)), first, centre, scale)
@@ -173,10 +174,8 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
         )
         q = known.goal if centre_q is None else centre_q
         offsets = known.offsets(q if first_q is None else first_q, q)
-        offset = _core.DmpPath(np.array([0.0, 1.0]), transformation.between(*offsets))
-        return _core.PoseState(
-            course, ends.start, ends.start_slope, 0.0, total, known.curve, offset
-        )
+        offset = core.DmpPath(np.array([0.0, 1.0]), transformation.between(*offsets))
+        return core.PoseState(course, ends.start, ends.start_slope, 0.0, total, known.curve, offset)
 
     def step(
         self,
@@ -215,7 +214,7 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
     ) -> Trajectory | PoseTrajectory | JointTrajectory:
         """The motion from a state on, at times (n,), with the events of every period."""
         phases = times / state.duration
-        values, slopes = _core.dmp_rollout(
+        values, slopes = core.dmp_rollout(
             self.system.forces, state.course, state.value, state.slope, phases
         )
         rounds = events.every_round(self.events, float(times[-1]) / state.duration)
@@ -236,9 +235,9 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
         if self.orientation is None:
             centre = check_channels(goal, "goal", len(self.system.ends.goal))
             course = transformation.redirected(RHYTHMIC, state.course, centre)
-            return _core.PointState(course, state.value, state.slope, state.phase, state.duration)
+            return core.PointState(course, state.value, state.slope, state.phase, state.duration)
         centre = np.append(check_channels(goal, "goal", 3), self.system.ends.goal[3:])
-        return _core.PoseState(
+        return core.PoseState(
             transformation.redirected(RHYTHMIC, state.course, centre),
             *(state.value, state.slope, state.phase, state.duration),
             *(state.curve, state.offset),

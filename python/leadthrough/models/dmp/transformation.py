@@ -31,7 +31,8 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models.dmp.progress import Progress
 from leadthrough.repr import ShortRepr
@@ -121,12 +122,12 @@ class TransformationSystem(ShortRepr):
         return kernels_of(self.form, len(self.weights))
 
     @cached_property
-    def forces(self) -> _core.DmpForces:
+    def forces(self) -> core.DmpForces:
         """The learned force, tabulated."""
         return tabulated(self.kernels, self.weights)
 
     @cached_property
-    def demonstrated_course(self) -> _core.DmpCourse:
+    def demonstrated_course(self) -> core.DmpCourse:
         """The course between the ends as demonstrated."""
         return course(self.form, self.ends)
 
@@ -192,20 +193,20 @@ def _node_phases(weights: int) -> Float64Array:
     return np.linspace(0.0, 1.0, _INTERVALS_PER_WEIGHT * weights + 1)
 
 
-def tabulated(kernels: Kernels, weights: Float64Array) -> _core.DmpForces:
+def tabulated(kernels: Kernels, weights: Float64Array) -> core.DmpForces:
     """Forces as the compiled core takes them."""
     nodes = np.ascontiguousarray(kernels.features @ weights)
-    return _core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
+    return core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
 
 
 @lru_cache(maxsize=8)
-def each_alone(kernels: Kernels) -> _core.DmpForces:
+def each_alone(kernels: Kernels) -> core.DmpForces:
     """Forces of one channel for each kernel, of which the weight is 1."""
     nodes = np.ascontiguousarray(kernels.features)
-    return _core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
+    return core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
 
 
-def course(form: str, ends: Ends, *, amplitude: float = 1.0) -> _core.DmpCourse:
+def course(form: str, ends: Ends, *, amplitude: float = 1.0) -> core.DmpCourse:
     """The course between ends: reference of every channel, gain of its force, and drive."""
     count = len(ends.goal)
     gain, drive = np.full(count, amplitude), np.zeros(count)
@@ -218,17 +219,17 @@ def course(form: str, ends: Ends, *, amplitude: float = 1.0) -> _core.DmpCourse:
         drive = -(RATE**2) * (ends.goal - ends.start)
     elif form == "ijspeert":
         gain = ends.goal - ends.start
-    return _core.DmpCourse(np.array([0.0, 1.0]), np.ascontiguousarray(reference), gain, drive)
+    return core.DmpCourse(np.array([0.0, 1.0]), np.ascontiguousarray(reference), gain, drive)
 
 
 def moved_course(
     plain: Float64Array, progress: Progress, *, start: Float64Array, goal: Float64Array
-) -> _core.DmpCourse:
+) -> core.DmpCourse:
     """The course of the form "blended", its start and goal shifted by offsets (channels,)."""
-    return _core.dmp_shifted_course(progress.breaks, plain, progress.coefficients, start, goal)
+    return core.dmp_shifted_course(progress.breaks, plain, progress.coefficients, start, goal)
 
 
-def with_via(before: _core.DmpCourse, via: Sequence[tuple[float, Float64Array]]) -> _core.DmpCourse:
+def with_via(before: core.DmpCourse, via: Sequence[tuple[float, Float64Array]]) -> core.DmpCourse:
     """A course with detours: the minimum-jerk spline through them, at rest and 0 at both ends."""
     from scipy.interpolate import make_interp_spline
 
@@ -240,26 +241,26 @@ def with_via(before: _core.DmpCourse, via: Sequence[tuple[float, Float64Array]])
     return _added(before, detour, phases)
 
 
-def shifted(before: _core.DmpCourse, progress: Progress, goal: Float64Array) -> _core.DmpCourse:
+def shifted(before: core.DmpCourse, progress: Progress, goal: Float64Array) -> core.DmpCourse:
     """A course whose goal is shifted before it has begun: the shift enters by the progress."""
     return _added(before, progress.scaled(goal), progress.breaks)
 
 
-def redirected(form: str, before: _core.DmpCourse, goal: Float64Array) -> _core.DmpCourse:
+def redirected(form: str, before: core.DmpCourse, goal: Float64Array) -> core.DmpCourse:
     """The course with another goal (channels,), to which the springs lead at once."""
     shift = goal - end_of(before)
     coefficients = before.coefficients.copy()
     coefficients[::6] += shift
     gain = before.gain + shift if form == "ijspeert" else before.gain
     drive = before.drive - RATE**2 * shift if form == "hoffmann" else before.drive
-    return _core.DmpCourse(before.breaks, coefficients, gain, drive)
+    return core.DmpCourse(before.breaks, coefficients, gain, drive)
 
 
-def scaled_by(before: _core.DmpCourse, channels: slice, gain: Float64Array) -> _core.DmpCourse:
+def scaled_by(before: core.DmpCourse, channels: slice, gain: Float64Array) -> core.DmpCourse:
     """The course with other gains (count,) of the forces of some channels."""
     gains = before.gain.copy()
     gains[channels] = gain
-    return _core.DmpCourse(before.breaks, before.coefficients, gains, before.drive)
+    return core.DmpCourse(before.breaks, before.coefficients, gains, before.drive)
 
 
 def between(start: Float64Array, goal: Float64Array) -> Float64Array:
@@ -273,21 +274,21 @@ def minimum_jerk(ends: Ends) -> Float64Array:
     return quintic_coefficients(ends.start, ends.goal, ends.start_slope, ends.goal_slope)
 
 
-def end_of(course: _core.DmpCourse) -> Float64Array:
+def end_of(course: core.DmpCourse) -> Float64Array:
     """Values (channels,) at the end of a course."""
     breaks = course.breaks
     powers = (breaks[-1] - breaks[-2]) ** np.arange(6.0)
     return np.asarray(powers @ course.coefficients[-6:])
 
 
-def _added(before: _core.DmpCourse, curve: Any, breaks: Float64Array) -> _core.DmpCourse:
+def _added(before: core.DmpCourse, curve: Any, breaks: Float64Array) -> core.DmpCourse:
     """A course plus a curve (channels,) whose pieces join at breaks."""
     from scipy.interpolate import PPoly
 
     powers = before.coefficients.reshape(-1, 6, len(before.gain)).transpose(1, 0, 2)[::-1]
     joined = np.union1d(before.breaks, breaks)
     coefficients = _taylor(PPoly(powers, before.breaks), joined) + _taylor(curve, joined)
-    return _core.DmpCourse(joined, coefficients, before.gain, before.drive)
+    return core.DmpCourse(joined, coefficients, before.gain, before.drive)
 
 
 def _taylor(curve: Any, breaks: Float64Array) -> Float64Array:

@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core
+import leadthrough._core as core
 from leadthrough.check import Float64Array
 from leadthrough.errors import NoPath
 from leadthrough.models.marching.experience import Experience
@@ -207,7 +207,7 @@ def _branches_near(
     shifted: Float64Array, starts: Float64Array, start: Float64Array, length: float
 ) -> Iterator[NDArray[np.bool_]]:
     """Groups of demonstrations connected by small steps, that with the nearest start first."""
-    neighbours = _core.rms_apart(shifted) < _SAME_BRANCH * length
+    neighbours = core.rms_apart(shifted) < _SAME_BRANCH * length
     distance = np.linalg.norm(starts - start, axis=1)
     left = np.ones(len(shifted), dtype=bool)
     while left.any():

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from leadthrough import _core
+import leadthrough._core as core
 from leadthrough.check import Float64Array
 from leadthrough.models.promp.dense import product
 from leadthrough.repr import ShortRepr
@@ -64,7 +64,7 @@ class Basis(ShortRepr):
         if self.kind == "bspline":
             return np.asarray(self._spline(phases, order))
         functions = phases, self.centres, self.sharpness, self.is_rhythmic
-        return _core.normalised_basis(*functions, order)
+        return core.normalised_basis(*functions, order)
 
     def curves(
         self,
@@ -78,9 +78,9 @@ class Basis(ShortRepr):
         """Curves of many weights and their derivatives, and whether all are certainly finite."""
         if self.kind == "bspline":
             rows = [self._spline(phases, order) * pace for order, pace in enumerate(paces)]
-            return _core.curves_over(np.concatenate(rows), len(paces), weights, most, threads)
+            return core.curves_over(np.concatenate(rows), len(paces), weights, most, threads)
         functions = phases, self.centres, self.sharpness, self.is_rhythmic
-        return _core.curves_over_basis(*functions, paces, weights, most, threads)
+        return core.curves_over_basis(*functions, paces, weights, most, threads)
 
     @cached_property
     def centres(self) -> Float64Array:

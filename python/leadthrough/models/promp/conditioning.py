@@ -17,7 +17,8 @@ from typing import Any, Protocol, Self, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import _core, check
+import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.promp.basis import Basis
@@ -94,7 +95,7 @@ def quickly(
     basis, weights = skill.basis, skill.free
     if basis.kind == "bspline" or skill.coordinates.kind == "poses":
         return None
-    observed = _core.condition_at(
+    observed = core.condition_at(
         weights.mean,
         weights.covariance,
         basis.centres,
@@ -156,7 +157,7 @@ def of_columns(
     name: str,
 ) -> Gaussian:
     """The weights after observing some columns at one or several phases."""
-    certain, mean, covariance = _core.condition_weights(
+    certain, mean, covariance = core.condition_weights(
         weights.mean,
         weights.covariance,
         rows,
@@ -184,7 +185,7 @@ def noise_of(covariance: ArrayLike | None, size: int) -> Float64Array | None:
     if covariance is None:
         return None
     result = check.array(covariance, "covariance", shape=(size, size))
-    if not _core.is_covariance(result):
+    if not core.is_covariance(result):
         raise InvalidInput("covariance: expected a symmetric positive semi-definite matrix")
     return result
 

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import _core
+import leadthrough._core as core
 from leadthrough.check import Float64Array
 
 _Floats: TypeAlias = NDArray[np.floating[Any]]
@@ -20,12 +20,12 @@ _TAKEN = -np.inf  # what is left of the variance of a pivot that was used
 
 def product(left: _Floats, right: _Floats) -> Float64Array:
     """The product (n, m) of matrices (n, k) and (k, m)."""
-    return _core.product(_rows(left), _rows(right))
+    return core.product(_rows(left), _rows(right))
 
 
 def solve_definite(matrix: _Floats, right: _Floats) -> Float64Array:
     """The solution (n, m) of a system with a symmetric positive definite matrix (n, n)."""
-    solved = _core.solve_definite(_rows(matrix), _rows(right))
+    solved = core.solve_definite(_rows(matrix), _rows(right))
     if solved.shape != right.shape:
         raise np.linalg.LinAlgError("the matrix is not positive definite")
     return solved

@@ -12,7 +12,8 @@ from typing import Any, Generic, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core, check, events, rotations
+import leadthrough._core as core
+from leadthrough import check, events, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import Coordinates, rotated_by
 from leadthrough.models.promp.basis import Basis
@@ -79,7 +80,7 @@ class Drawing(Generic[MotionT_co]):
             self._phases, weights, self._paces, most=self._together, threads=threads
         )
         for block in blocks:
-            if not certain and not _core.all_finite(block):
+            if not certain and not core.all_finite(block):
                 _refuse_infinite(block)
             yield from block
 

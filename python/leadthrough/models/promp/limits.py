@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import _core
+import leadthrough._core as core
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.dense import product, root_of, row_basis, solve_definite
@@ -207,7 +207,7 @@ class Truncated:
         """Every `stride`-th draw of what the walls see, one for each velocity, after the first."""
         first = np.random.default_rng(0).standard_normal((_FIRST, velocities.shape[1]))
         all_of = np.concatenate([first, velocities])
-        drawn = _core.sample_truncated_gaussian(self._walls, self._room, self._start, all_of)
+        drawn = core.sample_truncated_gaussian(self._walls, self._room, self._start, all_of)
         return np.asarray(drawn[_FIRST + stride - 1 :: stride])
 
 
