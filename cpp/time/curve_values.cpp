@@ -35,7 +35,7 @@ AddRow add_row_of(Index columns) {
   }
 }
 
-// What the derivative of each power is multiplied by: k (k - 1) ... for so many factors.
+// Factors of each power's derivative of an order: k (k - 1) ..., as many as the order.
 std::vector<double> falling_factors(Index terms, int order) {
   std::vector<double> factors(static_cast<std::size_t>(terms), 1.0);
   for (Index k = 0; k < terms; ++k)

@@ -8,8 +8,8 @@
 // Along the ramp D never decreases: dD/dt = (ramp's jerk - stop's jerk) dD/da, where dD/da >= 0, as
 // of two stops the one that starts with more acceleration has the higher velocity throughout, and
 // where the ramp's jerk is not the stop's, it is larger. So the moment is found by bisection and
-// the target is never passed but by states that cannot help it. Where both jerks agree, D cannot be
-// told apart from the target by rounding with any consequence: nothing chatters.
+// the target is never passed but by states that cannot help it. If both jerks agree, D differs
+// from the target by rounding only, without any consequence: nothing chatters.
 
 #include "time/jerk_filter.hpp"
 
@@ -40,7 +40,7 @@ struct Ramp {
   double duration() const { return time[0] + time[1] + time[2]; }
 };
 
-// Where an acceleration that is released at once leaves less than `velocity`.
+// The ramp if the acceleration, released at once, leaves less than `velocity`.
 Ramp ramp_up(const AxisState& s, double velocity, const AxisLimits& limits) {
   const double push = limits.jerk_high, release = -limits.jerk_low;
   const double most = limits.acceleration_high, a = s.acceleration, change = velocity - s.velocity;
@@ -89,7 +89,7 @@ void push(AxisState& s, double jerk, double t) {
 AxisState end_of(const Ramp& ramp, AxisState s) {
   for (std::size_t i = 0; i < 3; ++i) {
     push(s, ramp.jerk[i], ramp.time[i]);
-    s.acceleration = ramp.acceleration[i];  // where rounding would leave the limits
+    s.acceleration = ramp.acceleration[i];  // free of rounding, which would leave the limits
   }
   s.velocity = ramp.velocity;
   return s;

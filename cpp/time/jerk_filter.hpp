@@ -32,7 +32,7 @@ struct AxisBatch {
 
 using AxisTargets = Eigen::Ref<const Eigen::VectorXd>;
 
-// Where axes rest that stop as fast as they may.
+// Positions of axes after they have stopped as fast as they may.
 Eigen::VectorXd resting_places(const AxisBatch& axes);
 // Times until each rests at its target.
 Eigen::VectorXd times_to_rest(const AxisBatch& axes, const AxisTargets& targets);

@@ -129,7 +129,7 @@ bool one_sign(const std::array<double, size>& values) {
   return *least >= 0.0 || *most <= 0.0;
 }
 
-// Where a polynomial changes sign that rises or falls throughout between its derivative's roots.
+// Roots of a polynomial that is monotonic between its derivative's roots.
 template <std::size_t size, typename Roots>
 Roots between(const std::array<double, size>& values, const Roots& turns) {
   Roots roots;
@@ -163,7 +163,7 @@ JointState state(const Eigen::Ref<const Rows>& positions, const Eigen::Ref<const
 // Rows of MotionPeaks.
 enum Peak : std::size_t { kLowest, kHighest, kSpeed, kAcceleration, kJerk, kPeaks };
 
-// One joint's peaks so far. What cannot exceed them is not computed.
+// One joint's peaks so far. Smaller ones are not computed.
 struct JointPeaks {
   std::array<double, kPeaks> value{kInfinity, -kInfinity, -1.0, -1.0, -1.0};
   std::array<double, kPeaks> time{};

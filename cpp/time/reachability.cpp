@@ -21,7 +21,7 @@ namespace {
 
 // A row whose gain is smaller than this share of the largest in the grid does not act on u.
 constexpr double kNegligibleGain = 1e-9;
-// What rounding leaves of a length that is zero, relative to the terms that it is the sum of.
+// Rounding error of a sum that should be zero, relative to its terms.
 constexpr double kRounding = 1e-12;
 constexpr double kSameSpeed = 1e-9;
 constexpr int kMaxNewtonSteps = 100;
@@ -104,7 +104,7 @@ class Cell {
     if (x_.low > x_.high) return x_;
     const double high = outermost(x_.high, x_.low);
     const double low = outermost(x_.low, x_.high);
-    // Where one x is left, both come to it but for rounding.
+    // If a single x is left, both ends agree up to rounding.
     return {low <= high * (1.0 + kSameSpeed) ? std::min(low, high) : low, high};
   }
 

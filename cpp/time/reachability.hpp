@@ -6,7 +6,7 @@
 
 namespace leadthrough {
 
-// What bounds the motion along a path at the points of a grid over its parameter s. With the
+// Bounds on the motion along a path at the points of a grid over its parameter s. With the
 // squared speed x = (ds/dt)^2 and the acceleration u = d2s/dt2 every row j says
 // lower <= gain * u + bend * x <= upper. Joint accelerations read so with gain = dq/ds and
 // bend = d2q/ds2, joint torques with what the dynamics make of them.

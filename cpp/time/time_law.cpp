@@ -44,7 +44,7 @@ constexpr double kBottleneck = 3.0;
 // The bottlenecks are told of a motion that is longer than its profile by so many times its
 // windows.
 constexpr double kMinDelay = 1.0;
-// What does not settle is slowed down by this, and by twice as much in every further round.
+// Points that do not settle are slowed down by this, and by twice as much in every further round.
 constexpr double kFirstSlack = 1e-4;
 
 struct Windows {
@@ -263,7 +263,7 @@ class TimeLawSearch {
   // At a steady speed v of the length a joint's jerk is q''' v^3. Whether the profile was faster
   // than that allows: on short and twisty paths it is, and holding it back alone ends far too slow.
   bool cap_by_jerk() {
-    if (!rests_at_start() || !rests_at_end()) return false;  // which may be faster
+    if (!rests_at_start() || !rests_at_end()) return false;  // moving ends may be faster
     bool faster = false;
     for (Index i = 1; i + 1 < grid_.points(); ++i) {
       const double span = grid_.length[i + 1] - grid_.length[i - 1];

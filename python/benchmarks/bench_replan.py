@@ -25,7 +25,7 @@ THREADS = 2
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
     """Rows for 2-D and 3-D fields."""
-    # Where the box begins along every axis, as a fraction: all cells behind it lie in its shadow.
+    # Start of the box along every axis, as a fraction: all cells behind it lie in its shadow.
     quick_shapes = {(300, 300): 0.88, (60, 60, 60): 0.83}
     full_shapes = {(1000, 1000): 0.88, (150, 150, 150): 0.75}
     for shape, low in (quick_shapes if quick else full_shapes).items():

@@ -2,7 +2,7 @@
 
 Straight lines are compared with ruckig from rest to rest on each, which has the same limits and
 knows the optimum, and tells the durations alone; the error is how much longer we take, less a
-sample for each line. Where corners are cut and along samples, toppra takes a spline through the
+sample for each line. With corners cut and along samples, toppra takes a spline through the
 same points, without limits of jerk; the error is by how much a limit is exceeded, infinite if a
 way-point or sample is missed.
 """

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-# What is short is repeated for this long, s, or other processes decide its least time.
+# Short calls are repeated for this long, s, or other processes decide their least time.
 LEAST_TIME = 0.3
 
 

@@ -22,7 +22,7 @@ _RANGE = _NUMBER + f"(?: to {_NUMBER})?"
 
 @dataclass(frozen=True)
 class Figure:
-    """What one placeholder of a line stands for, as measured."""
+    """The measured value behind one placeholder of a line."""
 
     low: float
     high: float
@@ -52,7 +52,7 @@ def table(rows: Sequence[Row]) -> str:
 
 
 def too_good(text: str, rows: Sequence[Row]) -> list[str]:
-    """What a page's table prints and the rows of a complete run do not show, a line each.
+    """Figures of a page's table that the rows of a complete run do not show, a line each.
 
     Args:
         text: the page.

@@ -1,4 +1,4 @@
-"""Random paths for the time law, hostile ones among them: what it refuses and what it exceeds.
+"""Random paths for the time law, hostile ones among them: paths refused and limits exceeded.
 
     python python/benchmarks/random_paths.py 100000 [FIRST]
 

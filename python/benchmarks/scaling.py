@@ -39,7 +39,7 @@ class Series:
     """One problem in several sizes.
 
     Attributes:
-        quantity: what grows.
+        quantity: the growing one.
         sizes: of it.
         benchmark: the problem of a size.
         repeats: of each side; the least time counts.

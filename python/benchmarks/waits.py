@@ -72,13 +72,13 @@ class Row:
     """Times of one kind of wait.
 
     Attributes:
-        name: what is waited for.
+        name: of the call.
         count: how many times were taken.
         median: of them, ms.
         worst: of them, ms.
         most: that it may take, ms; None: no limit is set.
-        limited: what must keep the limit, the median or the worst.
-        wrong: what is wrong with the answers; empty if nothing is.
+        limited: the figure that must keep the limit, the median or the worst.
+        wrong: faults of the answers; empty if there are none.
     """
 
     name: str
@@ -177,7 +177,7 @@ def _plans(
 def _fault(
     path: Float64Array, shown: Sequence[lt.Demonstration[Any]], query: dict[str, Any]
 ) -> str:
-    """What is wrong with a planned path (n, d); empty if nothing is."""
+    """Faults of a planned path (n, d); empty if there are none."""
     usual = np.mean([each.motion.positions[[0, -1]] for each in shown], axis=0)
     ends = np.stack([query.get("start", usual[0]), usual[1]])
     if not np.allclose(path[[0, -1]], ends, atol=1e-9):

@@ -41,7 +41,7 @@ for name, chunk in chunks.items():
     axes.text(begin, -0.4 if "NaN" in name else -0.6, name)
     print(f"{name}: {guard.admit(guard.state.q + chunk)}")
     while guard.remaining:
-        commanded.append(guard.next().q)  # what a controller is sent, every period
+        commanded.append(guard.next().q)  # sent to the controller, every period
 # A person steps in while the arm moves.
 guard.admit(guard.state.q + wave(0.6))
 person = lt.shapes.MovingObstacle(lt.Capsule(0.25, 1.2, (0.2, 0.7, 0.6)), speed=0.8)

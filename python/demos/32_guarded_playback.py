@@ -31,7 +31,7 @@ whole = lt.connect(robot.q, motion, lt.Arm.load(arm.robot.name, limits=limits), 
 play = lt.guard.Playback(whole, arm.limits, rate=robot.rate)
 answer = guard.admit(robot.q[None], state=robot.q)
 sent, stopped = [guard.state], False
-asked = {0.2: play.pause, 0.8: play.resume, 1.6: guard.stop}  # what a person does
+asked = {0.2: play.pause, 0.8: play.resume, 1.6: guard.stop}  # by a person
 try:
     for tick in range(int(2.0 * robot.rate)):
         time = tick / robot.rate

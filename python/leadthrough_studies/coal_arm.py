@@ -75,7 +75,7 @@ class CoalArm:
         Args:
             links: names.
             geometry: of coal.
-            pose: where it stands, as Pinocchio's SE3.
+            pose: of the shape, as Pinocchio's SE3.
         """
         return min(
             self._distance(shape.geometry, self._pose(shape), geometry, pose)

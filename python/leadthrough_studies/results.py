@@ -27,8 +27,8 @@ def write(
     """Write results.json, table.csv, the figures as <name>.png and the pages as <name>.html.
 
     Args:
-        folder: where to write; made if missing.
-        document: what results.json holds besides the rows.
+        folder: of the files; made if missing.
+        document: content of results.json besides the rows.
         rows: all rows, for results.json.
         table: the rows of table.csv, with the same columns in every row.
         figures: figures by file stem.

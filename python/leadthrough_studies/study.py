@@ -44,12 +44,12 @@ _LIBRARIES = ("leadthrough", "numpy", "scipy")
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """What a study shows of its rows.
+    """A study's view of its rows.
 
     Attributes:
         table: the main numbers, with the same columns in every row.
         figures: figures by file stem.
-        summary: what else belongs in results.json.
+        summary: further content of results.json.
         pages: parts of HTML pages by file stem.
     """
 
@@ -106,7 +106,7 @@ def run(
         study: the study to run.
         config: its configuration.
         out: folder for the results, made if missing.
-        on: where the tasks run, as for `leadthrough.tasks.run`; None for this process.
+        on: processes or cluster, as for `leadthrough.tasks.run`; None for this process.
         task_timeout: the longest that a task may take, s; None for no bound.
 
     Raises:

@@ -1,9 +1,8 @@
-"""Counts sentences that open with a clause instead of a noun: "What ...", "Which ...", "Where ...".
+"""Finds sentences that open with a clause instead of a noun: "What ...", "Which ...", "Where ...".
 
-Run from the project's root: `python python/lint/sentences.py [--list]`. Read are docstrings,
+Run from the project's root: `python python/lint/sentences.py`. Read are docstrings,
 comments and error messages of Python, comments of C++, and the documentation, code aside.
-Questions are left alone. More than `MAX_SENTENCES` is an error, and so is one in the documentation;
-the bound only ever falls.
+Questions are left alone. Any such sentence is an error.
 """
 
 from __future__ import annotations
@@ -16,8 +15,6 @@ import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
-MAX_SENTENCES = 199
-
 # A sentence: from its first word to the mark at its end.
 _SENTENCE = re.compile(
     r"(?:\A(?:[Ww]hat|[Ww]hich|[Ww]here)|(?<=[.!?]\s)(?:What|Which|Where)|(?<=\n\n)(?:[Ww]hat|[Ww]hich|[Ww]here))\b"
@@ -29,21 +26,16 @@ _SECTION = re.compile(r"^ *(?:\w+ ?\([^)]*\)|[\w, *]+): ", re.M)  # of a docstri
 
 
 def main() -> None:
-    """Prints the count, with --list the sentences; exits with 1 if there are too many."""
+    """Prints the sentences; exits with 1 if there are any."""
     found = [
         (path, line, " ".join(sentence.split()))
         for path in sorted(sources())
         for line, text in texts(path)
         for sentence in openings(text)
     ]
-    if "--list" in sys.argv:
-        for path, line, sentence in found:
-            print(f"{path}:{line}: {sentence[:90]}")
-    print(f"{len(found)} sentences open with what, which or where; at most {MAX_SENTENCES}")
-    documented = [path for path, _, _ in found if path.suffix == ".md"]
-    if documented:
-        print(f"the documentation has none, but: {', '.join(map(str, documented))}")
-    if documented or len(found) > MAX_SENTENCES:
+    for path, line, sentence in found:
+        print(f"{path}:{line}: {sentence[:90]}: opens with what, which or where")
+    if found:
         sys.exit(1)
 
 

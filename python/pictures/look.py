@@ -40,7 +40,7 @@ def main(site: Path) -> None:
 
 
 def faults(browser: Browser, pages: list[Path], width: int) -> Iterator[str]:
-    """What is wrong with pages in a window of this width."""
+    """Faults of pages in a window of this width."""
     context = browser.new_context(
         viewport={"width": width, "height": HEIGHT}, reduced_motion="reduce"
     )
@@ -58,7 +58,7 @@ def faults(browser: Browser, pages: list[Path], width: int) -> Iterator[str]:
 
 
 def sticking_out(tab: Page) -> list[str]:
-    """What is wider than the window."""
+    """Elements that are wider than the window."""
     over = tab.evaluate("document.documentElement.scrollWidth - innerWidth")
     return [*([f"{over} px too wide"] if over > 0 else []), *tab.evaluate(STICKING_OUT)]
 

@@ -1,4 +1,4 @@
-"""Small faults in sources: which there can be, and a seeded draw of them."""
+"""Small faults in sources: their kinds, and a seeded draw of them."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Mutant:
         part: of the package.
         kind: "operator", "comparison", "constant" or "sign".
         path: of the source, from the repository's root.
-        line, column: where, from 1 on.
+        line, column: of the fault, from 1 on.
         old, new: the text before and after.
     """
 

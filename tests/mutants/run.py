@@ -34,7 +34,7 @@ MOST_DEPENDENTS = 5
 
 
 class Table:
-    """What was found out, in a file that grows by a row for each mutant."""
+    """Results in a file that grows by a row for each mutant."""
 
     def __init__(self, path: Path) -> None:
         self._path = path

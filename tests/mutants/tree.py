@@ -87,11 +87,11 @@ class Tree:
         )
 
     def fails_on(self, path: str, text: str, tests: Sequence[str], *, limit: float) -> str:
-        """What `passes` says with another text of one source.
+        """The answer of `passes` with another text of one source.
 
         Args:
             path: of the source, from the root.
-            text: what it becomes for the time being.
+            text: its text for the time being.
             tests: as for `passes`.
             limit: as for `passes`.
 
@@ -193,7 +193,7 @@ class Tree:
     def _failure(self, program: Sequence[str | Path], limit: float | None) -> str:
         places = [self._site, self.root / "python"]
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, places))}
-        if limit is not None:  # what a mutant's modules compile to must not stay
+        if limit is not None:  # compiled modules of a mutant must not stay
             environment["PYTHONDONTWRITEBYTECODE"] = "1"
 
         def bounded() -> None:
@@ -241,6 +241,6 @@ def _refresh(source: Path, target: Path) -> None:
 
 
 def _run(command: Sequence[str | Path], folder: Path | None = None) -> str:
-    """What a command prints; its errors are shown where it fails."""
+    """Output of a command; its errors are printed if it fails."""
     done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, text=True, check=True)
     return done.stdout

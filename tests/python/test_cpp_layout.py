@@ -13,7 +13,7 @@ ANY_INCLUDE = re.compile(r'^#include "', re.MULTILINE)
 
 
 def allowed() -> dict[str, set[str]]:
-    """What each folder may include besides itself."""
+    """Folders that each folder may include besides itself."""
     rows = dict(ROW.findall((ROOT / "cpp/README.md").read_text()))
     return {
         folder: set(rows) if names == "all" else set(re.findall(r"`(\w+)`", names))

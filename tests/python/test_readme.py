@@ -1,4 +1,4 @@
-"""What the README and the demo scripts promise, run as they stand."""
+"""README and the demo scripts, run as they stand."""
 
 import contextlib
 import io
@@ -30,7 +30,7 @@ PROCESSES.set_forkserver_preload(
 
 
 def run_here(script, folder):
-    """What a script prints, run like `python -W error SCRIPT FOLDER` in the folder."""
+    """Output of a script, run like `python -W error SCRIPT FOLDER` in the folder."""
     os.environ["MPLBACKEND"] = "agg"
     os.chdir(folder)
     sys.argv = [str(script), str(folder)]

@@ -113,7 +113,7 @@ def test_noise_is_found_in_spite_of_spikes_and_motion():
 
 
 def test_real_demonstrations_keep_their_motion(recordings):
-    """Tasks guided by hand: what is left out at an end is next to nothing of the way."""
+    """Tasks guided by hand: the parts left out at the ends are next to nothing of the path."""
     rests = []
     for task in ("bottle2shelf", "pouring"):
         for rows in np.load(recordings / "robotasks" / f"{task}.npy"):

@@ -123,7 +123,7 @@ def test_another_arm_than_the_one_shown_is_warned_of(panda):
         warn_of_another_arm(longer._chain, shown)
 
 
-# What is asked too large is refused with its size, before it takes the memory
+# Requests that are too large are refused with their size, before they take the memory
 
 
 VAST = np.broadcast_to(np.float64(1.0), (10**6, 10**6))  # takes eight bytes itself

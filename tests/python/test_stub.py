@@ -12,7 +12,7 @@ from leadthrough import _core
 STUB = ast.parse((Path(leadthrough.__file__).parent / "_core.pyi").read_text())
 
 FUNCTION = {"instancemethod", "builtin_function_or_method"}
-# What pybind11 and Python put into every class.
+# Members that pybind11 and Python put into every class.
 INHERITED = {"__init__", "__doc__", "__module__", "__new__", "__annotations__"}
 PYBIND11_ENUM = {"name", "value", "__members__", "__entries"}
 

@@ -1,4 +1,4 @@
-"""A robot arm: what its model can be asked, from poses of the tip to collision-free motions."""
+"""A robot arm and the queries of its model, from poses of the tip to collision-free motions."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ class Arm(ArmModel):
         tip: name of the link whose frame is the tip's, unless a tool moves it.
         limits: of the joints.
         locked_joints: joints that are locked, by name, and their values.
-        attachment: what the tip link carries.
-        mesh_folders: where the files of collision meshes are looked for.
+        attachment: tool and loads on the tip link.
+        mesh_folders: folders with the files of collision meshes.
     """
 
     @staticmethod
@@ -110,8 +110,8 @@ class Arm(ArmModel):
             locked_joints: joints to lock, by name, and their values in rad (m), inside the URDF's
                 limits. They may lie outside the arm, such as fingers, or a joint that one of the
                 arm's joints mimics.
-            mesh_folders: where the files of collision meshes are looked for when they are first
-                needed, besides the URDF's own folder. A relative name is looked for in them;
+            mesh_folders: folders besides the URDF's own with the files of collision meshes, read
+                when they are first needed. A relative name is looked for in them;
                 package://name/rest as name/rest in them and in the folders above them, then as
                 rest in the robot's own. A mesh that lies elsewhere is not read.
 
@@ -260,8 +260,8 @@ class Arm(ArmModel):
             q0: configuration (joints,) where the search for the first sample's posture starts.
                 Without it, and without a posture to stay near to, several postures are followed
                 ahead, and the best one is chosen.
-            on_rate_limit: what to do where the arm's velocity and acceleration limits are too low
-                for the motion's pace, as beside a singularity.
+            on_rate_limit: action where the arm's velocity and acceleration limits are too low for
+                the motion's pace, as beside a singularity.
                 "slow": stretch the times just there; the path is kept.
                 "deviate": let the tip fall behind by at most `deviation` and catch up; the times
                 are kept.
@@ -376,7 +376,7 @@ class Arm(ArmModel):
     def distance(self, q: ArrayLike, scene: SceneLike, *, threads: int = 1) -> float | Float64Array:
         """Minimum distance, m, between obstacles and the arm's moving links.
 
-        Where they overlap it is the depth of the overlap, negative; without obstacles it is
+        If they overlap it is the depth of the overlap, negative; without obstacles it is
         infinite. The scene's margins are not used.
         """
         pairs = collision.against(self._collision, self._chain, as_scene(scene).shapes)

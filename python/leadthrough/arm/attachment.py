@@ -1,4 +1,4 @@
-"""What an arm's tip link carries: a tool, which moves the tip, loads and the shapes of objects."""
+"""Load of an arm's tip link: a tool, which moves the tip, masses and the shapes of objects."""
 
 from __future__ import annotations
 

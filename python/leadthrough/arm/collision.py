@@ -189,7 +189,7 @@ class Clearance(ShortRepr):
     """Distances of the arm to obstacles, or between its parts.
 
     Attributes:
-        first: where something first comes nearer than `margin`; None where nothing does.
+        first: first place with something nearer than `margin`; None without any.
         closest: the nearest approach of the whole motion, between samples as well; None where
             nothing is checked.
         distances: (m,) at the samples in m, infinite where nothing is checked.

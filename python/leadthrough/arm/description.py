@@ -117,7 +117,7 @@ def _carried(arm: ArmModel) -> Iterator[str]:
 
 
 def _lacking(arm: ArmModel) -> Iterator[str]:
-    """What to do about collision meshes whose files are not there."""
+    """Remedies for collision meshes without a file."""
     files = [file for _, file, _ in arm._robot.meshes]
     lost = [file for file in files if find_mesh(file, arm.mesh_folders) is None]
     if lost:

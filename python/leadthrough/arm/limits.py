@@ -1,4 +1,4 @@
-"""Joint limits: what a URDF states, completed by a TOML file.
+"""Joint limits of a URDF, completed by a TOML file.
 
     robot = "ur3"
     [sources]     # for each quantity who states it, or "assumed: ..." and why

@@ -99,7 +99,7 @@ class ArmModel(Drawn):
     def lock_joints(self, values: Mapping[str, float]) -> Self:
         """The arm with some joints locked, which leave `joint_names`.
 
-        Other joints of the robot may be locked as well: what they carry then counts as a load.
+        Other joints of the robot may be locked as well: the links behind them then count as a load.
 
         Args:
             values: in rad (m) by the joints' names, inside the limits.

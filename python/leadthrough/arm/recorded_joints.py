@@ -49,7 +49,7 @@ def warn_of_another_arm(chain: core.Chain, motion: Motion) -> None:
 
 
 def _outside(chain: core.Chain, own: JointTrajectory) -> str | None:
-    """What is wrong with joints far beyond the arm's limits, if any are."""
+    """Message about joints far beyond the arm's limits, if any are."""
     with np.errstate(invalid="ignore"):
         allowed = np.maximum(_BEYOND, _BEYOND_RANGE * (chain.upper - chain.lower))
         beyond = np.maximum(chain.lower - own.positions, own.positions - chain.upper)
@@ -105,7 +105,7 @@ def _unwrapped(chain: core.Chain, positions: Float64Array) -> Float64Array:
 
 
 def _columns(trajectory: JointTrajectory, names: tuple[str, ...]) -> list[int]:
-    """Where the joints stand in the recording."""
+    """Indices of the joints' columns in the recording."""
     recorded = trajectory.joint_names
     if not recorded:
         count = trajectory.positions.shape[1]

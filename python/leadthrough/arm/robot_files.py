@@ -78,7 +78,7 @@ def _only_leaf(robot: core.Robot) -> str:
 
 @dataclass(frozen=True)
 class RobotFiles:
-    """Where a robot's files are."""
+    """Paths of a robot's files."""
 
     urdf: Path  # the robot description
     limits: Path | None = None  # the limits file; None if there is none
@@ -223,7 +223,7 @@ def find_mesh(file: str, folders: Sequence[str]) -> Path | None:
 
 
 def _candidates(file: str, folders: Sequence[str]) -> Iterator[tuple[Path, Path]]:
-    """Where a mesh may be, and the folder that it must not leave there."""
+    """Possible paths of a mesh, each with the folder that it must not leave."""
     address = urlparse(file)
     if address.scheme == "package":
         name, rest = address.netloc, unquote(address.path).lstrip("/")

@@ -93,9 +93,9 @@ class Admission(ShortRepr):
     """An admitted motion, and the certified one to rest after it.
 
     Attributes:
-        motion: what to execute, the first sample one period from now; the chunk itself where that
-            is allowed.
-        brake: what to execute after it if nothing else comes; it ends at rest. One sample where
+        motion: to execute, the first sample one period from now; the chunk itself if that is
+            allowed.
+        brake: to execute after it if nothing else comes; it ends at rest. One sample where
             the motion ends at rest.
         verdict: "allowed", the chunk to the bit; "changed", the nearest motion that is allowed;
             "braking", the motion is a braking motion.

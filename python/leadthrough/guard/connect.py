@@ -37,8 +37,7 @@ def connect(
     kept where each sample is commanded when due: `check_limits` with `linear_rate` judges that.
 
     Args:
-        state: what is commanded now: a `CommandedState`, or positions (joints,) at which the arm
-            rests.
+        state: commanded now: a `CommandedState`, or positions (joints,) at which the arm rests.
         trajectory: with the arm's joints. Samples that are not evenly spaced are put on a clock
             with their shortest step.
         arm: the arm; all limits of its joints have to be known.

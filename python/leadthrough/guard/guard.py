@@ -53,7 +53,7 @@ class Guard(ShortRepr):
         while running:
             send(guard.next().q)                   # every period
 
-    What has not been commanded yet is always a motion that ends at rest, certified as a whole:
+    The commands still to come are always a motion that ends at rest, certified as a whole:
     inside the limits of position, velocity, acceleration and jerk, and clear by the margins between
     samples as well. A chunk only takes its place if there is such a motion that begins with it. So
     if chunks come late, or none comes any more, the arm follows what was admitted and brakes.
@@ -146,11 +146,11 @@ class Guard(ShortRepr):
             chunk: joint motion whose first sample is due one period from now. A trajectory at
                 another rate is put on the guard's clock; an array (n, joints) is on it. NaN and
                 infinity in an array refuse the chunk, and the arm brakes.
-            state: what is commanded now, where that is not what `next` returned last, as at the
+            state: commanded now, if it differs from the last answer of `next`, as at the
                 start: a `CommandedState`, or positions (joints,) at which the arm rests.
 
         Raises:
-            InvalidInput: if the first call has no state. What was admitted before then stays.
+            InvalidInput: if the first call has no state. Motions admitted before then stay.
         """
         given = chunk_of(chunk, self._arm, self._period)
         if state is not None:

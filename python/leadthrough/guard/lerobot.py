@@ -30,7 +30,7 @@ class GuardStep:
     Attributes:
         guard: of the arm; its joints are named as the motors, with or without ".pos".
         unit: of the actions and observations.
-        answer: what the guard said of the last action; None before the first.
+        answer: of the guard to the last action; None before the first.
     """
 
     def __init__(self, guard: Guard, *, unit: Literal["degrees", "radians"] = "degrees") -> None:

@@ -80,7 +80,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
 
         Raises:
             UnsupportedQuery: for a part that is not among `supports`.
-            NoPath: where obstacles leave no path, or the goal is not reached.
+            NoPath: if obstacles leave no path, or the goal is not reached.
         """
         query = CheckedQuery(start, goal, duration, dt, obstacles)
         if query.obstacles and "obstacles" not in self.supports:
@@ -201,7 +201,7 @@ class SteppedSkill(FittedSkill[MotionT_co]):
 
         Raises:
             UnsupportedQuery: for a part that is not among `supports`.
-            NoPath: where steering does not clear the obstacles.
+            NoPath: if steering does not clear the obstacles.
         """
         ends = via, start_velocity, final_velocity
         return self._answer(CheckedQuery(start, goal, duration, dt, obstacles, *ends, limits))

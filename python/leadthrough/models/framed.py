@@ -86,8 +86,8 @@ class FramedSkill(SteppedSkill[MotionT_co]):
 
     Attributes:
         model: the settings that it was fitted with.
-        skill: what was learned, seen from the frame.
-        frame: where the frame is now, in the base frame.
+        skill: learned from the demonstrations as seen from the frame.
+        frame: the current frame, in the base frame.
         poses: whether its motions are poses.
     """
 

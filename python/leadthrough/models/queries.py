@@ -178,7 +178,7 @@ def generate_all(
 
     Raises:
         UnsupportedQuery: for a part of a query that the skill does not support.
-        NoPath: where obstacles leave no path. The first query without an answer raises.
+        NoPath: if obstacles leave no path. The first query without an answer raises.
     """
     for i, query in enumerate(queries):
         if not isinstance(query, Mapping):

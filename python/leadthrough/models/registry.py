@@ -27,8 +27,8 @@ class ModelEntry:
         name: its name for the command line; of an entry point, the same name.
         model: "module:Class" of its settings, imported when first used.
         skills: names of its skills in files (`Skill.kind`), today's first.
-        motions: what it learns, of "points", "joints" and "poses".
-        otherwise: what to use for other motions, to complete "use ..." in a message.
+        motions: that it learns, of "points", "joints" and "poses".
+        otherwise: models for other motions, to complete "use ..." in a message.
         restore: "module:function" that takes settings and arrays of a file and returns the skill;
             by default `from_archive` beside the model.
     """

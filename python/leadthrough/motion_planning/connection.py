@@ -2,8 +2,8 @@
 
 How long a search takes depends on luck more than on the problem, so it is broken off and begun
 again with other random numbers, later each time (Luby, Sinclair and Zuckerman 1993). The way found
-is checked without a gap between its configurations. Where it touches, the next search looks at its
-edges more closely; where none was found, less so. A number of steps bounds all searches, not the
+is checked without a gap between its configurations. If it touches, the next search looks at its
+edges more closely; if none was found, less so. A number of steps bounds all searches, not the
 time, and the random numbers have a seed, so the answer is the same each time.
 
 Source: Kuffner and LaValle 2000; Sucan, Moll and Kavraki 2012 (OMPL).

@@ -45,7 +45,7 @@ def plan_motion(
     """A motion of the skill with which the whole arm keeps clear, between samples too.
 
     The skill makes the path of the tip, and the arm follows it with what the task leaves free.
-    Where that blocks the arm, the tip gives way. First within `deviation` or
+    If that blocks the arm, the tip gives way. First within `deviation` or
     `standard_deviations`, if one is given; then in the map of a Fast Marching skill the
     cells without a collision-free configuration are closed, and the path is planned anew; the path
     of any other skill is moved aside there, in small steps.
@@ -63,7 +63,7 @@ def plan_motion(
         standard_deviations: the same as a number of standard deviations of the skill, > 0, of
             positions and orientations; of a ProMP or a GMR.
         rounds: how often the path of the tip may be planned, >= 1.
-        last_resort: what to do where no path of the tip was found that the arm can follow.
+        last_resort: action if no path of the tip was found that the arm can follow.
             None: raise IkFailure.
             "joint_space": follow the first path up to where the arm is blocked, go on through
             joint space to where it is free again, found by OMPL's RRT-Connect and certified by
@@ -72,10 +72,10 @@ def plan_motion(
 
     Raises:
         UnsupportedQuery: for a part of the query that the skill does not support.
-        NoPath: where obstacles leave the tip no way.
+        NoPath: if obstacles leave the tip no path.
         MissingDependency: if `last_resort` is needed and OMPL is not installed.
-        IkFailure: where the arm cannot follow, also after the path was changed; with the place, the
-            reason and, where obstacles are in the way, the bodies.
+        IkFailure: if the arm cannot follow, also after the path was changed; with the place, the
+            reason and, if obstacles block it, the bodies.
     """
     check_arm(arm)
     around = None if scene is None else as_scene(scene)

@@ -54,8 +54,8 @@ class Query(ShortRepr):
     """A query to a skill, as `skill.generate` takes it.
 
     Attributes:
-        start: where the motion starts; None for the demonstrated start.
-        goal: where it ends, likewise.
+        start: of the motion; None for the demonstrated start.
+        goal: its end, likewise.
         duration: s, > 0; None for the skill's own.
         dt: s, > 0, upper bound of the sampling step.
     """

@@ -102,7 +102,7 @@ def reach_map(
         spacing: between neighbouring places, m, > 0.
         orientations: number of orientations at each place, spread evenly over all, >= 1.
         seed: of the random number generator.
-        execution: where the tasks run, and where finished ones are kept; by default here.
+        execution: process or cluster of the tasks, and folder of finished ones; by default here.
 
     Raises:
         InvalidInput: if the grid has too many places.

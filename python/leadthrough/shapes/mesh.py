@@ -32,7 +32,7 @@ class Mesh(PointBased, Solid):
 
     The hulls contain the surface, so that no collision is missed, and the free space inside a
     hollow part counts as occupied: a shelf that is modelled as separate boards stays open, one that
-    is a single surface does not. What is thinner than a tenth of a millimetre counts as 1 mm thick.
+    is a single surface does not. Parts thinner than a tenth of a millimetre count as 1 mm thick.
 
     Attributes:
         vertices: (n, 3), m in the mesh's own frame.

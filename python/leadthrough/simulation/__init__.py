@@ -1,4 +1,4 @@
-"""Arms under gravity, friction and a controller: what a motion does before a real arm runs it."""
+"""Motions tried on a simulated arm under gravity, friction and a controller."""
 
 from leadthrough.simulation.controllers import (
     CartesianImpedance,

@@ -31,7 +31,7 @@ _LIGHTEST = 0.05
 class Moment:
     """Inputs of a controller at the beginning of a period."""
 
-    target: CommandedState  # where the arm should be now, and the acceleration that takes it on
+    target: CommandedState  # commanded now, with the acceleration until the next one
     q: Float64Array  # measured positions (joints,)
     qd: Float64Array  # measured velocities (joints,)
     progress: float  # fraction of the path that the tip has gone, in [0, 1]
@@ -96,7 +96,7 @@ class Controller(ShortRepr, ABC):
 
         Args:
             arm: as the controller knows it.
-            q: where it begins (joints,), for gains that follow from the arm's inertia.
+            q: first configuration (joints,), for gains that follow from the arm's inertia.
             gravity: (3,), m/s^2 in the base frame.
 
         Raises:

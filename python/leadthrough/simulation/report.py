@@ -92,8 +92,8 @@ class SimulationReport(Drawn):
 
     Attributes:
         arm: the arm, as its controller knows it.
-        planned: what was commanded, with the ways onto the motion and to rest, a period apart.
-        simulated: what the arm did.
+        planned: commanded, with the ways onto the motion and to rest, a period apart.
+        simulated: the arm's motion.
         span: from when to when the motion that was given lasts, s.
         torques: of the motors (n, joints), N m (N).
         torque_limits: (joints,), N m (N), infinite where none is known.
@@ -101,7 +101,7 @@ class SimulationReport(Drawn):
         allowed: the largest tracking error (joints,), rad (m), that the gains allow by theory.
         tip_errors: distances (n,) of the tip from where it should be, m.
         tip_turns: angles (n,) of the tip from how it should be turned, rad.
-        contacts: what touched, in the order of time.
+        contacts: in the order of time.
         energy: (joints,), J, that the motors put in; what they take up while they brake does not
             count.
         work: (joints,), J, with what they take up subtracted.

@@ -44,7 +44,7 @@ def simulate(
 
     The arm is made from its own URDF: masses, inertias, joint limits, friction, collision shapes,
     and motors with its highest torques. The controller knows the arm, and nothing of the
-    disturbances. Where the motion does not begin or end at rest, or the arm is elsewhere, ways onto
+    disturbances. If the motion does not begin or end at rest, or the arm is elsewhere, ways onto
     it and to rest are added as by `lt.connect`; the arm is held for 0.2 s after the end. The
     simulation ends 0.1 s after a first contact, by when real controllers have stopped.
     Equal calls have equal answers.
@@ -55,8 +55,8 @@ def simulate(
         scene: obstacles in the base frame; the margins are not used.
         controller: a `ComputedTorque`, which is the default, `PositionServo`, `JointImpedance` or
             `CartesianImpedance`.
-        state: where the arm is: positions (joints,) at rest, or a `CommandedState`; by default at
-            the first sample.
+        state: first one of the arm: positions (joints,) at rest, or a `CommandedState`; by
+            default the first sample.
         disturbances: load, friction, delay, encoder and pushes that the controller does not know;
             by default none. Errors by a heavier load count as more than the gains allow.
         gravity: acceleration (3,) of gravity in the base frame, m/s^2.

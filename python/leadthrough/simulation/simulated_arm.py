@@ -107,9 +107,9 @@ class SimulatedArm(ShortRepr):
 
     Args:
         arm: the arm.
-        state: where it begins: positions (joints,) at rest, or a `CommandedState`.
+        state: its first: positions (joints,) at rest, or a `CommandedState`.
         scene: obstacles in the base frame; the margins are not used.
-        controller: what makes torques of the commands.
+        controller: makes torques of the commands.
         disturbances: load, friction, delay, encoder and pushes that the controller does not know;
             by default none.
         gravity: acceleration (3,) of gravity in the base frame, m/s^2.

@@ -20,7 +20,7 @@ class Execution(ShortRepr):
     """Execution of tasks: workers, folder of results, time limit and progress.
 
     Attributes:
-        on: where to compute, as `leadthrough.tasks.run` takes it; None for this process.
+        on: processes or cluster, as `leadthrough.tasks.run` takes it; None for this process.
         out: folder that keeps finished results, made if missing; the same call resumes there. None
             keeps nothing.
         task_timeout: the longest that one task may take, s; None for no bound.

@@ -119,7 +119,7 @@ class Binding:
         start: first time, s.
         end: last time, s.
         joint: name of the joint.
-        kind: which of its limits.
+        kind: of its limit.
         ratio: largest fraction of the limit that is used.
     """
 

@@ -109,7 +109,7 @@ def keep_timing(
 ) -> JointTrajectory:
     """The motion with its own timing, slowed down locally where the limits require it.
 
-    No sample, or knot of a curve, is reached earlier than it was given. Where limits have made the
+    No sample, or knot of a curve, is reached earlier than it was given. If limits have made the
     motion late by half a percent of its duration or more, it is faster than given only until it is
     on time again. Arguments that are not listed are as of `retime`.
 

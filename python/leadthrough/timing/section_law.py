@@ -2,7 +2,7 @@
 
 Along a path of length l, with x = (dl/dt)^2 and u = d2l/dt2, every row of a table of bounds says
 lower <= gain u + bend x <= upper; see Pham and Pham 2018, section III. An earlier timing bounds x
-as well: where the motion is on time, the given pace is the fastest allowed; where limits have made
+as well: while the motion is on time, the given pace is the fastest allowed; once limits have made
 it late, the pace is free until the motion is on time again. That point is found by bisection, as
 the limits also bound how fast the pace changes.
 """
@@ -30,7 +30,7 @@ from leadthrough.trajectories import Spline
 # Points of the grid over a path: the fewest, for each of its pieces, and the most.
 _MIN_POINTS, _POINTS_A_PIECE, _MAX_POINTS = 1000, 8, 50_000
 _POINTS_OF_SPREAD = 400
-# Where all joints move slightly, those moving by less than this fraction of the most are at rest.
+# If all joints move slightly, those moving by less than this fraction of the most are at rest.
 _FRACTION_AT_REST = 1e-3
 # A velocity may deviate from the path by this, relative to its size.
 _ALONG = 1e-3
@@ -427,7 +427,7 @@ def _paced(
 
 
 def hurries(due: Float64Array, arrival: Callable[[Free], Float64Array], *, slack: float) -> Free:
-    """Where along a path the pace is free, so that the motion catches up, (n,)."""
+    """Samples (n,) of a path with a free pace, so that the motion catches up."""
     free = np.zeros(len(due), dtype=np.bool_)
     late = arrival(free) - due
     allowed = min(float(late.min()), 0.0) - slack

@@ -261,7 +261,7 @@ _SAME_DIRECTION = 1e-9
 # Way-points that are nearer to each other in all coordinates, rad (m), are one: no encoder tells
 # them apart, and the direction between them is rounding.
 _COINCIDENT = 1e-9
-# What is left of a line between two corners is a piece if knots can be told apart there.
+# The rest of a line between two corners is a piece if its knots differ by more than this.
 _ULPS = 8.0 * np.finfo(np.float64).eps
 
 
@@ -362,7 +362,7 @@ def moving_samples(
 ) -> tuple[NDArray[np.intp], Float64Array]:
     """The samples that differ from the one kept before by more than the tolerance."""
     indices = core.rows_apart(np.ascontiguousarray(q), tolerance)
-    if indices[-1] != len(q) - 1:  # which lies within the tolerance of the last one kept
+    if indices[-1] != len(q) - 1:  # the last one lies within the tolerance
         indices = np.append(indices[: max(len(indices) - 1, 1)], len(q) - 1)
     steps = np.diff(times[indices])
     usual = float(np.median(np.diff(times)))

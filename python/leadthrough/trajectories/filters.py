@@ -159,7 +159,7 @@ class TimeOptimalFilter(ShortRepr):
     still come to rest in this way before the target: with the distance B = X - w T / 2 that is left
     when the present speed w has run out, v = max over k of min(k a T, 2 B / ((k + 1) T)). A step
     later v (k - 1) / k is such a speed again, so that no step passes the target or brakes harder,
-    and the last one, with k = 1, ends at rest on it. Where the reference is too fast for its
+    and the last one, with k = 1, ends at rest on it. If the reference is too fast for its
     target, it brakes as hard as it may. Of a target that moves at a constant velocity the same
     holds in its frame, where the limit of the velocity is another one either way.
 
@@ -386,7 +386,7 @@ class LineState(FilterState):
     """A state on a line, besides its position, velocity and acceleration.
 
     Attributes:
-        origin: where the line begins, (d,).
+        origin: of the line, (d,).
         direction: unit vector (d,), or 0 where there is no line yet.
         along: the state along the line, of one dimension.
         limits: of all dimensions.

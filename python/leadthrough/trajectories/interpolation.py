@@ -110,7 +110,7 @@ def smooth(
 
     Args:
         continuity: number of continuous derivatives, 0 to 10.
-        ends: which derivatives are zero there: "rest" those from the first up, "natural" those
+        ends: the derivatives that are zero there: "rest" those from the first up, "natural" those
             from the highest down.
 
     Raises:

@@ -57,7 +57,7 @@ def minimum_jerk_time_scaling(u: Float64Array, height: float | Float64Array = 1.
 
     Args:
         u: fractions (n,) of the duration, or of the way, from 0 to 1.
-        height: what to rise to, one number or (n,).
+        height: final value, one number or (n,).
 
     Returns:
         Values (n,).

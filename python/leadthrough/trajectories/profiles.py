@@ -194,7 +194,7 @@ Phases: TypeAlias = list[tuple[float, float]]
 
 # Peaks among which changes of sign are looked for, closer to each other near the ends' speeds.
 _TRIED = 65
-# What is looked for may be as small as numbers are: its relative digits are bounded alone.
+# A root may be as small as numbers are: its relative digits are bounded alone.
 _EXACT = 1e-300
 
 

@@ -94,13 +94,13 @@ def draw_query(setup: Setup, seed: int, number: int) -> tuple[Query, Scene]:
 
 
 def answers(*, first: int, count: int, seed: int, skill: Path, setup: Path) -> list[Row]:
-    """A row for each of some queries: where they start and end, and why the motion fails, if so."""
+    """A row for each of some queries: start, end, and the reason if the motion fails."""
     learned = load_skill(skill)
     with setup.open("rb") as file:
         common: Setup = pickle.load(file)
     rows = []
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # what is unusual of a query shows in its motion
+        warnings.simplefilter("ignore")  # unusual queries show in their motions
         for number in range(first, first + count):
             asked, scene = draw_query(common, seed, number)
             cause, detail = answer(learned, common, asked, scene)

@@ -77,8 +77,8 @@ def validate(
         rate: samples per second of the motions that are checked, > 0.
         controller: if given, each motion is simulated too, run by this controller as by
             `lt.simulate`; needs the extra `simulation`.
-        execution: where the tasks run, of 20 to 200 queries each, and where finished ones are kept;
-            by default here.
+        execution: process or cluster of the tasks, of 20 to 200 queries each, and folder of
+            finished ones; by default here.
 
     Raises:
         InvalidInput: if a worker has other code.

@@ -7,7 +7,7 @@ stay below 40 % in harvesting and seeding, and the plain logarithm in irrigation
 
 Differences and their causes: Euler angles fail where an angle wraps at half a turn, which depends
 on the orientation of the base frame, and near gimbal lock. The plain logarithm fails where the tool
-is half a turn away from its final orientation. Which subtasks are affected depends on how the hand
+is half a turn away from its final orientation. The affected subtasks depend on how the hand
 was held, which is not public. Our person turns the tool by 150 to 500 degrees in most subtasks,
 more than half a turn away from the goal in all but four. So the plain logarithm fails more often
 than in the paper, not only in irrigation, and about as often as Euler angles. A failed motion
@@ -218,7 +218,7 @@ def _compared(rows: list[Row], task: str, pair: tuple[str, str], planners: int) 
 
 
 def _power(tests: list[Row]) -> str:
-    """What tests on as many pairs as there are can and cannot show."""
+    """Differences that tests on this many pairs can show."""
     pairs = sorted({test["noe_pairs"] for test in tests})
     count = tests[0]["comparisons"]
     needed = next(n for n in range(1, 100) if count * 2.0 ** (1 - n) < SIGNIFICANT)

@@ -51,7 +51,7 @@ def draw(tasks: Sequence[str]) -> Figure:
 
 
 def _stops(arm: Arm, task: str) -> dict[str, Float64Array]:
-    """Where the tool is at the stops that are the same in every repetition, by name."""
+    """Positions of the tool at the stops that are the same in every repetition, by name."""
     stops = (stop for subtask in TASKS[task] for stop in subtask.stops)
     names = (stop.posture if isinstance(stop, Turned) else stop for stop in stops)
     known = dict.fromkeys(name for name in names if name in POSTURES)

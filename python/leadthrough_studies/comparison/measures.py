@@ -66,7 +66,7 @@ def pose_errors(shown: PoseTrajectory, made: PoseTrajectory) -> Row:
 
 
 def responses(made: Made, shown: Float64Array, *, ends: bool, unit: float = 1.0) -> Row:
-    """What a skill does after a push half-way, and for a goal that has moved, in mm.
+    """Errors of a skill after a push half-way, and for a goal that has moved, in mm.
 
     A policy goes on from where the push has led; other skills are asked for a new motion from
     there. The rest of the demonstration, carried to the new start or goal, is what is compared

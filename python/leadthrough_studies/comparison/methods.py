@@ -38,7 +38,7 @@ class NearestShifted:
     """The demonstration with the nearest ends, shifted to the start and the goal asked for."""
 
     def fit(self, demonstrations: Shown) -> NearestShifted._Skill:
-        """What holds the demonstrations."""
+        """Skill that holds the demonstrations."""
         return self._Skill([each.motion for each in demonstrations])
 
     @dataclass(frozen=True)

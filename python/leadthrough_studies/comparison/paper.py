@@ -1,4 +1,4 @@
-"""What Prados et al. 2023 print in their Tables 1 and 2."""
+"""Figures of Prados et al. 2023, Tables 1 and 2."""
 
 # Method: swept error area, mm^2, and V_rmse, mm/s, as printed; our method's name.
 TABLE_2: dict[str, tuple[float | None, float, str]] = {

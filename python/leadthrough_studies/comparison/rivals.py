@@ -1,9 +1,9 @@
 """Models of other libraries, with `fit` and `generate` as the package's own models have them.
 
-They see what our models see: demonstrations as they are, start and goal. What a library leaves to
-its user is chosen as for our models: time runs from 0 to 1 in each demonstration, columns are
-divided by their deviation, and a mean that does not begin at the start is shifted to it, the shift
-fading along the way.
+They see what our models see: demonstrations as they are, start and goal. Settings that a library
+leaves to its user are chosen as for our models: time runs from 0 to 1 in each demonstration,
+columns are divided by their deviation, and a mean that does not begin at the start is shifted to
+it, the shift fading along the path.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from leadthrough.preprocess.resample import arc_length
 from leadthrough_studies.robotasks.methods import peer_primitive
 
 Shown: TypeAlias = Sequence[Demonstration[Any]]
-# What a library has learned: columns (n, d), scaled, at the times, from a start to a goal.
+# Motion that a library has learned: columns (n, d), scaled, at the times, from start to goal.
 Curve: TypeAlias = Callable[[Float64Array, Float64Array, Float64Array | None], Float64Array]
 
 _SAMPLES = 201  # per demonstration and motion
@@ -47,9 +47,9 @@ class RivalSkill:
     """A curve that another library has learned.
 
     Attributes:
-        curve: what the library returns.
-        middle: what columns (d,) are moved by.
-        scale: what columns (d,) are divided by.
+        curve: of the library.
+        middle: (d,), taken off the columns.
+        scale: (d,), divisors of the columns.
         duration: mean duration of the demonstrations, s.
     """
 
@@ -228,7 +228,7 @@ class CartesianPrimitive:
     """The Cartesian primitive of movement_primitives, of the demonstration with nearest ends."""
 
     def fit(self, demonstrations: Shown) -> CartesianPrimitive._Skill:
-        """What holds the demonstrations."""
+        """Skill that holds the demonstrations."""
         return self._Skill(demonstrations)
 
     @dataclass(frozen=True)

@@ -155,7 +155,7 @@ def _learner(
 
     def learn(shown: Sequence[Demonstration[Any]]) -> Learned:
         with warnings.catch_warnings():
-            # What models lose where demonstrations are out of step is theirs.
+            # Models are judged with their losses by demonstrations out of step.
             warnings.simplefilter("ignore", MisalignmentWarning)
             model = chosen(models, shown, total, folds=folds)
             began = time.process_time()

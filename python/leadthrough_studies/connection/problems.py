@@ -85,7 +85,7 @@ def problems(archive: Path, kind: str, numbers: Sequence[int]) -> Iterator[Probl
     """The problems of a kind.
 
     Args:
-        archive: where they are published.
+        archive: address of their publication.
         kind: one of KINDS.
         numbers: 1 to 100.
     """

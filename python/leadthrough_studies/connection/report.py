@@ -13,7 +13,7 @@ _PLANNERS = {"connect_cpu_s": "connect_configurations", "plain_cpu_s": "plain RR
 
 
 def report(config: Any, rows: list[Row]) -> Report:
-    """Per kind and in all: what is solved and certified, and what touches."""
+    """Per kind and in all: problems solved and certified, and motions that touch."""
     kinds = [(kind, part) for kind in config.kinds if (part := selected(rows, kind=kind))]
     table = [_row(*each) for each in [*kinds, ("all", rows)] if rows]
     missed = [row for row in selected(rows, certified=0) if row["plain_solved"]]

@@ -3,7 +3,7 @@
 `connect_configurations` connects the start with the goal, and the answer is checked between its
 configurations. Beside it OMPL's RRT-Connect is run as it comes, with the same arm and the same
 obstacles: it looks at edges at places only, so some of its ways touch in between. The margin is 0:
-goals grasp things. Where coal and Pinocchio are installed, distances and verdicts for the bundled
+goals grasp things. If coal and Pinocchio are installed, distances and verdicts for the bundled
 Panda are compared with theirs in each scene, at the start, the goal and four random configurations.
 """
 
@@ -39,7 +39,7 @@ class ConnectionConfig:
     """The configuration of the study.
 
     Attributes:
-        archive: where the problems are published.
+        archive: address of the published problems.
         kinds: of problems.
         count: of each kind, 1 to 100.
         seed: of the random configurations and of both planners.
@@ -84,7 +84,7 @@ def tasks(config: ConnectionConfig) -> list[Task]:
 
 
 def connect(*, archive: str, kind: str, numbers: list[int], seed: int) -> list[Row]:
-    """A row for each problem: what both planners make of it, and what coal says of the scene."""
+    """A row for each problem: results of both planners, and coal's verdict on the scene."""
     arm = panda()
     bundled = Arm.load("panda")
     peer = CoalArm(bundled) if coal_arm.installed() else None

@@ -20,17 +20,17 @@ class Performed:
 
     Attributes:
         name: its name, also of its files.
-        told: what happens in it.
+        told: description of the task.
         model: the model that learned it.
         learned_from: who demonstrated what.
         asked: how the motion differs from those that were demonstrated.
         arm: that moves, with what it holds.
-        demonstrations: what was learned.
+        demonstrations: that it was learned from.
         joints: the motion that the arm would run.
         limits: the check of the motion against the joints' limits.
         clearance: the check of the whole arm.
         path: (n, 3) of the tip, m; None for where the tip goes.
-        obstacles: what is drawn beside the arm.
+        obstacles: drawn beside the arm.
         goal: (3,) where the motion ends, m, if it is drawn.
         skill: whose spread is drawn.
     """

@@ -1,7 +1,7 @@
 """A Panda carries a jug to a glass that stands elsewhere than shown, around a bottle, and pours.
 
-Where LEADTHROUGH_DATA names a folder with the recordings of RoboTasks, people's hands have shown
-the pour; else a simulated teacher shows one like it.
+If LEADTHROUGH_DATA names a folder with the recordings of RoboTasks, the pour was demonstrated by
+people's hands; else a simulated teacher demonstrates one like it.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Motions that `follow` finds, looked at again by another library along what is executed.
 
-What is executed is a cubic through the samples with their velocities, as controllers make it. No
+The executed motion is a cubic through the samples with their velocities, as controllers make it. No
 point of the arm moves farther than 0.1 mm from one configuration on it to the next. A distance that
 was found lets those be passed over on the way to which no point comes so far.
 """

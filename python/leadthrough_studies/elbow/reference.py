@@ -3,8 +3,8 @@
 At every sample it takes configurations from inverse kinematics of many random ones, and others
 beside those that it came to, along what the task leaves free. They are the nodes of a roadmap whose
 edges lead from sample to sample: no joint leaps, and places in between are on the path and clear.
-What the edges reach from any first configuration is gone on from, all of it. The search has nothing
-of `Arm.follow` but forward and inverse kinematics and `Arm.is_clear`.
+The search goes on from all that the edges reach from any first configuration. It has nothing of
+`Arm.follow` but forward and inverse kinematics and `Arm.is_clear`.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def searched_for_a_minute(
     Args:
         arm: the arm.
         tip: the path.
-        obstacles: what to keep clear of.
+        obstacles: to keep clear of.
         margin: distance to keep in m.
         free: axes of the tip's poses left free.
     """
@@ -75,12 +75,12 @@ class Roadmap:
     Attributes:
         arm: the arm.
         tip: the path.
-        obstacles: what to keep clear of.
+        obstacles: to keep clear of.
         margin: distance to keep in m.
         free: axes of the tip's poses left free.
         effort: how many times the usual number of configurations are looked at.
         reached: configurations (m, joints) of each sample that edges lead to.
-        parents: which of the sample before each comes from, (m,).
+        parents: index (m,) of each one's predecessor at the sample before.
     """
 
     arm: Arm

@@ -59,7 +59,7 @@ def _searched(solved: list[Row], asked: list[Row]) -> Row:
 
 
 def _rechecked(rows: list[Row]) -> Row:
-    """What coal finds along the motions; its steps are at most 0.1 mm."""
+    """Collisions that coal finds along the motions, in steps of at most 0.1 mm."""
     return {
         "rechecked": len(rows),
         "rechecked_steps": sum(row["steps"] for row in rows),
@@ -69,7 +69,7 @@ def _rechecked(rows: list[Row]) -> Row:
 
 
 def _connected(rows: list[Row]) -> Row:
-    """What RRT-Connect solves, how fast, and how far it leaves the shown path."""
+    """Figures of RRT-Connect: solved, times, and distances from the demonstrated path."""
     found = selected(rows, solved=1)
     return {
         "asked_of_connect": len(rows),

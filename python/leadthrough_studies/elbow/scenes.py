@@ -22,7 +22,7 @@ from leadthrough.shapes.scene import PLANNING_TOLERANCE
 from leadthrough.trajectories import minimum_jerk_time_scaling
 from leadthrough_studies.robotasks.study import read
 
-# Where the ends of the reaches lie, m in the arm's base frame.
+# Regions of the reaches' ends, m in the arm's base frame.
 SPACES = {
     "panda": ((0.3, -0.45, 0.15), (0.6, 0.45, 0.55)),
     "ur3": ((-0.35, 0.15, 0.05), (0.35, 0.35, 0.3)),

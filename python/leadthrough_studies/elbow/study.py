@@ -2,9 +2,9 @@
 
 `Arm.follow` with these obstacles keeps the tip on its path and moves the rest of the arm around.
 A scene that it does not solve is looked at more closely: at every fourth sample, inverse kinematics
-from 600 random configurations says whether the arm can stand clear there at all. Where it cannot at
+from 600 random configurations says whether the arm can stand clear there at all. If it cannot at
 one of them, no search could succeed ("impossible"). The others that `follow` does not solve are
-given to a slow search (`reference`) for at least a minute of processor time. Where `follow` has a
+given to a slow search (`reference`) for at least a minute of processor time. If `follow` has a
 solution, the scene counts as one that such a search solves as well.
 
 Every solution is looked at again by coal, if that and Pinocchio are installed, in steps of 0.1 mm

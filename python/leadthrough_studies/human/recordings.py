@@ -87,7 +87,7 @@ def symbol(*, source: str, file: Path, weights: int) -> list[Row]:
     rows = []
     for way, (given, compared) in ways.items():
         with warnings.catch_warnings():
-            # What is lost where they are out of step is what the study shows.
+            # The study shows the loss by demonstrations out of step.
             warnings.simplefilter("ignore", MisalignmentWarning)
             skill = ProMP(weights=weights).fit(given)
         motions = [each.motion for each in compared]

@@ -3,8 +3,8 @@
 A method learns from the other demonstrations of a task as they were recorded, with their own
 timing, and gets the start and goal pose of the left-out one. Its motion is compared with the left-
 out demonstration at evenly spaced times: mean distance, mean angle, and the distance under dynamic
-time warping, which ignores differences in timing. Where a method refuses, as the planner of
-Lauretti et al. does where a channel of the mean ends where it began, the row says why. Recordings:
+time warping, which ignores differences in timing. If a method refuses, as the planner of
+Lauretti et al. does if a channel of the mean ends where it began, the row says why. Recordings:
 Auddy et al. 2023, "Continual learning from demonstration of robotics skills", data set RoboTasks:
 positions in cm, quaternions w, x, y, z, 10 s each.
 """

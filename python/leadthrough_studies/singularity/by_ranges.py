@@ -54,7 +54,7 @@ def follow_by_ranges(
 def _offset(
     arm: Arm, q: Float64Array, position: Float64Array, orientation: Float64Array
 ) -> Float64Array:
-    """What is left to a pose (6,), m and rad, in the base frame."""
+    """Remaining difference to a pose (6,), m and rad, in the base frame."""
     here, turned = arm.forward_kinematics(q)
     back = rotations.inverse(turned[None])
     left = rotations.log(rotations.compose(orientation[None], back))[0]

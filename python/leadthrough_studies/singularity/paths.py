@@ -43,7 +43,7 @@ class Approach:
         title: the singularity.
         posture: joint positions close to the singularity, rad.
         joints: numbers (from 1) of the joints that the singularity affects most.
-        paper: what the paper prints of its own approach, without its method ("plain") and with it
+        paper: the paper's figures of its own approach, without its method ("plain") and with it
             ("damped"): percentage of samples below a condition number of 8 and of 10, and peak
             velocities of joints in rad/s.
     """

@@ -237,7 +237,7 @@ def _programme(
 
 
 def _features(centres: Float64Array, width: float, x: Float64Array) -> Float64Array:
-    """What turns heights and stiffnesses (2 k,) into gradients of the potential, (n, d, 2 k)."""
+    """Linear map (n, d, 2 k) of heights and stiffnesses (2 k,) to gradients of the potential."""
     weights = kernels(x, centres, width)
     half = 0.5 * squared_distances(x, centres)
     spread = (centres[None] - (weights @ centres)[:, None]) / width**2  # (n, k, d)

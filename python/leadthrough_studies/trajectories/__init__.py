@@ -1,4 +1,4 @@
-"""What notes on trajectory generation say of curves (Grioli 2023)."""
+"""Curves of notes on trajectory generation (Grioli 2023)."""
 
 from leadthrough_studies.trajectories.study import STUDY
 

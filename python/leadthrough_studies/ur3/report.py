@@ -56,7 +56,7 @@ def _with_physics(told: Report, experiments: list[Row]) -> Report:
 
 
 def _spread(rows: list[Row]) -> Row:
-    """What one experiment gives with several persons, least, mean and most where that differs."""
+    """Figures of one experiment with several persons: least, mean and most if they differ."""
     kappas = [row["kappa"] for row in rows]
     distances = [row["arm_distance_m"] for row in rows if row["arm_ok"]]
     return {

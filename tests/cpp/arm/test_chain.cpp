@@ -127,7 +127,7 @@ TEST(Chain, AJointThatMimicsNarrowsTheLimitsOfItsLeader) {
   EXPECT_DOUBLE_EQ(chain.upper[1], 0.55);
   EXPECT_DOUBLE_EQ(chain.velocity[1], 1.5);
   EXPECT_TRUE(chain.periodic[0]);
-  EXPECT_FALSE(chain.periodic[1]);  // what follows it slides
+  EXPECT_FALSE(chain.periodic[1]);  // the joint after it slides
 }
 
 TEST(Chain, RefusesAMimicOfAJointOutsideTheArm) {

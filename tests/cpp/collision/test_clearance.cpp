@@ -94,7 +94,7 @@ TEST(Clearance, GradientsAreThoseOfDifferences) {
       moved[joint] -= 2.0 * kStep;
       test.near(moved.data(), 0.2, below);
       for (const NearPair& pair : here) {
-        if (pair.distance < 1e-3) continue;  // where bodies overlap the nearest points may leap
+        if (pair.distance < 1e-3) continue;  // nearest points of overlapping bodies may leap
         const auto of_pair = [&](const NearPair& other) { return other.pair == pair.pair; };
         const auto up = std::find_if(above.begin(), above.end(), of_pair);
         const auto down = std::find_if(below.begin(), below.end(), of_pair);

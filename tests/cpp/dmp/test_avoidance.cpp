@@ -47,7 +47,7 @@ TEST(Avoidance, LimitsHoldBackAndLetGo) {
   const AvoidanceScene scene{{}, 1.0, Vector::Constant(3, -1.0), Vector::Constant(3, 0.6)};
   const Vector phases = Vector::LinSpaced(501, 0.0, 1.0);
   const Passage passage = rollout_around(kStill, straight(), scene, rest(), phases);
-  EXPECT_LT(passage.rollout.values.maxCoeff(), 0.6 + 1e-5);  // what finite steps leave
+  EXPECT_LT(passage.rollout.values.maxCoeff(), 0.6 + 1e-5);  // the error of finite steps
   EXPECT_GT(passage.rollout.values(500, 0), 0.59);
 }
 

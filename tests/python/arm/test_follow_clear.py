@@ -19,7 +19,7 @@ def freely(panda, sweep):
 
 
 def elbow(panda, q):
-    """Where the fourth joint stands, by the two parts of the chain."""
+    """Position of the fourth joint, by the two parts of the chain."""
     upper = lt.Arm.load("panda", tip="panda_link4")
     return upper.forward_kinematics(q[:4])[0]
 

@@ -96,7 +96,7 @@ def test_beside_a_singularity_the_plain_inverse_jumps_and_follow_slows(where):
     assert arm.path_report(joints, motion, position_tolerance=1e-5, orientation_tolerance=1e-5).ok
     assert joints.times[0] == motion.times[0]
     assert (np.diff(joints.times) >= np.diff(motion.times) * (1 - 1e-9)).all()
-    assert joints.duration < 1.6 * motion.duration  # where it was too fast only
+    assert joints.duration < 1.6 * motion.duration  # slower at the fast part only
 
 
 @pytest.mark.parametrize(

@@ -311,7 +311,7 @@ def test_bounded_stacks_are_lexicographic_least_squares():
             method="bvls",
         ).x
         ours, best = (np.linalg.norm(second @ x - aims[1]) for x in (motion, truth))
-        assert ours <= 1.05 * best + 1e-5  # what cannot be met is damped by a little
+        assert ours <= 1.05 * best + 1e-5  # infeasible aims are slightly damped
 
 
 @pytest.mark.parametrize(

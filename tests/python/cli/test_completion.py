@@ -1,4 +1,4 @@
-"""What bash, zsh and fish offer for the values of options."""
+"""Values of options that bash, zsh and fish complete."""
 
 import os
 import shutil
@@ -40,7 +40,7 @@ def inside(folder, monkeypatch):
 
 
 def answer(**variables):
-    """What the program says to a shell."""
+    """The program's answer to a shell."""
     environment = {"_LEADTHROUGH_COMPLETE": "complete_bash", **variables}
     result = RUNNER.invoke(cli.app, [], prog_name="leadthrough", env=environment)
     return [line for line in result.stdout.splitlines() if line]

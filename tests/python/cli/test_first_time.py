@@ -1,4 +1,4 @@
-"""What people stumbled over who came with their own arm and recordings, and what they are told."""
+"""Obstacles that people met with their own arm and recordings, and the messages about them."""
 
 import re
 from pathlib import Path
@@ -91,7 +91,7 @@ def test_a_data_set_in_an_unknown_unit_can_be_seen_once_the_unit_is_given(folder
     save(Path("set"), episodes)
     told = run("info", "set")
     assert "set --angles degrees or --angles percent" in said(told)
-    assert "next:" not in told.output  # what comes next needs the unit, too
+    assert "next:" not in told.output  # the next command needs the unit, too
     words = ("view", "recordings/rec0.csv", "--robot", "arm.urdf", "--tip", TIP)
     shown = (*words, "--demonstrations", "set", "--html", "seen.html")
     assert "--angles" in run(*shown, code=2).stderr

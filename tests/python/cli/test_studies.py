@@ -18,7 +18,7 @@ from leadthrough_studies.ur3.study import STUDY, Setting, Ur3Config
 
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory):
-    """What the demo prints and writes with one motion of handwriting, without recordings."""
+    """Output and files of the demo with one motion of handwriting, without recordings."""
     out = tmp_path_factory.mktemp("demo") / "results"
     with pytest.MonkeyPatch.context() as patched:
         patched.delenv("LEADTHROUGH_DATA", raising=False)

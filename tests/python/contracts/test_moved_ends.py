@@ -42,7 +42,7 @@ STEADY = MODELS | {
     "task mixture of poses": kind("TaskGMR", "poses"),
 }
 
-COUNTS = dict.fromkeys(MODELS, (2, 40)) | {"fast marching of poses": (5,)}  # which is slow
+COUNTS = dict.fromkeys(MODELS, (2, 40)) | {"fast marching of poses": (5,)}  # a slow model
 
 
 @pytest.fixture(params=[(name, count) for name in MODELS for count in COUNTS[name]], ids=str)

@@ -84,7 +84,7 @@ def clear_obstacles(rng, arm, q, count, room):
 
 
 def run_stream(arm, rng, scene, *, chunks, appear=0.1):
-    """One stream: what was commanded, the worlds it was commanded in, and the guard's answers.
+    """One stream: the commands, the worlds that they were given in, and the guard's answers.
 
     Args:
         arm: the arm.

@@ -17,7 +17,7 @@ _STEP = 0.01  # rad, between configurations that are looked at
 def worst_use(positions, limits, rate):
     """The largest ratio of a limit of velocity, acceleration and jerk that a stream uses.
 
-    The arm rests before and after. What rounding of the positions makes of a difference is taken
+    The arm rests before and after. Differences due to rounding of the positions are taken
     off. A position outside of its limits counts as infinite.
     """
     outside = (positions < limits.lower - _ROUNDING) | (positions > limits.upper + _ROUNDING)

@@ -24,7 +24,7 @@ def written(tmp_path):
 
 
 def guarded(folder, *words, code=0):
-    """What is said of the motion with the jump."""
+    """Printed facts about the motion with the jump."""
     files = (folder / "jump.npz", "-o", folder / "safe.npz")
     return facts("guard", *files, "--robot", "panda", *words, code=code)
 

@@ -1,4 +1,4 @@
-"""What a guard lets through, what it changes, and what it says of it."""
+"""A guard's verdicts: chunks allowed, changed and refused, with the reasons."""
 
 import numpy as np
 import pytest

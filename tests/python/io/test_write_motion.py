@@ -44,7 +44,7 @@ def test_poses_and_points_come_back_to_the_same_bits(tmp_path, poses, suffix):
         assert np.array_equal(back.times, motion.times)
         assert np.array_equal(back.positions, motion.positions)
         assert back.events == motion.events
-        if motion is poses:  # which are normalised anew
+        if motion is poses:  # its quaternions are normalised anew
             np.testing.assert_allclose(back.orientations, motion.orientations, atol=1e-15)
 
 

@@ -78,7 +78,7 @@ def test_a_skill_keeps_the_joints_by_phase_and_in_its_file(name, tmp_path):
     assert made.joints.joint_names == ARM.joint_names
     assert np.array_equal(made.joints.times, made.times)
     mean = np.mean([each.joints.positions for each in given], axis=0)
-    rounds = name.startswith("Rhythmic")  # which end where they begin
+    rounds = name.startswith("Rhythmic")  # rhythms end where they begin
     np.testing.assert_allclose(made.joints.positions[0], mean[0], atol=0.02)
     np.testing.assert_allclose(made.joints.positions[-1], mean[0 if rounds else -1], atol=0.02)
     skill.save(tmp_path / "skill.npz")

@@ -24,5 +24,5 @@ def box():
 
 @pytest.fixture(scope="module")
 def roof():
-    """Where the hand is at the goal."""
+    """Box around the hand at the goal."""
     return lt.Box([0.3, 0.1, 0.1], [0.45, 0.3, 0.4])

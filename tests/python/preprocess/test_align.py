@@ -120,7 +120,7 @@ def test_all_take_the_mean_timing_whatever_their_order():
     )
     one = align_by_time_warping(shown)
     assert one[0].motion.duration == pytest.approx((3 * 3.0 + 1.5) / 4)
-    # What happens at a time of the aligned ones happened at that time in the mean.
+    # Aligned demonstrations pass every phase at the mean of its recorded times.
     times = []
     for each in shown:
         fractions = each.motion.times / each.motion.duration

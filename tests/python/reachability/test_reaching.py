@@ -1,4 +1,4 @@
-"""What is reached is what forward kinematics can be at; an arm stands where it runs a motion."""
+"""Reached poses are those of forward kinematics; an arm at a found base runs the motion."""
 
 import numpy as np
 import pytest
@@ -69,7 +69,7 @@ def test_the_arm_runs_the_motion_from_where_it_is_to_stand(panda, poses):
     found = place_base(poses, panda, area=area, spacing=0.5, yaws=4)
     assert len(found.bases) == 4 * 2 * 4
     home = np.flatnonzero((found.bases == 0.0).all(axis=1))
-    assert found.fraction[home] == 1.0  # where it was shown
+    assert found.fraction[home] == 1.0  # the demonstrated base
     x, y, _, yaw = found.best
     tips = panda.poses(found.joints)
     turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])

@@ -197,7 +197,7 @@ def _one_format(folder, suffix, first, rounds):
     for seed in range(first, rounds):
         path.write_bytes(damaged(content, np.random.default_rng(seed)))
         print(json.dumps(seed), flush=True)
-        bound_time()  # what would never end counts as a crash
+        bound_time()  # a call without an end counts as a crash
         start = time.monotonic()
         try:
             read_here(path)

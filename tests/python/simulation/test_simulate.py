@@ -1,4 +1,4 @@
-"""Motions in simulation: what controllers make of them, and what is found."""
+"""Motions in simulation: their errors under each controller, and the report."""
 
 import re
 import sys
@@ -55,7 +55,7 @@ def test_the_error_is_that_of_the_linear_theory(loaded, swing, controller, distu
     assert report.ok, str(report)
     expected = np.abs(report.expected).max()
     assert expected > 1e-3
-    if disturbed:  # where friction holds a joint, it may rest anywhere within what it holds
+    if disturbed:  # a joint held by friction may rest anywhere within its band
         assert np.abs(report.errors).max() == pytest.approx(expected, rel=0.25)
     else:
         assert np.abs(report.errors - report.expected).max() < 0.25 * expected

@@ -231,7 +231,7 @@ def test_digging_succeeds_in_the_demonstrated_posture_and_by_looking_ahead(diggi
     assert row["limits_kept"]
     assert row["arm_clear"]
     assert [event.name for event in joints.events] == ["closed", "opened"]
-    for event in joints.events:  # where the rack is
+    for event in joints.events:  # both at the rack
         q = np.array([np.interp(event.time, joints.times, column) for column in joints.positions.T])
         rack, _ = ARM.forward_kinematics(POSTURES["rack"])
         reached, _ = ARM.forward_kinematics(q)

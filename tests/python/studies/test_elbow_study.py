@@ -1,4 +1,4 @@
-"""Obstacles in the way of the elbow: what is solved is clear by another library's measure too."""
+"""Obstacles in the way of the elbow: solutions are clear by another library's measure too."""
 
 import numpy as np
 import pytest

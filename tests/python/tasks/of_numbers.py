@@ -29,7 +29,7 @@ def slow(out):
 
 
 if __name__ == "__main__":
-    # What a shell starts in the background ignores Ctrl-C unless it says otherwise.
+    # Programs that a shell starts in the background ignore Ctrl-C unless they say otherwise.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     folder = Path(sys.argv[1])
     study.run(study_of(slow(folder)), Nothing(), out=folder, on=sys.argv[2])

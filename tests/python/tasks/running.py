@@ -23,7 +23,7 @@ def started(out, on):
     """The study `of_numbers` as a program, some of whose tasks are done."""
     out.mkdir()
     client = program("tasks.of_numbers", out, on, log=out / "messages")
-    # What begins with a dot is still being written.
+    # Files with a leading dot are still being written.
     wait(lambda: len(list(out.glob("cache/??/[!.]*.json"))) >= 3, client, out / "messages")
     return client
 

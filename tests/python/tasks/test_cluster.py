@@ -99,7 +99,7 @@ def test_rows_come_back_where_the_workers_do_not_see_the_store(cluster, tmp_path
 
 
 def failing_experiment(cluster, out, *words):
-    """What the command line says of an experiment with failures, and its results."""
+    """Output of an experiment with failures, and its results."""
     words = ["experiment", "ur3", "--out", str(out), "--on", str(cluster.file), *words]
     result = CliRunner().invoke(cli.app, words)
     assert result.exit_code == 1, result.output

@@ -66,7 +66,7 @@ def test_after_a_stretch_that_was_too_fast_the_motion_catches_up_and_comes_never
     assert check_limits(motion, limits).ok
     late = lateness(shown, motion)
     assert late.min() > -1e-3
-    assert late.max() > 0.06  # where it could not keep up
+    assert late.max() > 0.06  # on the stretches that are too fast
     assert np.abs(late[230:330]).max() < 2e-3  # on time again between the two stretches
     assert abs(late[450:].max()) < 0.03
     assert motion.duration < 6.0 + 0.06

@@ -398,7 +398,7 @@ BENCHMARKS = Path(__file__).parents[3] / "python" / "benchmarks"
 def random_paths():
     spec = importlib.util.spec_from_file_location("random_paths", BENCHMARKS / "random_paths.py")
     module = importlib.util.module_from_spec(spec)
-    sys.modules["random_paths"] = module  # where its dataclass looks for it
+    sys.modules["random_paths"] = module  # its dataclass looks itself up there
     spec.loader.exec_module(module)
     return module
 

@@ -1,4 +1,4 @@
-"""What every curve promises; a new kind joins with one line."""
+"""Properties of every curve; a new kind joins with one line."""
 
 import pickle
 

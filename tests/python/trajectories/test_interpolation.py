@@ -1,4 +1,4 @@
-"""What the notes teach of polynomials, splines, Bezier curves and B-splines."""
+"""Properties of polynomials, splines, Bezier curves and B-splines, as in the notes."""
 
 import numpy as np
 import pytest

@@ -199,7 +199,7 @@ def test_a_moving_target_is_caught_in_the_least_time_and_then_followed_exactly()
 @pytest.mark.parametrize("speed", [-2.0, -0.7, 0.3, 2.0])
 @pytest.mark.parametrize("last", [1.0, 0.999999999])
 def test_a_short_way_is_met_to_its_own_digits_at_any_speed(exponent, speed, last):
-    """Where both speeds are alike, the peak is nearer to them than their digits tell."""
+    """If both speeds are alike, the peak differs from them by less than their digits."""
     for length in (10.0**exponent, -(10.0**exponent)):
         for make, limits in ((tr.trapezoid, {"velocity", "acceleration"}), (tr.double_s, LIMITS)):
             given = {name: LIMITS[name] for name in limits}

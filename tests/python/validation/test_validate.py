@@ -111,7 +111,7 @@ def test_the_command_writes_a_report_and_a_certified_skill(reach, tmp_path):
     assert facts(*asked, *box, "--move-goal", "0.01,0,0")["certificate"].startswith("inside: ")
     outside = facts(*asked, "--move-goal", "0.05,0,0")["certificate"]
     assert "goal outside" in outside and "other obstacles" in outside
-    # What was finished is known; four queries are too few for the rate that is asked for.
+    # Finished queries are reused; four are too few for the required rate.
     facts(*words, "--random-obstacle", "sphere:0.03@0.1,0.6,0.6~0.1,0,0.1", "--out", out,
           "--required", 0.9, code=1)  # fmt: skip
 

@@ -104,7 +104,7 @@ def fit(
     ends = Ends(values[0].copy(), values[-1].copy(), rest, rest)
     target = _Target(form, phases, values, kernels_of(form, weights), ends, groups)
     target.check_scale()
-    with np.errstate(all="ignore"):  # what is not finite is refused below
+    with np.errstate(all="ignore"):  # values that are not finite are refused below
         solution, slopes = (
             _by_replay(target) if regression == "replay" else _by_force(target, regression)
         )
@@ -119,7 +119,7 @@ def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> T
     """A system that repeats the values of one period, fitted by replay."""
     from scipy.integrate import trapezoid
 
-    with np.errstate(all="ignore"):  # what is not finite is refused below
+    with np.errstate(all="ignore"):  # values that are not finite are refused below
         centre = trapezoid(values, phases, axis=0)
         kernels = kernels_of(RHYTHMIC, weights)
         # The springs have swung in after this many periods, to 16 digits.

@@ -5,8 +5,8 @@ e'' = -2 RATE e' - RATE^2 e + f(u) over the phase u, with alpha = 2 RATE, beta =
 tau = 1 in the literature's letters. The forms differ in r and in what multiplies the force:
 
 - "blended": r is the minimum-jerk motion from start to goal with their velocities, and e begins and
-  ends at 0. Start, goal and velocities are met exactly and the force is not scaled. Where Hoffmann
-  et al. 2009 let the spring's goal start at x0 and decay exponentially to g, it moves by minimum
+  ends at 0. Start, goal and velocities are met exactly and the force is not scaled. Hoffmann
+  et al. 2009 let the spring's goal start at x0 and decay exponentially to g; it moves by minimum
   jerk here, with its velocity and acceleration fed forward.
 - "hoffmann": tau v' = K (g - x) - D v - K (g - x0) x(u) + K f. No scaling by the goal.
   Sources: Hoffmann et al. 2009; Pastor et al. 2009.

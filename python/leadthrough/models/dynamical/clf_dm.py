@@ -8,8 +8,8 @@ mixture regression; and x' = f(x) + u*(x) with the least u* for which V falls,
     u* = -(grad V . f + rho |grad V|) / |grad V|^2 grad V elsewhere.
 
 Source: Khansari-Zadeh and Billard 2014, "Learning control Lyapunov function to ensure stability of
-dynamical system-based robot reaching motions", Robotics and Autonomous Systems 62, 752-765. What it
-leaves open and is ours: rho(x) = rho_0 (1 - exp(-|x| / 0.05)) is a speed, as it is multiplied by
+dynamical system-based robot reaching motions", Robotics and Autonomous Systems 62, 752-765. Ours,
+as it leaves them open: rho(x) = rho_0 (1 - exp(-|x| / 0.05)) is a speed, as it is multiplied by
 |grad V|; V is learned from twelve starts, with bounded parameters; what the regression gives at the
 goal, where the velocity has to be 0, is taken off within a twentieth of the motion's size; and four
 deviations and more away from all demonstrations, f gives way to -3 x.

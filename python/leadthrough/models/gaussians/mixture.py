@@ -369,7 +369,7 @@ class Steps:
 
 
 def _leap(trail: Sequence[Sums]) -> Sums | None:
-    """Where three sums in a row lead; None where that is no farther than a step."""
+    """Limit that three sums in a row lead to; None if it is no farther than a step."""
     first, second, third = trail
     steps = [b - a for a, b in zip(first, second, strict=True)]
     bends = [c - b - step for b, c, step in zip(second, third, steps, strict=True)]

@@ -15,7 +15,7 @@ import leadthrough._core as core
 from leadthrough.check import Float64Array
 
 _Floats: TypeAlias = NDArray[np.floating[Any]]
-_TAKEN = -np.inf  # what is left of the variance of a pivot that was used
+_TAKEN = -np.inf  # the variance left to a pivot that was used
 
 
 def product(left: _Floats, right: _Floats) -> Float64Array:

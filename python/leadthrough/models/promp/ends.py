@@ -1,6 +1,6 @@
 """Motions of a ProMP between a new start and a new goal, never farther off than they were moved.
 
-The covariance describes the variation inside the demonstrations. Where all of them share an end, it
+The covariance describes the variation inside the demonstrations. If all of them share an end, it
 says next to nothing about another one, and conditioning alone would distort the motion: the gain
 from the end to the middle is a covariance over a vanishing variance. So the motion is moved by a
 mixture of two: conditioned on the new ends, and shifted as a whole by offsets that fade from end to

@@ -48,7 +48,7 @@ _STEPS = np.linspace(-3.0, 3.0, 13)  # paces tried about the demonstrated ones, 
 _REFINED = 9  # paces tried between the best one's neighbours, twice
 # Durations less probable than this, relative to the best one, are left out of the mixture.
 _MIN_PROBABILITY = 1e-3
-# Where left-out forecasts are judged, as fractions of the part that was not seen.
+# Instants of left-out forecasts that are judged, as fractions of the part that was not seen.
 _JUDGED = np.array([0.4, 0.7, 1.0])
 # Logarithms of the factors that the covariance is tried with.
 _FACTORS = np.linspace(-3.0, 5.5, 86)

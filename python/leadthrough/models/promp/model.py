@@ -257,7 +257,7 @@ class ProMPSkill(FittedSkill[MotionT_co]):
             position: the values (p,) there, for poses as in `generate`; (m, p) for several.
             covariance: covariance (p, p) of the values at each via point; by default the motion
                 passes through them exactly.
-            order: what the values are: 0 positions, 1 velocities, per s, 2 accelerations, per s^2.
+            order: of the values: 0 positions, 1 velocities, per s, 2 accelerations, per s^2.
             columns: indices of the p columns that the values are for; by default all; for poses
                 those of the position or of the position and the orientation.
 

@@ -204,7 +204,7 @@ def test_bad_arguments_are_refused_by_name(skill, call, name):
 
 
 U = np.linspace(0.0, 1.0, 100)
-# What a motion may deviate by, in multiples of what its ends are moved by.
+# Largest deviation of a motion, in multiples of its ends' displacement.
 BOUND = 1.5
 JOINTS = tuple(f"joint{i}" for i in range(1, 8))
 
@@ -314,7 +314,7 @@ def test_novelty_counts_standard_deviations_of_the_ends():
     assert skill.novelty(start=skill.generate().positions[0]) == pytest.approx(0.0, abs=1e-6)
     assert skill.novelty(start=(0.0, 2.0)) == pytest.approx(2.0, rel=0.05)
     assert skill.novelty(start=(0.0, 6.0)) == pytest.approx(6.0, rel=0.05)
-    assert skill.novelty(goal=(1.0, 0.5)) > 3.0  # where all demonstrations agree
+    assert skill.novelty(goal=(1.0, 0.5)) > 3.0  # all demonstrations agree at the end
     assert skill.condition(0.0, (0.0, 1.0)).novelty(start=(0.0, 0.0)) == np.inf
 
 

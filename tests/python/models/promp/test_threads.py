@@ -66,7 +66,7 @@ CODES = {
 
 
 def digests(threads):
-    """What each of the programs prints, all run in one process with so many threads."""
+    """Output of each of the programs, all run in one process with so many threads."""
     names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
     run = "import json, sys\nfor code in json.load(sys.stdin):\n    exec(code, {})"
     environment = {**os.environ, **dict.fromkeys(names, str(threads))}
