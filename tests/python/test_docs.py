@@ -187,9 +187,6 @@ def test_messages_in_the_troubleshooting_are_those_of_the_code():
         assert message in known, message
 
 
-# The docs' table of speed is the one that the benchmarks print, and --check finds a boast
-
-
 @pytest.fixture
 def benchmarks(monkeypatch):
     """The modules `printed` and `frame` of the benchmarks."""
@@ -231,9 +228,6 @@ def test_the_page_on_speed_has_the_rows_of_the_table(benchmarks):
     assert faults == []
 
 
-# The notebooks, cell by cell, as the pages of the documentation run them
-
-
 NOTEBOOKS = sorted((ROOT / "python" / "notebooks").glob("*.ipynb"))
 
 
@@ -261,9 +255,6 @@ def test_notebook_runs_and_shows_skills_and_scenes_inline(notebook, shown):
 def test_notebook_is_kept_without_results(notebook):
     cells = json.loads(notebook.read_text())["cells"]
     assert all(not cell.get("outputs") for cell in cells)
-
-
-# The Python of the README and the guide passes the strictest type check, page by page
 
 
 PACKAGE = Path(lt.__file__).parent

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from refusals import refused
 
 from leadthrough.arm import JointLimits, read_limits
 from leadthrough.errors import InvalidInput
@@ -41,8 +42,7 @@ def test_what_nobody_states_stays_unknown(toml):
 def test_joints_outside_the_arm_may_be_spoken_of(toml):
     path = toml("[joints]\nfinger = { velocity = 1 }\n")
     read_limits(path, URDF, other_joints=["finger"])
-    with pytest.raises(InvalidInput, match="unknown joint 'finger'"):
-        read_limits(path, URDF)
+    refused("unknown joint 'finger'", read_limits, path, URDF)
 
 
 @pytest.mark.parametrize(
@@ -62,14 +62,12 @@ def test_joints_outside_the_arm_may_be_spoken_of(toml):
     ],
 )
 def test_a_wrong_file_is_refused_with_the_place(toml, text, message):
-    with pytest.raises(InvalidInput, match=message):
-        read_limits(toml(text), URDF)
+    refused(message, read_limits, toml(text), URDF)
 
 
 @pytest.mark.parametrize("path", ["nowhere.toml", None, 3])
 def test_a_file_that_cannot_be_read_is_refused(path):
-    with pytest.raises(InvalidInput, match="cannot read"):
-        read_limits(path, URDF)
+    refused("cannot read", read_limits, path, URDF)
 
 
 @pytest.mark.parametrize(

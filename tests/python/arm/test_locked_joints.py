@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
 from motions import configurations
+from refusals import refused
 from urdfs import one_joint
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput, InvalidRobot
+from leadthrough.errors import InvalidRobot
 
 
 @pytest.fixture
@@ -80,19 +81,14 @@ def test_locked_joints_are_not_the_callers_dictionary(tiago):
     ],
 )
 def test_joints_that_cannot_be_locked_are_refused(tiago, values, message):
-    with pytest.raises(InvalidInput, match=message):
-        tiago.lock_joints(values)
+    refused(message, tiago.lock_joints, values)
 
 
 def test_one_joint_stays_none_is_locked_twice_and_limits_are_those_of_the_others(tiago):
     torso = {"torso_lift_joint": 0.1}
-    with pytest.raises(InvalidInput, match="at least one"):
-        tiago.lock_joints(dict.fromkeys(tiago.joint_names, 0.1))
-    with pytest.raises(InvalidInput, match=r"locked at 0\.1"):
-        tiago.lock_joints(torso).lock_joints({"torso_lift_joint": 0.2})
-    with pytest.raises(InvalidInput, match="limits"):
-        lt.Arm(tiago.document, tiago.base, tiago.tip, tiago.limits, torso)
+    refused("at least one", tiago.lock_joints, dict.fromkeys(tiago.joint_names, 0.1))
+    refused(r"locked at 0\.1", tiago.lock_joints(torso).lock_joints, {"torso_lift_joint": 0.2})
+    refused("limits", lt.Arm, tiago.document, tiago.base, tiago.tip, tiago.limits, torso)
     with pytest.raises(InvalidRobot, match="no joint moves"):
         lt.Arm.from_urdf(one_joint(), locked_joints={"j": 0.1})
-    with pytest.raises(InvalidInput, match="j"):
-        lt.Arm.from_urdf(one_joint(), locked_joints={"j": np.inf})
+    refused("j", lt.Arm.from_urdf, one_joint(), locked_joints={"j": np.inf})

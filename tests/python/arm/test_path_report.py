@@ -2,9 +2,9 @@ import dataclasses
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 
 ARM = lt.Arm.load("ur3")
 TIMES = np.linspace(0.0, 2.0, 50)
@@ -80,5 +80,4 @@ def test_points_ask_for_no_orientation_and_unknown_accelerations_for_none():
     ],
 )
 def test_other_motions_and_tolerances_are_refused(joints, motion, options, name):
-    with pytest.raises(InvalidInput, match=name):
-        ARM.path_report(joints, motion, **options)
+    refused(name, ARM.path_report, joints, motion, **options)

@@ -11,9 +11,9 @@ import pytest
 from cli.command_line import run
 from motions import minimum_jerk
 from pyarrow import parquet
+from refusals import refused
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 from leadthrough.io import stream_recordings
 
 EPISODES, SAMPLES = 60, 50
@@ -134,5 +134,4 @@ def test_where_nothing_can_be_used_the_command_says_why(tmp_path):
                  tmp_path / "skill.npz", code=2)  # fmt: skip
     assert "broken" in result.stderr
     assert table_of(tmp_path / "faults.csv")[0]["used"] == "no"
-    with pytest.raises(InvalidInput, match="rate"):
-        next(stream_recordings(tmp_path / "broken.csv", rate=-1.0))
+    refused("rate", next, stream_recordings(tmp_path / "broken.csv", rate=-1.0))

@@ -183,9 +183,6 @@ def test_bad_demonstrations_are_refused(model, demonstrated):
             model.fit(bad)
 
 
-# Texts and drawings of every skill at the prompt and in a notebook
-
-
 def test_skill_is_described_in_a_few_lines(skill):
     text = repr(skill)
     assert text.startswith(f"{type(skill).__name__}({type(skill.model).__name__}(")

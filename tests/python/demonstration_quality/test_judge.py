@@ -5,11 +5,11 @@ import pytest
 from cli.command_line import facts
 from demonstration_quality import spoiled as spoiling
 from demonstration_quality.spoiled import copies
+from refusals import refused
 from sklearn.metrics import roc_auc_score
 
 import leadthrough as lt
 from leadthrough.demonstration_quality.traits import TRAITS, peculiarities
-from leadthrough.errors import InvalidInput
 from leadthrough.validation import TargetRegion
 from leadthrough_studies.robotasks.study import read
 
@@ -89,8 +89,7 @@ def test_a_goal_far_from_all_demonstrated_ones_is_suggested_next(lasa):
 
 
 def test_too_few_are_refused(lasa):
-    with pytest.raises(InvalidInput, match="at least 4"):
-        lt.judge_demonstrations(lasa["Line"][:3])
+    refused("at least 4", lt.judge_demonstrations, lasa["Line"][:3])
 
 
 def test_the_command_names_the_recordings(lasa, tmp_path):

@@ -8,11 +8,11 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.drawing import palette, panels
 from leadthrough.drawing.figure import figure_of
-from leadthrough.errors import InvalidInput
 from leadthrough.show import plot
 from leadthrough_studies import study
 
@@ -146,8 +146,7 @@ def test_report_without_anything_to_draw_shows_its_text():
     _, report = lt.preprocess.clean(lt.Trajectory(T, np.sin(T)[:, None]))
     assert "5000 samples read" in report._repr_html_()
     assert "<svg" not in report._repr_html_()
-    with pytest.raises(InvalidInput, match="nothing to draw"):
-        report.plot()
+    refused("nothing to draw", report.plot)
 
 
 def test_arms_and_reports_are_drawn_too():

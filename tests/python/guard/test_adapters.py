@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from guard.adversary import HOMES
+from refusals import refused
 from rosbags.typesys import Stores, get_typestore
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 from leadthrough.guard.lerobot import GuardStep
 from leadthrough.guard.ros import admit_message, message_of, trajectory_of
 
@@ -50,8 +50,7 @@ def test_joints_of_a_message_are_found_by_name(panda, guard):
 def test_a_message_without_points_is_refused(panda, guard):
     sent = message_of(lt.JointTrajectory([0.0], Q[None], joint_names=panda.joint_names))
     sent.points.clear()
-    with pytest.raises(InvalidInput, match="message: expected at least one point"):
-        admit_message(guard, sent, Q)
+    refused("message: expected at least one point", admit_message, guard, sent, Q)
 
 
 def action(panda, q):
@@ -94,9 +93,6 @@ def test_a_new_episode_begins_where_the_arm_is_observed(panda, guard):
 
 def test_what_is_missing_is_named(panda, guard):
     step = GuardStep(guard)
-    with pytest.raises(InvalidInput, match=r"action: expected a mapping with 'panda_joint1.pos'"):
-        step({"action": [1.0]})
-    with pytest.raises(InvalidInput, match="observation: expected a mapping"):
-        step({"action": action(panda, Q)})
-    with pytest.raises(InvalidInput, match=r"action: expected 'panda_joint1.pos', got gripper"):
-        step({"action": {"gripper": 1.0}})
+    refused(r"action: expected a mapping with 'panda_joint1.pos'", step, {"action": [1.0]})
+    refused("observation: expected a mapping", step, {"action": action(panda, Q)})
+    refused(r"action: expected 'panda_joint1.pos', got gripper", step, {"action": {"gripper": 1.0}})

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from guard.adversary import HOMES
 from guard.judge import EXCESS, worst_use
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, LimitsInfeasible, NoPath
@@ -88,9 +89,7 @@ def test_an_end_too_fast_to_brake_is_infeasible(panda):
 
 
 def test_wrong_arguments_are_named(panda):
-    with pytest.raises(InvalidInput, match="trajectory: expected a JointTrajectory"):
-        lt.connect(Q, MOVING, panda)
+    refused("trajectory: expected a JointTrajectory", lt.connect, Q, MOVING, panda)
     with pytest.raises(InvalidInput, match="trajectory: expected at least two samples"):
         lt.connect(Q, motion_of(MOVING[:1]), panda)
-    with pytest.raises(InvalidInput, match="state: expected shape"):
-        lt.connect(Q[:2], motion_of(MOVING), panda)
+    refused("state: expected shape", lt.connect, Q[:2], motion_of(MOVING), panda)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from guard.adversary import HOMES, RATE, smooth
 from guard.judge import EXCESS, worst_use
+from refusals import refused
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 from leadthrough.guard import CommandedState
 from leadthrough.guard.connect import changed
 from leadthrough.guard.rules import rules_for
@@ -302,16 +302,13 @@ def test_equal_calls_have_equal_answers(panda):
     ],
 )
 def test_wrong_arguments_are_named(guard, arguments, message):
-    with pytest.raises(InvalidInput, match=message):
-        guard.admit(**arguments)
+    refused(message, guard.admit, **arguments)
 
 
 def test_an_arm_without_acceleration_limits_is_refused(panda):
     bare = lt.Arm.from_urdf(panda.document, base=panda.base, tip=panda.tip)
-    with pytest.raises(InvalidInput, match="limits: expected acceleration limits"):
-        lt.Guard(bare, rate=RATE)
-    with pytest.raises(InvalidInput, match="arm: expected an Arm, got 'panda'"):
-        lt.Guard("panda", rate=RATE)
+    refused("limits: expected acceleration limits", lt.Guard, bare, rate=RATE)
+    refused("arm: expected an Arm, got 'panda'", lt.Guard, "panda", rate=RATE)
 
 
 def test_a_way_that_grazes_for_long_is_certified_as_far_as_the_work_allows(panda, monkeypatch):

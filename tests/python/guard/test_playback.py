@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from guard.adversary import HOMES
 from guard.judge import EXCESS, worst_use
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -73,17 +74,13 @@ def test_what_it_plays_is_admitted_as_it_is(panda, motion):
 
 
 def test_wrong_arguments_are_named(panda, motion):
-    with pytest.raises(InvalidInput, match=r"^rate"):
-        Playback(motion, panda.limits, rate=0.0)
+    refused(r"^rate", Playback, motion, panda.limits, rate=0.0)
     with pytest.raises(InvalidInput, match=r"^motion: expected 6 joints, got 7"):
         Playback(motion, lt.Arm.load("ur3").limits, rate=RATE)
-    with pytest.raises(InvalidInput, match=r"^motion: .* at least two samples"):
-        Playback(motion[:1], panda.limits, rate=RATE)
-    with pytest.raises(InvalidInput, match=r"^motion: expected room below the"):
-        Playback(motion, limits_of(panda, 0.5), rate=RATE)
+    refused(r"^motion: .* at least two samples", Playback, motion[:1], panda.limits, rate=RATE)
+    refused(r"^motion: expected room below the", Playback, motion, limits_of(panda, 0.5), rate=RATE)
     unknown = lt.arm.JointLimits(**vars(panda.limits) | {"jerk": None})
-    with pytest.raises(InvalidInput, match=r"^limits: expected acceleration and jerk"):
-        Playback(motion, unknown, rate=RATE)
+    refused(r"^limits: expected acceleration and jerk", Playback, motion, unknown, rate=RATE)
     play = Playback(motion, panda.limits, rate=RATE)
     with pytest.raises(InvalidInput, match=r"^speed"):
         play.speed = 1.5

@@ -3,6 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -77,16 +78,12 @@ def test_json_rounds_a_rest_that_is_almost_one(tmp_path):
     ],
 )
 def test_json_refuses_what_no_robot_could_execute(tmp_path, trajectory, message):
-    with pytest.raises(InvalidInput, match=message):
-        joint_trajectory.write_json(trajectory, tmp_path / "arm.json")
+    refused(message, joint_trajectory.write_json, trajectory, tmp_path / "arm.json")
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("write", [csv.write, joint_trajectory.write_json])
 def test_a_path_that_cannot_be_written_is_refused(tmp_path, write):
-    with pytest.raises(InvalidInput, match="path: no such folder"):
-        write(FULL, tmp_path / "missing" / "arm.out")
-    with pytest.raises(InvalidInput, match=r"path: .* cannot be written"):
-        write(FULL, tmp_path)
-    with pytest.raises(InvalidInput, match="path: "):
-        write(FULL, None)
+    refused("path: no such folder", write, FULL, tmp_path / "missing" / "arm.out")
+    refused(r"path: .* cannot be written", write, FULL, tmp_path)
+    refused("path: ", write, FULL, None)

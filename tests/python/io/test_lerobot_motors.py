@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import so101
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -62,8 +63,7 @@ def test_degrees_beyond_the_limits_of_the_joints_can_only_be_percent(tmp_path):
 
 def test_where_both_units_fit_the_message_says_what_to_state(tmp_path):
     data_set(tmp_path, percent)
-    with pytest.raises(InvalidInput, match="both fit; set angles='degrees' or angles='percent'"):
-        read(tmp_path)
+    refused("both fit; set angles='degrees' or angles='percent'", read, tmp_path)
     with pytest.raises(
         InvalidInput, match=r"angles: percent refer to the limits.*; in Python, set joints"
     ):
@@ -109,8 +109,7 @@ def test_damaged_statistics_are_left_aside(tmp_path):
 @pytest.mark.parametrize("wrong", [3, {"a": (1.0,)}, {"a": (2.0, 1.0)}, {1: (0.0, 1.0)}])
 def test_ranges_that_are_none_are_refused(tmp_path, wrong):
     data_set(tmp_path, np.degrees)
-    with pytest.raises(InvalidInput, match="joints"):
-        lt.read_demonstrations(tmp_path, joints=wrong)
+    refused("joints", lt.read_demonstrations, tmp_path, joints=wrong)
 
 
 def test_an_arms_joints_are_found_by_its_names_in_any_table(tmp_path):

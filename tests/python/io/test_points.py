@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.cli import parse
@@ -122,10 +123,8 @@ def test_a_mesh_file_is_an_obstacle_of_its_unit(tmp_path):
     (tmp_path / "cube.obj").write_text(CUBE)
     mesh = lt.read_mesh(tmp_path / "cube.obj", scale=1e-3, position=(1, 0, 0))
     np.testing.assert_allclose(mesh.distance([[1.05, 0.05, 0.05], [2, 0, 0]]), [-0.05, 0.9])
-    with pytest.raises(InvalidInput, match="scale: "):
-        lt.read_mesh(tmp_path / "cube.obj", scale=0.0)
-    with pytest.raises(InvalidInput, match=r"none\.obj"):
-        lt.read_mesh(tmp_path / "none.obj")
+    refused("scale: ", lt.read_mesh, tmp_path / "cube.obj", scale=0.0)
+    refused(r"none\.obj", lt.read_mesh, tmp_path / "none.obj")
 
 
 def test_commands_take_meshes_and_clouds(tmp_path):
@@ -142,5 +141,4 @@ def test_commands_take_meshes_and_clouds(tmp_path):
         ("mesh:", "mesh:"),
         ("cube:1@0,0,0", r"cloud:FILE,R\[@X,Y,Z\]"),
     ):
-        with pytest.raises(InvalidInput, match=told):
-            parse.obstacle(wrong)
+        refused(told, parse.obstacle, wrong)

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -58,10 +59,8 @@ def _arrays(motion):
 
 def test_the_first_query_without_an_answer_says_why():
     skill = lt.DMP(weights=10).fit(SHOWN)
-    with pytest.raises(InvalidInput, match="goal"):
-        generate_all(skill, [*QUERIES, {"goal": (1.0, 2.0, 3.0)}], threads=2)
+    refused("goal", generate_all, skill, [*QUERIES, {"goal": (1.0, 2.0, 3.0)}], threads=2)
     with pytest.raises(InvalidInput, match=r"queries\[1\]: expected the arguments of generate"):
         generate_all(skill, [{}, (0.3, 0.2)])
-    with pytest.raises(InvalidInput, match="threads"):
-        generate_all(skill, QUERIES, threads=0)
+    refused("threads", generate_all, skill, QUERIES, threads=0)
     assert generate_all(skill, [], threads=2) == []

@@ -90,9 +90,6 @@ def test_points_and_poses_are_not_mixed():
             model.fit([*turning(1), points])
 
 
-# Demonstrations whose orientations have a mean, or have none, in every model of poses
-
-
 LEARNERS = (
     kind("DMP", "poses"),
     kind("ProMP", "poses", weights=8),

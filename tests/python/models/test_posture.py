@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from kinds import kind
 from motions import arm, minimum_jerk
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -136,8 +137,7 @@ def test_a_rhythm_goes_on_turning_where_it_was_shown_to():
 
 def test_joints_of_different_arms_are_refused():
     a, b = Posture(("a",), np.zeros((201, 1))), Posture(("b",), np.zeros((201, 1)))
-    with pytest.raises(InvalidInput, match="joints: expected the same joints"):
-        agreed([a, None, b])
+    refused("joints: expected the same joints", agreed, [a, None, b])
     assert agreed([None, None]) is None
 
 
@@ -185,10 +185,8 @@ def test_joints_that_do_not_go_with_the_motion_are_refused():
         lt.Demonstration(tip, joints=shown(duration=3.0))
     with pytest.raises(InvalidInput, match="joints: expected 121 samples"):
         lt.Trajectory(U, np.zeros((121, 3)), joints=lt.JointTrajectory([0.0], [[0.0]]))
-    with pytest.raises(InvalidInput, match="joints: the motion consists of joints"):
-        lt.Demonstration(shown(), joints=shown())
+    refused("joints: the motion consists of joints", lt.Demonstration, shown(), joints=shown())
     for wrong in (np.zeros((121, 7)), tip):
-        with pytest.raises(InvalidInput, match="joints: expected a JointTrajectory"):
-            lt.Demonstration(tip, joints=wrong)
+        refused("joints: expected a JointTrajectory", lt.Demonstration, tip, joints=wrong)
         with pytest.raises(InvalidInput, match="joints: expected a JointTrajectory"):
             lt.Trajectory(U, np.zeros((121, 3)), joints=wrong)

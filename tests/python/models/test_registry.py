@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from cli.command_line import run
 from cli.test_completion import offered
+from refusals import refused
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 from leadthrough.models import model_entry, model_names, registry
 
 THEIRS = Path(__file__).parent / "theirs"  # as pip installs a package with entry points
@@ -63,17 +63,13 @@ def test_a_skill_whose_package_is_not_installed_is_refused(theirs, tmp_path, mon
     straight().fit([lt.Demonstration(line)]).save(tmp_path / "skill.npz")
     monkeypatch.undo()
     registry._others.cache_clear()
-    with pytest.raises(InvalidInput, match=r"expected a skill of .* got 'straight'"):
-        lt.load_skill(tmp_path / "skill.npz")
+    refused(r"expected a skill of .* got 'straight'", lt.load_skill, tmp_path / "skill.npz")
 
 
 def test_a_package_that_cannot_be_imported_disturbs_no_other_model(theirs):
-    with pytest.raises(InvalidInput, match=r"broken.*cannot be imported"):
-        model_entry("broken")
-    with pytest.raises(InvalidInput, match="expected a skill of"):
-        registry.entry_of_skill("no such kind")
+    refused(r"broken.*cannot be imported", model_entry, "broken")
+    refused("expected a skill of", registry.entry_of_skill, "no such kind")
 
 
 def test_an_unknown_model_is_refused_with_the_names_that_there_are():
-    with pytest.raises(InvalidInput, match=r"expected one of dmp, .*, got 'dpm'"):
-        model_entry("dpm")
+    refused(r"expected one of dmp, .*, got 'dpm'", model_entry, "dpm")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from kinds import kind
 from motion_planning.conftest import DOWN, across
+from refusals import refused
 from scipy.interpolate import CubicSpline
 from scipy.spatial import KDTree
 
@@ -108,14 +109,11 @@ def test_the_rounds_are_the_callers(panda, skill, box):
 
 
 def test_wrong_arguments_are_refused(panda, skill, box):
-    with pytest.raises(InvalidInput, match="rounds"):
-        lt.plan_motion(skill, panda, rounds=0)
-    with pytest.raises(InvalidInput, match="margin"):
-        lt.plan_motion(skill, panda, lt.Scene([box], -0.01))
+    refused("rounds", lt.plan_motion, skill, panda, rounds=0)
+    refused("margin", lt.plan_motion, skill, panda, lt.Scene([box], -0.01))
     with pytest.raises(InvalidInput, match="query: expected a Query"):
         lt.plan_motion(skill, panda, [box], {"goal": (0.4, 0.0, 0.4)})
-    with pytest.raises(InvalidInput, match=r"arm: expected an Arm, got None"):
-        lt.plan_motion(skill, None)
+    refused(r"arm: expected an Arm, got None", lt.plan_motion, skill, None)
 
 
 def test_an_arm_of_five_joints_stands_where_it_has_to_turn_its_tool(panda, shown):

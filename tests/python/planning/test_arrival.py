@@ -500,9 +500,6 @@ def test_threads_may_share_a_field():
     assert_is_the_full_march(field, np.ones(grid.shape), (2, 2), rtol=1e-9, atol=0.0)
 
 
-# Peak memory of a march of 150^3 cells of float32 above its input, in a new process
-
-
 # VmHWM is of this process alone: getrusage also knows the parent that it was forked from.
 PROGRAM = """
 import re

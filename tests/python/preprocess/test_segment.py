@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from motions import minimum_jerk
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -75,8 +76,7 @@ def test_what_stands_still_has_no_motions():
 @pytest.mark.parametrize("name", ["speed", "angular_speed", "pause", "shortest"])
 @pytest.mark.parametrize("value", [0.0, np.nan, "1"])
 def test_bad_settings_are_refused_by_name(name, value):
-    with pytest.raises(InvalidInput, match=name):
-        segment(stop_and_go(), **{name: value})
+    refused(name, segment, stop_and_go(), **{name: value})
     with pytest.raises(InvalidInput, match="demonstration: expected a Demonstration or a motion"):
         segment(stop_and_go().motion.positions)
 
@@ -86,9 +86,6 @@ def test_a_motion_stands_for_a_demonstration_of_it():
     assert [each.name for each in alone] == [str(i) for i in range(1, len(named) + 1)]
     for each, same in zip(alone, named, strict=True):
         assert np.array_equal(each.motion.positions, same.motion.positions)
-
-
-# Motions one after the other
 
 
 TIMES = np.linspace(2.0, 5.0, 31)
@@ -150,5 +147,4 @@ def test_one_motion_is_itself():
     ],
 )
 def test_what_does_not_fit_is_refused(wrong):
-    with pytest.raises(InvalidInput, match="motions"):
-        join(wrong)
+    refused("motions", join, wrong)

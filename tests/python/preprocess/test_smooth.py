@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -77,11 +78,7 @@ def test_too_little_or_nothing_is_refused():
         (smooth_motion, {"window": 1}),
         (smooth_by_spline, {}),
     ):
-        with pytest.raises(InvalidInput, match="demonstration: expected a Demonstration"):
-            function(ARC, **options)
-        with pytest.raises(InvalidInput, match="at least two samples"):
-            function(shown(lt.Trajectory([0], [[1]])), **options)
-    with pytest.raises(InvalidInput, match="at least 5 samples"):
-        smooth_by_spline(shown(lt.Trajectory([0, 1], [[1], [2]])))
-    with pytest.raises(InvalidInput, match="stiffness: "):
-        smooth_by_spline(shown(lt.Trajectory(TIMES, ARC)), stiffness=-1)
+        refused("demonstration: expected a Demonstration", function, ARC, **options)
+        refused("at least two samples", function, shown(lt.Trajectory([0], [[1]])), **options)
+    refused("at least 5 samples", smooth_by_spline, shown(lt.Trajectory([0, 1], [[1], [2]])))
+    refused("stiffness: ", smooth_by_spline, shown(lt.Trajectory(TIMES, ARC)), stiffness=-1)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from cli.command_line import facts
+from refusals import refused
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 from leadthrough.reachability import place_base, reach_map, spread_orientations
 from leadthrough.reachability.reach_map import reached
 from leadthrough.tasks import Execution
@@ -87,8 +87,7 @@ def test_a_joint_that_turns_without_end_is_drawn_from_a_turn():
 
 
 def test_too_fine_a_grid_is_refused(panda):
-    with pytest.raises(InvalidInput, match="spacing"):
-        reach_map(panda, spacing=0.001)
+    refused("spacing", reach_map, panda, spacing=0.001)
 
 
 def test_the_command_writes_a_map_and_a_picture(poses, tmp_path):

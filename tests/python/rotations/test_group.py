@@ -131,9 +131,6 @@ def test_empty_batches_stay_empty(made, shape):
     assert made.shape == shape
 
 
-# Rotation matrices, and Euler angles in all twelve conventions
-
-
 @given(unit_quaternions)
 def test_matrices_agree_with_scipy_both_ways(quaternion):
     matrix = Rotation.from_quat(quaternion[[1, 2, 3, 0]]).as_matrix()
@@ -200,9 +197,6 @@ def test_gimbal_lock_is_warned_of_and_keeps_the_rotation(convention, locked):
     assert values[0, 2] == 0.0
     back = rotations.from_euler(values, convention=convention)
     assert rotations.distance(back, q)[0] < 1e-7
-
-
-# Against SciPy, against slerp, and by the laws of a mean
 
 
 # At most 69 degrees from the identity.

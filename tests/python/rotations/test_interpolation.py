@@ -124,9 +124,6 @@ def test_two_samples_are_joined_by_slerp():
         assert between([1, 5], q, []).shape == (0, 4)
 
 
-# Angular velocity and acceleration against a motion known in closed form, and by their laws
-
-
 U, V = np.array([0, 0.6, 0.8]), np.array([1.0, 0, 0])
 vectors = arrays(float, (3,), elements=st.floats(-8, 8))
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.errors import InvalidInput
 from leadthrough.planning import occupied
 
 TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
@@ -68,5 +68,4 @@ def test_cells_of_a_map_are_occupied_by_the_balls():
     ],
 )
 def test_impossible_clouds_are_refused(call, message):
-    with pytest.raises(InvalidInput, match=message):
-        call()
+    refused(message, call)

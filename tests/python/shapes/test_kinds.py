@@ -5,11 +5,11 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.cli import options, parse
-from leadthrough.errors import InvalidInput
 from leadthrough.shapes import surface
 from leadthrough.shapes.kinds import SHAPES, check_shapes
 from leadthrough.shapes.primitives import PRIMITIVES
@@ -63,8 +63,7 @@ def test_a_primitive_is_parsed_with_its_sizes_and_pose(name):
     assert type(read) is kind
     np.testing.assert_array_equal(read.sizes, SIZES[:count])
     np.testing.assert_array_equal(read.position, PLACE)
-    with pytest.raises(InvalidInput, match="sizes"):
-        parse.obstacle(f"{name}:{text},1@0.4,-0.2,0.9")
+    refused("sizes", parse.obstacle, f"{name}:{text},1@0.4,-0.2,0.9")
 
 
 def test_the_surface_of_a_shape_is_at_distance_zero(shape):
@@ -110,5 +109,4 @@ def test_solids_weigh_as_the_points_inside(shape):
 
 
 def test_what_is_no_shape_is_refused_with_the_list():
-    with pytest.raises(InvalidInput, match="Box, Sphere, Capsule, Cylinder, Mesh or PointCloud"):
-        check_shapes(["box"])
+    refused("Box, Sphere, Capsule, Cylinder, Mesh or PointCloud", check_shapes, ["box"])

@@ -8,6 +8,7 @@ import time
 
 import pytest
 from cli.command_line import run
+from refusals import refused
 from urdfs import one_joint
 
 import leadthrough as lt
@@ -69,8 +70,7 @@ def test_notebook_shows_the_page_that_view_writes(panda, tmp_path):
 
 
 def test_scene_of_a_notebook_has_a_height(panda):
-    with pytest.raises(InvalidInput, match="height: expected"):
-        inline(panda, height=0)
+    refused("height: expected", inline, panda, height=0)
 
 
 def test_skill_that_the_arm_cannot_follow_is_refused(panda, shown, tmp_path):
@@ -120,5 +120,4 @@ def test_page_tells_which_mesh_cannot_be_shown(tmp_path):
 
 @pytest.mark.parametrize("shows", [inline, open_view, view])
 def test_an_arm_must_be_given(shows):
-    with pytest.raises(InvalidInput, match=r"arm: expected an Arm, got 'ur3'.*lt\.Arm\.load"):
-        shows("ur3")
+    refused(r"arm: expected an Arm, got 'ur3'.*lt\.Arm\.load", shows, "ur3")

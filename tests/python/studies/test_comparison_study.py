@@ -110,9 +110,6 @@ def test_direction_error_is_small_for_the_system_that_made_the_motion():
     assert measures.direction_error(skill, backwards) > 1.0
 
 
-# Models of other libraries behind the comparison's interface; those not installed are skipped
-
-
 SHARE = np.linspace(0.0, 1.0, 120)
 RIVALS = {
     "gmr": rivals.TimeRegression(components=10),

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 from scipy.spatial import cKDTree
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 from leadthrough_studies.handwriting.demo import HandwritingConfig, run
 
 CONFIG = HandwritingConfig()
@@ -79,5 +79,4 @@ def test_same_motion_gives_the_same_bits(snake, arm):
 
 
 def test_unknown_motion_is_refused(arm):
-    with pytest.raises(InvalidInput, match="Scribble"):
-        run("Scribble", arm, CONFIG)
+    refused("Scribble", run, "Scribble", arm, CONFIG)

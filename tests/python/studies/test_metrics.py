@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -122,9 +123,7 @@ def test_bad_motions_are_refused():
     spatial = lt.Trajectory([0, 1], [[0.0, 0, 0], [1, 1, 1]])
     for call in (metrics.velocity_rmse, metrics.end_error, metrics.reproduction_errors):
         for a, b in ((planar, spatial), (planar, None), (planar.positions, planar)):
-            with pytest.raises(InvalidInput, match=r"demonstration: |reproduction: "):
-                call(a, b)
+            refused(r"demonstration: |reproduction: ", call, a, b)
     with pytest.raises(InvalidInput, match="expected at least two samples"):
         metrics.velocity_rmse(lt.Trajectory([0], [[0.0, 0]]), planar)
-    with pytest.raises(InvalidInput, match=r"expected shape \(n, 2\)"):
-        metrics.reproduction_errors(spatial, spatial)
+    refused(r"expected shape \(n, 2\)", metrics.reproduction_errors, spatial, spatial)

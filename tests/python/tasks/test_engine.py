@@ -108,9 +108,6 @@ def test_ctrl_c_writes_the_results_and_the_next_run_goes_on(tmp_path):
     assert max(3, done) <= known <= done + 2
 
 
-# The digest of code: what a task imports changes it, an edit elsewhere does not
-
-
 FILES = {
     "paper/__init__.py": "",
     "paper/work.py": "from paper import used\ndef f():\n    from . import late\nimport beside\n",

@@ -107,9 +107,6 @@ def test_wrong_arguments_are_named(change, argument):
         lt.keep_timing(arguments.pop("motion"), arguments.pop("limits"), **arguments)
 
 
-# Motions that touch a position limit: samples keep it, a smooth path near them might not
-
-
 def swing(beyond, samples=101):
     """Out to the first joint's upper limit, and by a fraction beyond, and back."""
     times = np.linspace(0.0, 2.0, samples)

@@ -109,9 +109,6 @@ def test_a_speed_above_a_lowered_limit_falls_to_it():
     assert speeds[-1] == pytest.approx(1.0)
 
 
-# Filters with bounded jerk: limits kept from any state, the least time, rest without chatter
-
-
 LIMITS = [
     f"{rate}{side}" for side in ("", "_down") for rate in ("velocity", "acceleration", "jerk")
 ]

@@ -242,9 +242,6 @@ def test_beziers_are_scipy_s():
     np.testing.assert_allclose(tr.Bezier(points).evaluate(t, 2), theirs(t, 2), atol=1e-11)
 
 
-# B-splines near and through points: against least squares of SciPy, and a circle
-
-
 T = np.linspace(0.0, 2.0, 81)
 NOISE = np.random.default_rng(0)
 NOISY = np.column_stack([np.sin(3 * T), np.cos(2 * T), T]) + 0.01 * NOISE.normal(size=(81, 3))

@@ -97,9 +97,6 @@ def test_knots_are_where_law_or_path_have_theirs():
     np.testing.assert_allclose(law.evaluate(passed), 0.3, atol=1e-12)
 
 
-# Between moving states: Bezier pieces joined C^m, trapezoid and double S, a target that moves
-
-
 LIMITS = {"velocity": 2.0, "acceleration": 3.0, "jerk": 8.0}
 
 
@@ -214,9 +211,6 @@ def test_a_short_way_is_met_to_its_own_digits_at_any_speed(exponent, speed, last
                 assert took <= abs(length / speed) * (1.0 + 1e-9)
                 if speed in (-2.0, 2.0):
                     assert took >= abs(length / speed) * (1.0 - 1e-9)
-
-
-# Point-to-point motion by ruckig
 
 
 RUCKIG_LIMITS = {"velocity": [1.0, 2.0, 0.5], "acceleration": 3.0, "jerk": 20.0}

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 from scipy import stats
 
-from leadthrough.errors import InvalidInput
 from leadthrough.validation import TargetRegion, clopper_pearson, confidence_sequence
 from leadthrough.validation.validation import Findings
 
@@ -28,10 +28,8 @@ def test_bounds_for_any_time_are_wider_than_those_for_one(successes, runs):
 
 
 def test_wrong_counts_are_refused():
-    with pytest.raises(InvalidInput, match="successes"):
-        clopper_pearson(8, 7)
-    with pytest.raises(InvalidInput, match="confidence"):
-        confidence_sequence(3, 7, confidence=1.0)
+    refused("successes", clopper_pearson, 8, 7)
+    refused("confidence", confidence_sequence, 3, 7, confidence=1.0)
 
 
 def findings(rng, limit):

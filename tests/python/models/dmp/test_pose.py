@@ -132,9 +132,6 @@ def test_a_long_motion_of_much_detail_is_replayed_with_as_many_kernels_as_it_ask
     assert away[1] < 0.2 * away[0]
 
 
-# Steps: goals that move, couplings, measured poses
-
-
 @pytest.mark.parametrize("orientation", ["anchored", "lifted", "log", "euler"])
 def test_steps_lead_where_generate_does(orientation):
     u, q = turn(120, 100)
@@ -210,9 +207,6 @@ def test_angular_coupling_turns_the_tool():
     np.testing.assert_allclose(gained, (0, 0, 5.0), atol=0.05)
     only_moved = skill.step(state, 1e-3, coupling=(1.0, 0.0, 0.0))
     np.testing.assert_allclose(only_moved.orientation, free.orientation, atol=1e-15)
-
-
-# The continuous logarithm: replays, and refusals beside whole turns
 
 
 @pytest.mark.parametrize("case", [turn(180, 1000), turn(200, 100), turn(720, 1000)])
@@ -314,9 +308,6 @@ def test_noise_of_the_samples_is_no_turn_that_lifted_lacks():
     assert angle_turned(noisy) > 180
     made = fitted(u, noisy, orientation="lifted").generate()
     assert angle_turned(made.orientations) == pytest.approx(120, abs=2)
-
-
-# Starts, goals and frames rotated from the demonstrated ones
 
 
 @pytest.mark.parametrize(("moved_by", "quicker"), [(20, 1.15), (90, 1.3)])

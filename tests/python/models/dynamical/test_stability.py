@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from kinds import SHIFTS, kind
 from motions import arch
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
+from leadthrough.errors import FitError, UnsupportedQuery
 
 # With the number of starts. Corrected systems and masses take smaller steps; the study of the
 # comparison has ten thousand starts for every motion and model.
@@ -104,19 +105,14 @@ def test_corrected_systems_follow_the_demonstrations_more_closely_than_quadratic
     ],
 )
 def test_settings_out_of_range_are_refused_by_name(family, setting, value):
-    with pytest.raises(InvalidInput, match=setting):
-        kind(family, **{setting: value}).build()
+    refused(setting, kind(family, **{setting: value}).build)
 
 
 def test_queries_that_no_system_answers_are_refused():
     skill = fitted("LPV-DS")
     with pytest.raises(UnsupportedQuery, match="obstacles"):
         skill.generate(obstacles=[lt.Sphere(1.0, (0.0, 0.0, 0.0))])
-    with pytest.raises(InvalidInput, match="position"):
-        skill.policy((1.0, 2.0, 3.0))
-
-
-# Systems of poses: in the rotation vectors from the goal's orientation, which may exceed pi
+    refused("position", skill.policy, (1.0, 2.0, 3.0))
 
 
 def demonstrated(turn=5.0):
@@ -173,5 +169,4 @@ def test_all_starts_reach_the_goal(skill):
 def test_what_a_system_of_poses_cannot_do_is_refused(skill):
     with pytest.raises(FitError, match="within a full turn"):
         kind("LPVDS", "poses", components=2).build().fit(demonstrated(turn=7.0))
-    with pytest.raises(InvalidInput, match="position"):
-        skill.policy((0.0, 0.0, 0.0))
+    refused("position", skill.policy, (0.0, 0.0, 0.0))

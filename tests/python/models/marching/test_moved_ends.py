@@ -82,9 +82,6 @@ def test_moved_poses_turn_no_farther_than_their_ends():
         assert off.max() <= 1.5 * angle
 
 
-# A query whose ends are moved a little keeps the way of the usual motion, or the route says so
-
-
 def moves(size, angles=DIRECTIONS):
     for offset in OFFSETS[:4]:
         for angle in angles:

@@ -156,9 +156,6 @@ def test_taught_speed_holds_beside_an_obstacle(skill):
     assert beside == pytest.approx(free, rel=0.01)
 
 
-# Routes in a map that is kept for a workspace
-
-
 WORKSPACE = ((-0.1, -0.5, -0.1), (0.7, 0.5, 0.6))
 START, GOAL = np.array([0.1, -0.3, 0.1]), np.array([0.5, 0.3, 0.1])
 
@@ -205,9 +202,6 @@ def test_route_becomes_a_motion(map_skill, live):
     motion = map_skill.in_time(live.route(START, GOAL, ()), duration=3.0, dt=0.05)
     assert motion.duration == pytest.approx(3.0)
     assert np.allclose(motion.positions[-1], GOAL)
-
-
-# Previews
 
 
 U = np.linspace(0.0, 1.0, 100)

@@ -21,9 +21,6 @@ def in_time(points, duration=2.0):
     return lt.Demonstration(lt.Trajectory(np.linspace(0.0, duration, len(points)), points))
 
 
-# Useless demonstrations
-
-
 @pytest.mark.parametrize("seed", range(12))
 def test_wandering_demonstrations_give_no_detour(seed):
     setup = SETUPS[5]
@@ -90,9 +87,6 @@ def test_a_useful_demonstration_beside_the_way_is_followed():
     assert (on_road < skill.area_of_influence).sum() > 0.3 * len(found.path)
 
 
-# Two ways
-
-
 def test_the_other_way_that_was_shown_is_tried_before_untaught_ground():
     skill = lt.FastMarching().fit(arcs([0.2, -0.2], spread=0.01))
     over = skill.plan().path
@@ -113,9 +107,6 @@ def test_with_boxes_on_both_ways_the_quicker_detour_is_taken():
         boxes = [lt.Box(wide, (0.25, 0.2 * side, 0.0)), lt.Box(narrow, (0.25, -0.2 * side, 0.0))]
         path = skill.plan(obstacles=boxes).path
         assert np.sign(path[len(path) // 2, 1]) == -side
-
-
-# Obstacles in the map
 
 
 @pytest.fixture(scope="module")
@@ -165,9 +156,6 @@ def test_the_product_keeps_farther_from_obstacles_than_the_papers_minimum(sshape
         assert clearance["product"] > clearance["minimum"] > 0.0
 
 
-# The goal at the start
-
-
 def rings(count, *, scatter=0.0):
     rng = np.random.default_rng(3)
     angle = 2.0 * np.pi * minimum_jerk(SHARE)
@@ -205,9 +193,6 @@ def test_a_reach_asked_for_backwards_is_reversed_and_a_ring_is_not():
     ring = lt.FastMarching().fit(rings(5, scatter=0.005))
     for each in ring.plan().used:
         assert each.path[75, 1] > 0.0
-
-
-# Noise in the recordings
 
 
 FRACTIONS = np.linspace(0.0, 1.0, 200)

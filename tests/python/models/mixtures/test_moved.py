@@ -136,9 +136,6 @@ def test_poses_of_thin_mixtures_in_earlier_files_still_learn_more():
     assert np.abs(more.mixture.means - skill.mixture.means).max() > 1e-3
 
 
-# Mixtures of phases: one sample that changes by a millimetre hardly moves the motion
-
-
 # Families of which another maximum of the likelihood moved motions by up to 303 mm (rad / 1000).
 FAMILIES = [("points", 2, 0), ("points", 3, 1), ("joints", 2, 1), ("joints", 5, 0), ("poses", 3, 1)]
 ROWS = (0, 50, 99)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -97,15 +98,12 @@ def test_poses_that_are_far_apart_are_not_combined(turning):
         replace(each, orientations=rotations.compose(turn, each.orientations))
         for each in posed(0.1)
     ]
-    with pytest.raises(InvalidInput, match="near"):
-        combine([turning[0], lt.ProMP(weights=10).fit(away)])
+    refused("near", combine, [turning[0], lt.ProMP(weights=10).fit(away)])
 
 
 def test_strangers_are_refused(skills, family):
-    with pytest.raises(InvalidInput, match="weights"):
-        combine([skills[0], lt.ProMP(weights=12).fit(family(0.1))])
+    refused("weights", combine, [skills[0], lt.ProMP(weights=12).fit(family(0.1))])
     joints = [lt.JointTrajectory(U, np.column_stack([U, U]))]
-    with pytest.raises(InvalidInput, match="points"):
-        blend([skills[0], lt.ProMP().fit(joints)], U, np.ones((150, 2)))
+    refused("points", blend, [skills[0], lt.ProMP().fit(joints)], U, np.ones((150, 2)))
     with pytest.raises(InvalidInput, match=r"activations: .* at sample 7"):
         blend(skills, U, np.where(np.arange(150) == 7, 0.0, np.ones((2, 150))).T)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -62,11 +63,7 @@ def test_phases_beyond_the_motion_are_refused(shown, ends):
     "options", [{"weights": 3}, {"basis": "sines"}, {"estimator": "x"}, {"regularization": 0.0}]
 )
 def test_bad_options_are_refused_by_name(options):
-    with pytest.raises(InvalidInput, match=next(iter(options))):
-        lt.ProMP(**options)
-
-
-# Fitted ProMPs: the distribution, motions, samples, likelihood, files
+    refused(next(iter(options)), lt.ProMP, **options)
 
 
 def test_velocity_and_acceleration_are_derivatives_of_the_mean(skill):
@@ -196,11 +193,7 @@ def test_skill_with_limits_and_joints_is_saved(skill, tmp_path):
     ],
 )
 def test_bad_arguments_are_refused_by_name(skill, call, name):
-    with pytest.raises(InvalidInput, match=name):
-        call(skill)
-
-
-# A ProMP between a new start and a new goal: exact there, and bounded in between
+    refused(name, call, skill)
 
 
 U = np.linspace(0.0, 1.0, 100)

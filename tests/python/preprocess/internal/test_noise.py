@@ -60,9 +60,6 @@ def test_noise_scales_with_the_unit_and_turns_with_the_frame():
     np.testing.assert_allclose(moved, 1000.0 * without_noise(noisy) @ turn.T + 5.0, atol=1e-6)
 
 
-# Smoothing of grid paths
-
-
 def circle(count, noise=0.0, seed=0):
     angle = np.linspace(0.0, np.pi, count)
     points = np.column_stack([np.cos(angle), np.sin(angle)])

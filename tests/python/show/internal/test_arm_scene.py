@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 from leadthrough.show.arm_scene import arm_scene, distribution_of
 
 STICKS = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
@@ -116,5 +116,4 @@ def test_spread_of_joints_is_brought_to_the_tip(panda):
     ],
 )
 def test_wrong_arguments_are_named(panda, arguments, said):
-    with pytest.raises(InvalidInput, match=said):
-        arm_scene(panda, **{"joints": None, **arguments})
+    refused(said, arm_scene, panda, **{"joints": None, **arguments})

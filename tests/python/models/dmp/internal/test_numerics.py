@@ -29,9 +29,6 @@ def test_running_means_have_the_bits_of_scipys(size, mode):
     assert running_mean(values[:, 0], size, mode).tobytes() == expected[:, 0].tobytes()
 
 
-# Kernels of the transformation system
-
-
 def test_kernels_sum_to_their_regressor():
     for basis in (gaussian_kernels(12), von_mises_kernels(12)):
         share = basis.values / basis.values.sum(axis=1, keepdims=True)

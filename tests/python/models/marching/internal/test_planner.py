@@ -69,9 +69,6 @@ def test_a_motion_that_nearly_returns_is_turned_round_only_for_ends_clearly_apar
     assert np.array_equal(found.path[0], ring[-1 if turned else 0])
 
 
-# The map for an end far away gives the path of one map of everything
-
-
 def planned_in_one_map(skill, monkeypatch, **query):
     with monkeypatch.context() as patch:
         patch.setattr(maps, "_FAR", np.inf)
@@ -87,9 +84,6 @@ def test_way_from_afar_is_that_of_a_map_of_everything(end, angle, monkeypatch):
     whole = planned_in_one_map(skill, monkeypatch, **query)
     assert route.travel_time == pytest.approx(whole.travel_time, rel=2e-3)
     assert apart(route.path, whole.path, 3000) < 2.0 * 0.004
-
-
-# The mean path of demonstrations, and the route along it, with one wrong sample
 
 
 @pytest.mark.parametrize("sample", [0, 36, 60, 119])

@@ -118,9 +118,6 @@ def test_a_part_that_nobody_showed_is_named():
         lt.ProMP(estimator="em").fit(parts, phases=[u[30:], u[30:]])
 
 
-# Estimated distributions of weights
-
-
 @pytest.mark.parametrize("count", [6, 60])
 def test_known_distribution_is_recovered_as_well_as_by_the_sample_covariance(count):
     basis, size = Basis("gaussian", 8, margin=0.25), 2
