@@ -20,7 +20,6 @@ from . import (
 )
 from .arm import Arm, DifferentialIk
 from .demonstration_quality import judge_demonstrations
-from .events import Event
 from .guard import Admission, Guard, connect
 from .io import (
     read_demonstrations,
@@ -38,7 +37,7 @@ from .models import (
     SkillLibrary,
     load_skill,
 )
-from .motion import Demonstration, JointTrajectory, PoseTrajectory, Trajectory
+from .motion import Demonstration, Event, JointTrajectory, PoseTrajectory, Trajectory
 from .motion_planning import PlannedMotion, Query, plan_motion
 from .planning import Grid, arrival_times
 from .shapes import Box, Capsule, Cylinder, Mesh, PointCloud, Scene, Sphere

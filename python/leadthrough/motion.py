@@ -1,9 +1,16 @@
-"""Motions and demonstrations: frozen, checked, with read-only copies of the data."""
+"""Motions and demonstrations: frozen, checked, with read-only copies of the data.
+
+Their events are names with times, such as a gripper that closes. Whatever changes a motion's clock
+passes its events through `moved_events`, so that they stay at their places along the path. A skill
+stores its events at fractions, 0 to 1, of its duration.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 
 import numpy as np
@@ -13,8 +20,6 @@ import leadthrough._core as core
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing import Drawn, of_joints, of_points, of_poses
-from leadthrough.events import Event, Events, within
-from leadthrough.events import checked as checked_events
 from leadthrough.repr import numbers_text, one_line
 
 _FIELDS = ("positions", "orientations", "velocities", "accelerations")
@@ -36,6 +41,29 @@ def fields_of(recorded: object, rows: Mapping[str, Any]) -> dict[str, Any]:
     # The motion puts them on its own clock.
     counted = type(own)(range(len(joints)), joints, joint_names=own.joint_names)
     return {**rows, "joints": counted}
+
+
+@dataclass(frozen=True, order=True)
+class Event:
+    """Something that happens at one time of a motion.
+
+    Attributes:
+        time: s, on the clock of the motion.
+        name: action or observation, such as "close gripper"; not blank.
+    """
+
+    time: float
+    name: str
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "time", check.number(self.time, "time"))
+        if not isinstance(self.name, str):
+            raise InvalidInput(f"name: expected the event's name as text, got {self.name!r}")
+        if not self.name.strip():
+            raise InvalidInput(f"name: expected an event's name, got blank text {self.name!r}")
+
+
+Events = tuple[Event, ...]
 
 
 class Sampled(Drawn):
@@ -60,7 +88,7 @@ class Sampled(Drawn):
             raise InvalidInput(
                 f"samples: expected some of the {len(self.times)} samples, got none in {samples}"
             )
-        between = within(self.events, float(times[0]), float(times[-1]))
+        between = events_within(self.events, float(times[0]), float(times[-1]))
         rows = {name: rows[samples] for name, rows in rows_of(self).items()}
         motion: Any = self  # a dataclass, of whichever type
         piece: Self = replace(motion, times=times, events=between, **fields_of(self, rows))
@@ -88,6 +116,10 @@ class Sampled(Drawn):
         """Summary of the columns."""
         first, last = (numbers_text(row) for row in self.positions[[0, -1]])
         return [f"{first} to {last}"]
+
+    @property
+    def _marks(self) -> list[tuple[float, str]]:
+        return [(event.time, event.name) for event in self.events]
 
     @property
     def duration(self) -> float:
@@ -122,7 +154,7 @@ class Trajectory(Sampled):
         vars(self).update(
             times=clock,
             positions=_rows(positions, "positions", len(clock), "d"),
-            events=checked_events(events, clock),
+            events=_checked_events(events, clock),
             joints=_joints(joints, clock),
         )
 
@@ -132,7 +164,7 @@ class Trajectory(Sampled):
         return points if several else points[0]
 
     def _panels(self, deviations: Float64Array | None = None) -> list[Panel]:
-        return of_points(self.times, self.positions, self.events, deviations=deviations)
+        return of_points(self.times, self.positions, self._marks, deviations=deviations)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -165,7 +197,7 @@ class PoseTrajectory(Sampled):
     ) -> None:
         clock = check.times(times, "times")
         count = len(clock)
-        kept_events = checked_events(events, clock)
+        kept_events = _checked_events(events, clock)
         points = _rows(positions, "positions", count, 3)
         quaternions = check.quaternions(orientations, "orientations", shape=(count, 4))
         continuous = rotations.group.aligned(quaternions)
@@ -193,7 +225,7 @@ class PoseTrajectory(Sampled):
 
     def _panels(self, deviations: Float64Array | None = None) -> list[Panel]:
         return of_poses(
-            self.times, self.positions, self.orientations, self.events, deviations=deviations
+            self.times, self.positions, self.orientations, self._marks, deviations=deviations
         )
 
     def _summary(self) -> list[str]:
@@ -231,7 +263,7 @@ class JointTrajectory(Sampled):
         events: Sequence[Event] = (),
     ) -> None:
         clock = check.times(times, "times")
-        kept_events = checked_events(events, clock)
+        kept_events = _checked_events(events, clock)
         angles = _rows(positions, "positions", len(clock), "joints")
         derivatives = {
             name: None if rows is None else _rows(rows, name, *angles.shape)
@@ -252,7 +284,7 @@ class JointTrajectory(Sampled):
 
     def _panels(self, deviations: Float64Array | None = None) -> list[Panel]:
         return of_joints(
-            self.times, self.positions, self.velocities, self.joint_names, self.events,
+            self.times, self.positions, self.velocities, self.joint_names, self._marks,
             deviations=deviations,
         )  # fmt: skip
 
@@ -453,3 +485,94 @@ def _slopes(times: Float64Array, values: Float64Array, *, at_rest: bool) -> Floa
     if len(times) == 1:
         return np.zeros_like(values)
     return core.spline_slopes(times - times[0], np.ascontiguousarray(values), at_rest)
+
+
+def _checked_events(value: object, times: Float64Array) -> Events:
+    """Events in the order of their times."""
+    if not isinstance(value, Sequence):
+        raise InvalidInput(f"events: expected a sequence of Event, got {type(value).__name__}")
+    for i, each in enumerate(value):
+        if not isinstance(each, Event):
+            raise InvalidInput(f"events[{i}]: expected an Event, got {type(each).__name__}")
+    for event in value:
+        if not times[0] <= event.time <= times[-1]:
+            raise InvalidInput(
+                f"events: expected times within the motion, {times[0]:.6g} to {times[-1]:.6g} s, "
+                f"got {event.name!r} at {event.time:.6g} s"
+            )
+    return tuple(sorted(value))
+
+
+def moved_events(events: Events, old: ArrayLike, new: ArrayLike) -> Events:
+    """The events on another clock."""
+    if not events:
+        return ()
+    before, after = np.asarray(old), np.asarray(new)
+    times = np.array([event.time for event in events])
+    # From the end backwards: of several equal times np.interp takes the last.
+    found = np.clip(np.interp(-times, -before[::-1], after[::-1]), after[0], after[-1])
+    return tuple(Event(float(time), event.name) for time, event in zip(found, events, strict=True))
+
+
+def events_within(events: Events, first: float, last: float) -> Events:
+    """The events from `first` to `last`, s, both included."""
+    return tuple(event for event in events if first <= event.time <= last)
+
+
+def clipped_events(events: Events, times: Float64Array) -> Events:
+    """All events, those outside of a motion's times (n,) moved to its nearer end."""
+    return tuple(
+        Event(float(np.clip(event.time, times[0], times[-1])), event.name) for event in events
+    )
+
+
+def agreed_events(shown: Sequence[Events], weights: ArrayLike | None = None) -> Events:
+    """The events that most of several motions have, at the weighted mean of their times."""
+    each_weight = np.ones(len(shown)) if weights is None else np.asarray(weights)
+    seen: dict[tuple[str, int], list[tuple[float, float]]] = defaultdict(list)
+    for events, weight in zip(shown, each_weight, strict=True):
+        numbers: dict[str, count[int]] = defaultdict(count)
+        for event in events:
+            seen[event.name, next(numbers[event.name])].append((event.time, float(weight)))
+    half = 0.5 * float(each_weight.sum())
+    return tuple(
+        sorted(
+            Event(float(np.average(times, weights=own)), name)
+            for (name, _), found in seen.items()
+            for times, own in [tuple(zip(*found, strict=True))]
+            if sum(own) > half
+        )
+    )
+
+
+def events_of_rounds(events: Events, rounds: float) -> Events:
+    """The events of one round, repeated in every round; a round lasts 1."""
+    return tuple(
+        Event(event.time + k, event.name)
+        for k in range(int(np.ceil(rounds)))
+        for event in events
+        if event.time + k <= rounds
+    )
+
+
+def events_by_round(events: Events, first: float, last: float) -> list[Events]:
+    """The events of each round from `first` to `last`, at times 0 to 1 within their round."""
+    end = int(np.ceil(last))
+    return [
+        tuple(
+            Event(event.time - k, event.name)
+            for event in events
+            if k <= event.time < k + 1 or event.time == end == k + 1
+        )
+        for k in range(int(np.floor(first)), end)
+    ]
+
+
+def plain_events(events: Events) -> list[list[float | str]]:
+    """The events as [time, name] pairs, which JSON can hold."""
+    return [[event.time, event.name] for event in events]
+
+
+def events_of_plain(value: Iterable[tuple[float, str]]) -> Events:
+    """The events of [time, name] pairs, as `plain_events` makes them."""
+    return tuple(Event(*each) for each in value)

@@ -14,9 +14,16 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import check, events
+from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.motion import Demonstration, Motion, MotionT, PoseTrajectory, as_demonstration
+from leadthrough.motion import (
+    Demonstration,
+    Motion,
+    MotionT,
+    PoseTrajectory,
+    as_demonstration,
+    clipped_events,
+)
 
 # A motion that has begun may become slower than one that begins, by this factor.
 HYSTERESIS = 0.5
@@ -207,7 +214,7 @@ def trim(
         int(np.searchsorted(motion.times, last, side="right")),
     )
     piece = cast(MotionT, motion[samples])
-    kept = replace(piece, events=events.clipped(motion.events, piece.times))
+    kept = replace(piece, events=clipped_events(motion.events, piece.times))
     return replace(demonstration, motion=kept)
 
 

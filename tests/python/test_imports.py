@@ -27,7 +27,7 @@ REFERENCE = {
     for page in (ROOT / "docs" / "api").glob("*.md")
     for name in re.findall(r"^::: (leadthrough\S+)$", page.read_text(), re.MULTILINE)
 }
-TYPES = ("check", "errors", "events", "motion", "shapes")
+TYPES = ("check", "errors", "motion", "shapes")
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
 
 

@@ -7,10 +7,17 @@ from hypothesis import strategies as st
 from refusals import refused
 
 import leadthrough as lt
-from leadthrough import events
 from leadthrough.errors import InvalidInput
-from leadthrough.events import Event
-from leadthrough.motion import normalised_times
+from leadthrough.motion import (
+    Event,
+    agreed_events,
+    events_by_round,
+    events_of_plain,
+    events_of_rounds,
+    moved_events,
+    normalised_times,
+    plain_events,
+)
 
 TIMES = np.array([0.0, 0.5, 2.0])
 UNIT = np.tile([1.0, 0.0, 0.0, 0.0], (3, 1))
@@ -174,7 +181,7 @@ def test_events_outside_of_their_motion_and_other_things_are_refused(wrong):
 
 def test_moved_events_come_as_soon_as_the_new_clock_gets_there():
     old, new = [0.0, 1.0, 1.0, 2.0], [10.0, 11.0, 13.0, 14.0]
-    found = events.moved(at((0.5, "a"), (1.0, "b"), (1.5, "c"), (2.0, "d")), old, new)
+    found = moved_events(at((0.5, "a"), (1.0, "b"), (1.5, "c"), (2.0, "d")), old, new)
     assert found == at((10.5, "a"), (11.0, "b"), (13.5, "c"), (14.0, "d"))
 
 
@@ -183,9 +190,9 @@ def test_events_that_move_there_and_back_are_where_they_were(times, scale, shift
     old = np.linspace(0.0, 1.0, 5)
     new = shift + scale * old**2
     before = tuple(Event(time, "x") for time in sorted(times))
-    moved = events.moved(before, old, new)
+    moved = moved_events(before, old, new)
     assert all(new[0] <= event.time <= new[-1] for event in moved)
-    back = events.moved(moved, new, old)
+    back = moved_events(moved, new, old)
     np.testing.assert_allclose(
         [event.time for event in back], [event.time for event in before], atol=1e-6
     )
@@ -197,20 +204,20 @@ def test_most_demonstrations_decide_what_happens_and_their_mean_when():
         at((0.4, "closed"), (0.7, "opened"), (0.8, "closed")),
         at((0.3, "closed"), (0.9, "dropped")),
     ]
-    found = events.agreed(shown)
+    found = agreed_events(shown)
     assert [event.name for event in found] == ["closed", "opened", "closed"]
     np.testing.assert_allclose([event.time for event in found], [0.3, 0.6, 0.7])
-    assert events.agreed(shown[:2] + [()] * 2) == ()  # half is not most
-    (only,) = events.agreed([at((0.2, "a")), at((0.6, "a")), ()], [1.0, 3.0, 2.0])
+    assert agreed_events(shown[:2] + [()] * 2) == ()  # half is not most
+    (only,) = agreed_events([at((0.2, "a")), at((0.6, "a")), ()], [1.0, 3.0, 2.0])
     assert only.time == pytest.approx(0.5)
 
 
 def test_rounds_are_cut_and_repeated():
     happened = at((0.25, "a"), (1.25, "a"), (2.0, "b"))
-    assert events.by_round(happened, 0.0, 2.0) == [at((0.25, "a")), at((0.25, "a"), (1.0, "b"))]
-    assert events.every_round(at((0.25, "a")), 2.2) == at((0.25, "a"), (1.25, "a"))
+    assert events_by_round(happened, 0.0, 2.0) == [at((0.25, "a")), at((0.25, "a"), (1.0, "b"))]
+    assert events_of_rounds(at((0.25, "a")), 2.2) == at((0.25, "a"), (1.25, "a"))
 
 
 def test_plain_values_come_back():
     happened = at((0.1, "closed"), (1.0 / 3.0, "opened"))
-    assert events.from_plain(events.to_plain(happened)) == happened
+    assert events_of_plain(plain_events(happened)) == happened

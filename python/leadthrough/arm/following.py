@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
-from leadthrough import check, events
+from leadthrough import check
 from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.ik_failure import failure, require_reachable
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
@@ -40,6 +40,7 @@ from leadthrough.motion import (
     Motion,
     PoseTrajectory,
     Trajectory,
+    moved_events,
     normalised_times,
     with_derivatives,
 )
@@ -204,7 +205,7 @@ def _timed(
     velocities = velocities_of(times, q)
     if on_rate_limit != "exceed_limits":
         velocities[[0, -1]] = 0.0
-    moved = events.moved(motion.events, motion.times, times)
+    moved = moved_events(motion.events, motion.times, times)
     joints = JointTrajectory(times, q, velocities, joint_names=arm.joint_names, events=moved)
     return with_derivatives(joints)
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.drawing import palette
-from leadthrough.events import Events
 
 Numbers = NDArray[np.float64]
+Marks = Sequence[tuple[float, str]]  # vertical lines: where, and their names
 
 # Directions on the paper of x to the front left, y to the right and z up: seen from the front and
 # from above, by 20 degrees.
@@ -183,7 +183,7 @@ def bars(
 def of_points(
     times: Numbers,
     positions: Numbers,
-    events: Events,
+    marks: Marks,
     *,
     deviations: Numbers | None = None,
     unit: str = "",
@@ -192,7 +192,7 @@ def of_points(
     size = positions.shape[1]
     names = "xyz"[:size] if size <= 3 else [str(i + 1) for i in range(size)]
     title = f"position in {unit}" if unit else "position"
-    along = over(times, positions, names, title=title, marks=marks(events), deviations=deviations)
+    along = over(times, positions, names, title=title, marks=marks, deviations=deviations)
     return [paths([positions], title="path"), along] if size in (2, 3) else [along]
 
 
@@ -200,13 +200,13 @@ def of_poses(
     times: Numbers,
     positions: Numbers,
     orientations: Numbers,
-    events: Events,
+    marks: Marks,
     *,
     deviations: Numbers | None = None,
 ) -> list[Panel]:
     """Poses: the path, and position and quaternion over time."""
     rotation = over(times, orientations, "wxyz", title="orientation, a quaternion")
-    return [*of_points(times, positions, events, unit="m", deviations=deviations), rotation]
+    return [*of_points(times, positions, marks, unit="m", deviations=deviations), rotation]
 
 
 def of_joints(
@@ -214,7 +214,7 @@ def of_joints(
     positions: Numbers,
     velocities: Numbers | None,
     names: Sequence[str],
-    events: Events,
+    marks: Marks,
     *,
     deviations: Numbers | None = None,
 ) -> list[Panel]:
@@ -224,12 +224,7 @@ def of_joints(
         several = len(times) > 1
         velocities = np.gradient(positions, times, axis=0) if several else 0.0 * positions
     at = over(
-        times, positions, called, title="joint positions in rad (m)", marks=marks(events),
+        times, positions, called, title="joint positions in rad (m)", marks=marks,
         deviations=deviations,
     )  # fmt: skip
     return [at, over(times, velocities, called, title="joint velocities in rad/s (m/s)")]
-
-
-def marks(events: Events) -> list[tuple[float, str]]:
-    """Vertical lines at events."""
-    return [(event.time, event.name) for event in events]

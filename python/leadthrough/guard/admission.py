@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.events import Event
-from leadthrough.motion import JointTrajectory, computed_joints
+from leadthrough.motion import Event, JointTrajectory, computed_joints
 from leadthrough.repr import ShortRepr
 
 Verdict = Literal["allowed", "changed", "braking"]

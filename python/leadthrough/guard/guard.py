@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.events import Event
 from leadthrough.guard.admission import (
     KINDS,
     Admission,
@@ -35,7 +34,7 @@ from leadthrough.guard.rules import (
     history_of,
     rules_for,
 )
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import Event, JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Obstacle, Scene, SceneLike, as_scene
 

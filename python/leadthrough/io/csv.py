@@ -20,12 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.events import Event, Events
 from leadthrough.io.columns import demonstrated_columns
 from leadthrough.io.files import MAX_LINE, ReadLimits, StrPath, not_text, replacing
 from leadthrough.io.joint_trajectory import checked_joint_names, joint_columns, quantities
 from leadthrough.io.table import Table
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
+from leadthrough.motion import Event, Events, JointTrajectory, Motion, PoseTrajectory
 
 EVENT = "# event,"  # begins the comment of an event
 _DELIMITERS = ",;\t"

@@ -18,7 +18,6 @@ from typing import Any, NotRequired, TypedDict
 import numpy as np
 
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.events import Event
 from leadthrough.io.files import (
     ReadLimits,
     StrPath,
@@ -29,7 +28,7 @@ from leadthrough.io.files import (
 )
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
 from leadthrough.io.table import ArrayTable
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import Event, JointTrajectory
 
 # rad/s, m/s: slower than this is rest; the controller wants a velocity of exactly zero.
 REST_VELOCITY = 1e-3

@@ -18,12 +18,12 @@ import numpy as np
 
 from leadthrough import optional
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.events import Event
 from leadthrough.io import headers
 from leadthrough.io.columns import is_gripper
 from leadthrough.io.files import MAX_WIDTH, ReadLimits, read_text, refusing_damage
 from leadthrough.io.headers import Columns
 from leadthrough.io.table import ArrayTable
+from leadthrough.motion import Event
 
 _STATE = "observation.state"
 _INFO = Path("meta", "info.json")

@@ -21,13 +21,19 @@ from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import InvalidInput
-from leadthrough.events import Event, Events
 from leadthrough.io.columns import demonstrated_columns
 from leadthrough.io.files import ReadLimits, StrPath, refusing_damage, replacing
 from leadthrough.io.headers import Columns
 from leadthrough.io.joint_trajectory import joint_columns, quantities
 from leadthrough.io.table import ArrayTable
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, checked_motion
+from leadthrough.motion import (
+    Event,
+    Events,
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    checked_motion,
+)
 
 # Errors of NumPy and zipfile for archives that are cut off, encrypted, pickled or altered, and for
 # a single array that was renamed to .npz (TypeError).

@@ -29,8 +29,8 @@ from numpy.typing import NDArray
 
 from leadthrough.check import InvalidInput, LeadthroughError
 from leadthrough.errors import MissingDependency
-from leadthrough.events import Event
 from leadthrough.io.table import ArrayTable, Request
+from leadthrough.motion import Event
 
 # The worker bounds its processor time; this is for what waits without an end, on a busy machine.
 _MAX_WAIT = 120.0  # s

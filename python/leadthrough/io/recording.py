@@ -10,8 +10,15 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.events import Event, Events
-from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion import (
+    Demonstration,
+    Event,
+    Events,
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    Trajectory,
+)
 from leadthrough.repr import ShortRepr
 
 

@@ -11,12 +11,12 @@ import math
 
 import numpy as np
 
-from leadthrough import check, events
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.csv import write_rows
 from leadthrough.io.files import StrPath, replacing
 from leadthrough.io.joint_trajectory import checked_joint_names, resting_at_both_ends
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, moved_events
 
 UR_JOINTS = (
     "shoulder_pan_joint",
@@ -106,7 +106,7 @@ def write_franka(trajectory: JointTrajectory, path: StrPath) -> None:
     header = [f"{part}[{i}]" for part in ("q_d", "dq_d") for i in range(FRANKA_JOINTS)]
     rows = np.column_stack([times, positions[:, order], velocities[:, order]])
     own = trajectory.times - trajectory.times[0]
-    due_events = events.moved(trajectory.events, trajectory.times, own)
+    due_events = moved_events(trajectory.events, trajectory.times, own)
     write_rows(path, ["time", *header], rows, due_events)
 
 

@@ -23,7 +23,6 @@ import numpy as np
 
 from leadthrough import optional
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.events import Event, Events
 from leadthrough.io import joint_trajectory
 from leadthrough.io.files import ReadLimits, StrPath, making_folder, refusing_damage, replacing
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
@@ -35,7 +34,7 @@ from leadthrough.io.joint_trajectory import (
     to_stamp,
 )
 from leadthrough.io.table import ArrayTable, Request
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
+from leadthrough.motion import Event, Events, JointTrajectory, Motion, PoseTrajectory
 
 EVENTS_TOPIC = "/events"  # one String message per event
 

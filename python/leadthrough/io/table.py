@@ -11,8 +11,8 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.events import Events
 from leadthrough.io.headers import AngleUnit, Columns, QuaternionOrder
+from leadthrough.motion import Events
 
 ROLES = ("time", "positions", "orientations", "joints")
 ORDERS: tuple[QuaternionOrder, ...] = get_args(QuaternionOrder)

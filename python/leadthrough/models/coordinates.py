@@ -15,19 +15,24 @@ from typing import Any, Generic, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import check, events, rotations
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.events import Event
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.posture import Posture, arrays_of, demonstrated_posture, settings_of
 from leadthrough.models.targets import Target
 from leadthrough.motion import (
+    Event,
     JointTrajectory,
     Motion,
     MotionT,
     MotionT_co,
     PoseTrajectory,
     Trajectory,
+    agreed_events,
+    events_by_round,
+    events_of_plain,
+    moved_events,
+    plain_events,
     with_derivatives,
 )
 from leadthrough.repr import ShortRepr
@@ -95,7 +100,7 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
         accelerations: Float64Array | None = None,
     ) -> MotionT_co:
         """A motion of the demonstrated type."""
-        happening = events.moved(self.events, phases, times)
+        happening = moved_events(self.events, phases, times)
         joints = None if self.posture is None else self.posture.along(times, phases)
         made: Motion
         if self.kind == "points":
@@ -131,7 +136,7 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
             "chart": self.kind,
             "size": self.size,
             "joint_names": list(self.joint_names),
-            "events": events.to_plain(self.events),
+            "events": plain_events(self.events),
             **settings_of(self.posture),
         }
 
@@ -146,7 +151,7 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
             check.unit_quaternions(arrays["reference"], "reference", shape=shape)
             if "reference" in arrays
             else None,
-            events.from_plain(settings.get("events", ())),
+            events_of_plain(settings.get("events", ())),
             Posture.from_archive(dict(settings), arrays),
         )
 
@@ -172,11 +177,11 @@ def coordinates_of(
     happened = [
         each
         for motion, u in zip(motions, phases, strict=True)
-        for each in events.by_round(events.moved(motion.events, motion.times, u), u[0], u[-1])
+        for each in events_by_round(moved_events(motion.events, motion.times, u), u[0], u[-1])
     ]
     size = motions[0].positions.shape[1]
     posture = demonstrated_posture(motions, phases)
-    return Coordinates(kind, size, names, reference, events.agreed(happened), posture)
+    return Coordinates(kind, size, names, reference, agreed_events(happened), posture)
 
 
 def scales(columns: Sequence[Float64Array], coordinates: Coordinates) -> Float64Array:

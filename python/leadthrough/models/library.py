@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, events
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import FitError, UnsupportedQuery
 from leadthrough.io.files import StrPath
@@ -29,6 +29,8 @@ from leadthrough.motion import (
     Motion,
     PoseTrajectory,
     Trajectory,
+    agreed_events,
+    moved_events,
     normalised_times,
 )
 from leadthrough.repr import ShortRepr
@@ -287,8 +289,8 @@ def _mean(motions: Sequence[Motion], weights: Float64Array) -> Motion:
     positions = np.average([motion.positions for motion in motions], axis=0, weights=weights)
     duration = float(np.average([motion.duration for motion in motions], weights=weights))
     times = np.linspace(0.0, duration, _SAMPLES)
-    happened = [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
-    happening = events.moved(events.agreed(happened, weights), (0.0, 1.0), times[[0, -1]])
+    happened = [moved_events(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
+    happening = moved_events(agreed_events(happened, weights), (0.0, 1.0), times[[0, -1]])
     if isinstance(first, JointTrajectory):
         return JointTrajectory(times, positions, joint_names=first.joint_names, events=happening)
     posture = demonstrated_posture(

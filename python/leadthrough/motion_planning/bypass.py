@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import events
 from leadthrough.arm.following import slowed, velocities_of
 from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.check import Float64Array
@@ -17,6 +16,7 @@ from leadthrough.motion import (
     JointTrajectory,
     PoseTrajectory,
     Trajectory,
+    moved_events,
     normalised_times,
     with_derivatives,
 )
@@ -125,7 +125,7 @@ def _with_events(part: JointTrajectory, path: TipMotion, first: int, last: int) 
     """With the events between two samples of the path."""
     ends = path.times[[first, last]]
     between = tuple(each for each in path.events if ends[0] < each.time < ends[1])
-    return replace(part, events=events.moved(between, ends, part.times[[0, -1]]))
+    return replace(part, events=moved_events(between, ends, part.times[[0, -1]]))
 
 
 def _in_limits(ik: CollisionFreeIk, joints: JointTrajectory) -> JointTrajectory:
@@ -134,7 +134,7 @@ def _in_limits(ik: CollisionFreeIk, joints: JointTrajectory) -> JointTrajectory:
     times = slowed(ik.arm._chain, joints.times, q, ik.arm.limits)
     velocities = velocities_of(times, q)
     velocities[[0, -1]] = 0.0
-    moved = events.moved(joints.events, joints.times, times)
+    moved = moved_events(joints.events, joints.times, times)
     return with_derivatives(
         replace(joints, times=times, velocities=velocities, accelerations=None, events=moved)
     )

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough import check, events, rotations
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
     Demonstration,
@@ -27,6 +27,7 @@ from leadthrough.motion import (
     MotionT,
     PoseTrajectory,
     as_demonstration,
+    moved_events,
     normalised_times,
 )
 from leadthrough.preprocess.curve_distance import dtw_distance
@@ -152,7 +153,7 @@ def _retimed(motion: MotionT, fractions: Float64Array, times: Float64Array) -> M
     parts: dict[str, Any] = {
         "times": times,
         "positions": positions_at(motion, fractions),
-        "events": events.moved(motion.events, motion.times[0] + fractions * motion.duration, times),
+        "events": moved_events(motion.events, motion.times[0] + fractions * motion.duration, times),
     }
     if isinstance(motion, PoseTrajectory):
         own = normalised_times(motion.times)

@@ -17,10 +17,19 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import check, events, rotations
+from leadthrough import check, rotations
 from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array, InvalidInput
 from leadthrough.io.recording import Recording, recording_of
-from leadthrough.motion import Demonstration, Motion, MotionT, fields_of, rows_of
+from leadthrough.motion import (
+    Demonstration,
+    Motion,
+    MotionT,
+    clipped_events,
+    events_within,
+    fields_of,
+    moved_events,
+    rows_of,
+)
 from leadthrough.preprocess.report import CleaningReport, RecordingSummary, Span
 from leadthrough.preprocess.resample import sample_evenly
 from leadthrough.preprocess.smooth import smoothed_over
@@ -119,7 +128,7 @@ def clean(
     kept, found = _without_faults(raw, factor)
     gaps = _gaps(kept.times)
     _check_gaps(gaps, check.number(longest_gap, "longest_gap", above=0.0))
-    motion = replace(kept, events=events.clipped(kept.events, kept.times)).motion()
+    motion = replace(kept, events=clipped_events(kept.events, kept.times)).motion()
     pauses = rests(
         motion,
         speed=speed,
@@ -171,7 +180,7 @@ def cut_at_gaps(
     return [
         replace(
             piece,
-            events=events.within(whole.events, float(piece.times[0]), float(piece.times[-1])),
+            events=events_within(whole.events, float(piece.times[0]), float(piece.times[-1])),
             name=f"{whole.name} {i}".strip(),
         )
         for i, piece in enumerate((_chosen(whole, rows) for rows in pieces), start=1)
@@ -338,7 +347,7 @@ def _shortened(motion: MotionT, pauses: Sequence[Span], longest: float) -> Motio
     fresh = np.diff(times, prepend=-np.inf) > 0.0
     rows = np.flatnonzero(kept)[fresh]
     parts: dict[str, Any] = {name: values[rows] for name, values in rows_of(motion).items()}
-    kept_events = events.clipped(events.moved(motion.events, old, new), times[fresh])
+    kept_events = clipped_events(moved_events(motion.events, old, new), times[fresh])
     return replace(motion, times=times[fresh], events=kept_events, **fields_of(motion, parts))
 
 

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
-from leadthrough import check, events, rotations
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
     Demonstration,
     MotionT,
     PoseTrajectory,
     as_demonstration,
+    clipped_events,
     fields_of,
     rows_of,
 )
@@ -85,7 +86,7 @@ def sample_evenly(
     }
     if isinstance(motion, PoseTrajectory):
         parts["orientations"] = rotations.interpolate(motion.times, motion.orientations, times)
-    parts["events"] = events.clipped(motion.events, times)
+    parts["events"] = clipped_events(motion.events, times)
     return replace(demonstration, motion=replace(motion, times=times, **fields_of(motion, parts)))
 
 

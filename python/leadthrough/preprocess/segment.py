@@ -10,9 +10,9 @@ import numpy as np
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.events import Event
 from leadthrough.motion import (
     Demonstration,
+    Event,
     Motion,
     MotionT,
     PoseTrajectory,

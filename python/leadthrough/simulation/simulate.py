@@ -13,10 +13,9 @@ from leadthrough.arm.limits import known_acceleration
 from leadthrough.arm.model import GRAVITY
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible, NoPath
-from leadthrough.events import Event
 from leadthrough.guard import CommandedState, connect
 from leadthrough.guard.admission import chunk_of
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import Event, JointTrajectory
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import Controller, Motion
 from leadthrough.simulation.report import Run, SimulationReport, findings, summed_contacts

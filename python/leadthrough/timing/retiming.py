@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, events
+from leadthrough import check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible
-from leadthrough.motion import JointTrajectory, computed_joints
+from leadthrough.motion import JointTrajectory, computed_joints, moved_events
 from leadthrough.timing import request as checks
 from leadthrough.timing.limits_report import KINDS, ROUNDING, Kind, Peak, check_positions, judged
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed
@@ -221,5 +221,5 @@ def _trajectory(
         return computed_joints(motion.times, *states, joint_names=names)
     times = path.times[0] + motion.times
     given = np.interp(motion.rows, np.arange(len(path.times)), path.times)
-    moved = events.moved(path.events, given, times)
+    moved = moved_events(path.events, given, times)
     return computed_joints(times, *states, joint_names=names, events=moved)

@@ -17,9 +17,8 @@ from leadthrough import rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.events import Event
 from leadthrough.models import DMP, DMPSkill, SkillLibrary
-from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
+from leadthrough.motion import Demonstration, Event, JointTrajectory, PoseTrajectory
 from leadthrough.preprocess import join
 from leadthrough_studies.agriculture.tasks import TASKS, Subtask, postures, targets
 from leadthrough_studies.demonstrator import JointTeaching, guide_joints

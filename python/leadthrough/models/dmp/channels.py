@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough.check import Float64Array
-from leadthrough.events import Events
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.constraints import Constraints, check_constraints, roll, step_within
 from leadthrough.models.dmp.progress import (
@@ -31,7 +30,14 @@ from leadthrough.models.dmp.query import check_channels, course_through, ends_of
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target
-from leadthrough.motion import JointTrajectory, Motion, Trajectory, computed, with_derivatives
+from leadthrough.motion import (
+    Events,
+    JointTrajectory,
+    Motion,
+    Trajectory,
+    computed,
+    with_derivatives,
+)
 from leadthrough.shapes import Shape
 
 # A goal nearer than this fraction of the motion's size to the one before is the same.

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, events
+from leadthrough import check
 from leadthrough.models.archive import Arrays, SteppedSkill
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp.channels import Channels
@@ -27,7 +27,7 @@ from leadthrough.models.dmp.primitive import Primitive, take_parts
 from leadthrough.models.dmp.query import check_final_velocity, check_step
 from leadthrough.models.protocol import Skill, Target, Unfitted
 from leadthrough.models.queries import CheckedQuery, even_phases
-from leadthrough.motion import Motion, MotionT, MotionT_co
+from leadthrough.motion import Motion, MotionT, MotionT_co, moved_events
 from leadthrough.shapes import Shape
 
 
@@ -150,7 +150,7 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
             state,
             phases,
             constraints=constraints,
-            events=events.moved(self.events, (0.0, 1.0), (0.0, state.duration)),
+            events=moved_events(self.events, (0.0, 1.0), (0.0, state.duration)),
             joints=None if posture is None else posture.along(times, phases),
         )
         return cast(MotionT_co, made)  # of the demonstrated type

@@ -7,19 +7,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from leadthrough import events, rotations
+from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
-from leadthrough.events import Event
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.posture import Posture, demonstrated_posture
 from leadthrough.motion import (
+    Event,
     JointTrajectory,
     Motion,
     PoseTrajectory,
     Trajectory,
+    agreed_events,
+    events_within,
     joints_with,
+    moved_events,
     normalised_times,
 )
 
@@ -51,8 +54,8 @@ def mean_motion(demonstrations: Demonstrations[Motion]) -> MeanMotion:
     motions = motions_of(demonstrations)
     first = motions[0]
     names = first.joint_names if isinstance(first, JointTrajectory) else None
-    happened = events.agreed(
-        [events.moved(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
+    happened = agreed_events(
+        [moved_events(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
     )
     phases = [normalised_times(motion.times) for motion in motions]
     posture = demonstrated_posture(motions, phases)
@@ -120,7 +123,7 @@ def _part(motion: Motion, begin: float, period: float, samples: int) -> Motion:
     positions = np.column_stack(
         [np.interp(at, motion.times, column) for column in motion.positions.T]
     )
-    happening = events.moved(events.within(motion.events, at[0], at[-1]), at, own)
+    happening = moved_events(events_within(motion.events, at[0], at[-1]), at, own)
     joints = joints_with(motion)
     if joints is not None:
         rows = [np.interp(at, motion.times, column) for column in joints.positions.T]

@@ -17,7 +17,6 @@ import leadthrough._core as core
 from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, UnsupportedQuery
-from leadthrough.events import Events
 from leadthrough.models.dmp.channels import Channels, PointChannels
 from leadthrough.models.dmp.constraints import Constraints, roll
 from leadthrough.models.dmp.orientation import OrientationCoordinates
@@ -36,7 +35,7 @@ from leadthrough.models.dmp.query import as_pose, check_channels, ends_of, pose_
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem, end_of, scaled_by
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target
-from leadthrough.motion import JointTrajectory, PoseTrajectory, computed
+from leadthrough.motion import Events, JointTrajectory, PoseTrajectory, computed
 
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)
 _NOTHING = np.zeros(3)

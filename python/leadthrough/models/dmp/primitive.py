@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
-from leadthrough import events
-from leadthrough.events import Event
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.dmp.orientation import OrientationCoordinates
 from leadthrough.models.dmp.transformation import RHYTHMIC, TransformationSystem
 from leadthrough.models.posture import Posture, arrays_of, settings_of
-from leadthrough.motion import MotionT_co
+from leadthrough.motion import Event, MotionT_co, events_of_plain, plain_events
 
 
 class Parts(TypedDict):
@@ -36,7 +34,7 @@ class Primitive(FittedSkill[MotionT_co]):
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         settings = {
-            "events": events.to_plain(self.events),
+            "events": plain_events(self.events),
             "joint_names": None if self.joint_names is None else list(self.joint_names),
             **settings_of(self.posture),
         }
@@ -55,7 +53,7 @@ def take_parts(
         orientation = OrientationCoordinates.from_arrays(representation, arrays, rhythmic=rhythmic)
     return Parts(
         system=TransformationSystem.from_arrays(form, weights, arrays),
-        events=events.from_plain(settings.pop("events", ())),
+        events=events_of_plain(settings.pop("events", ())),
         joint_names=None if names is None else tuple(names),
         orientation=orientation,
         posture=Posture.from_archive(settings, arrays),

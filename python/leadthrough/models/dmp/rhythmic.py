@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
-from leadthrough import check, events
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import UnsupportedQuery
 from leadthrough.models.archive import Arrays
@@ -40,6 +40,8 @@ from leadthrough.motion import (
     MotionT_co,
     PoseTrajectory,
     Trajectory,
+    events_of_rounds,
+    moved_events,
     with_derivatives,
 )
 from leadthrough.shapes import Shape
@@ -217,8 +219,8 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
         values, slopes = core.dmp_rollout(
             self.system.forces, state.course, state.value, state.slope, phases
         )
-        rounds = events.every_round(self.events, float(times[-1]) / state.duration)
-        happening = events.moved(rounds, phases, times)
+        rounds = events_of_rounds(self.events, float(times[-1]) / state.duration)
+        happening = moved_events(rounds, phases, times)
         joints = None if self.posture is None else self.posture.every_round(times, phases)
         if self.orientation is not None:
             q = self.orientation.orientations(phases, values, state.offset)

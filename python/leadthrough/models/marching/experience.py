@@ -9,14 +9,22 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import check, events
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import FitError
-from leadthrough.events import Event
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
 from leadthrough.models.posture import Posture, agreed, demonstrated_posture
-from leadthrough.motion import MotionT, PoseTrajectory, Trajectory
+from leadthrough.motion import (
+    Event,
+    MotionT,
+    PoseTrajectory,
+    Trajectory,
+    agreed_events,
+    events_of_plain,
+    moved_events,
+    plain_events,
+)
 from leadthrough.preprocess import arc_length
 from leadthrough.preprocess.noise import is_random_walk, without_noise
 from leadthrough.repr import ShortRepr
@@ -66,7 +74,7 @@ class Experience(ShortRepr):
     @property
     def plain_events(self) -> Any:
         """Its events as JSON has them."""
-        return events.to_plain(self.events)
+        return plain_events(self.events)
 
     def arrays(self) -> dict[str, Float64Array]:
         """Its arrays by name, for a file."""
@@ -103,7 +111,7 @@ class Experience(ShortRepr):
             orientations
             if orientations is None
             else check.quaternions(orientations, "path", shape=(len(path), 4)),
-            events.from_plain(happening),
+            events_of_plain(happening),
             joints,
         )
 
@@ -142,7 +150,7 @@ def _experience(motion: Trajectory | PoseTrajectory) -> Experience:
         motion.duration,
         progress_of(motion.times, motion.positions),
         motion.orientations if isinstance(motion, PoseTrajectory) else None,
-        events.moved(motion.events, motion.times, covered / covered[-1]),
+        moved_events(motion.events, motion.times, covered / covered[-1]),
         demonstrated_posture([motion], [covered / covered[-1]]),
     )
 
@@ -171,6 +179,6 @@ def experience_like(
     progress = np.mean([each.progress for each in known], axis=0)
     length = float(arc_length(path)[-1])
     own = duration or nominal_duration(known, np.ones(len(known)), length)
-    happened = events.agreed([each.events for each in known])
+    happened = agreed_events([each.events for each in known])
     joints = agreed([each.posture for each in known])
     return Experience(path, own, progress, orientations, happened, joints)

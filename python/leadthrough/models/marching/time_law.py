@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from leadthrough import events
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience, nominal_duration
 from leadthrough.models.marching.route import Route
 from leadthrough.models.posture import agreed
 from leadthrough.models.queries import even_times
-from leadthrough.motion import Trajectory
+from leadthrough.motion import Trajectory, agreed_events, moved_events
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ def timed(
         )
     total = duration or nominal_duration(route.used, route.weights, length)
     times = even_times(total, dt)
-    happening = events.agreed([each.events for each in route.used], route.weights)
+    happening = agreed_events([each.events for each in route.used], route.weights)
     posture = agreed([each.posture for each in route.used], route.weights)
     if length == 0.0:
         points = np.repeat(route.path[:1], len(times), axis=0)
@@ -46,7 +45,7 @@ def timed(
         covered = phase.covered_at(_spline(route, timing), times / total)
         points = CubicSpline(np.linspace(0.0, 1.0, len(even)), even)(covered)
     joints = None if posture is None else posture.along(times, covered)
-    return Trajectory(times, points, events.moved(happening, covered, times), joints), covered
+    return Trajectory(times, points, moved_events(happening, covered, times), joints), covered
 
 
 def _spline(route: Route, timing: str) -> CubicSpline:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
-from leadthrough import check, events, rotations
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import Coordinates, rotated_by
 from leadthrough.models.promp.basis import Basis
@@ -25,6 +25,7 @@ from leadthrough.motion import (
     Trajectory,
     computed,
     computed_joints,
+    moved_events,
 )
 
 # Bytes of a block, which stays in memory as long as one of its motions does. Larger ones would be
@@ -51,7 +52,7 @@ class Drawing(Generic[MotionT_co]):
         orders = 3 if coordinates.kind == "joints" else 1
         self._paces = duration ** -np.arange(orders, dtype=np.float64)
         self._together = max(1, _BLOCK // (8 * orders * len(times) * coordinates.width))
-        self._events = events.moved(coordinates.events, phases, times)
+        self._events = moved_events(coordinates.events, phases, times)
         self._joints = (
             None if coordinates.posture is None else coordinates.posture.along(times, phases)
         )
