@@ -50,9 +50,9 @@ LOADS, FRAMES = 5, 600  # of a page from disk
 # Each goes on from the files of those before.
 COMMANDS = (
     "--help",
-    "clean shown/reach1.csv -o cleaned.csv",
-    "info shown",
-    "learn shown -o skill.npz",
+    "clean recorded/reach1.csv -o cleaned.csv",
+    "info recorded",
+    "learn recorded -o skill.npz",
     "plan skill.npz -o tip.csv",
     "plan skill.npz --robot ur3.urdf -o joints.csv",
     "retime joints.csv -o timed.csv",

@@ -172,7 +172,7 @@ def test_errors_travel_between_processes(error):
     ("message", "argument"),
     [
         ("rate: needed, the file has no time", "rate"),
-        ("shown/day 3.csv: rate: needed", "rate"),
+        ("recorded/day 3.csv: rate: needed", "rate"),
         ("day.csv: line 3: angles: joints reach 7", "angles"),
         ("frames[2]: expected 3 dimensions, got 2", "frames[2]"),
         ("columns['joints']: no column 'q7'; there are: q1", "columns['joints']"),

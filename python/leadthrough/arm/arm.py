@@ -265,7 +265,7 @@ class Arm(ArmModel):
                 "slow": stretch the times just there; the path is kept.
                 "deviate": let the tip fall behind by at most `deviation` and catch up; the times
                 are kept.
-                "raise": raise IkFailure with the status "too_fast".
+                "raise": raise IkFailure with the status "rate_limit".
                 "exceed_limits": keep path and times and exceed the limits, for a time law such as
                 `retime` to slow the motion down.
                 Except with "exceed_limits" the arm starts and ends at rest, and acceleration
@@ -289,7 +289,7 @@ class Arm(ArmModel):
             InvalidInput: if the motion isn't of poses or points in 3-D.
             IkFailure: if a sample is not reached. It carries the first such sample's index and a
                 status: one of IkResult's; "jump" where the pose can be reached, but not from the
-                sample before; "too_fast"; or "blocked" where there is no room for the arm, with
+                sample before; "rate_limit"; or "blocked" where there is no room for the arm, with
                 the bodies that leave none.
             InvalidRobot: if there is a scene and the robot has no collision geometry, or a mesh
                 is missing or flat.

@@ -175,7 +175,7 @@ def follow(
         searched = None if in_time else ahead.searched(q0, around)
         if searched is None:
             followed = replace(path, free=free)
-            status = "too_fast" if in_time else "jump"
+            status = "rate_limit" if in_time else "jump"
             raise failure(chain, arm.limits, followed, track, otherwise=status)
         q = searched
     return _timed(arm, motion, q, on_rate_limit)

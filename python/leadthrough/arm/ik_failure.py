@@ -38,7 +38,7 @@ _REASONS = {
     "unreachable": "no joint positions reach the pose",
     "limits": "the joint limits keep the tip from the pose",
     "jump": "the pose can be reached, but not from the sample before",
-    "too_fast": "the arm's limits are too low for the motion's pace; slow the motion down",
+    "rate_limit": "the arm's limits are too low for the motion's pace; slow the motion down",
 }
 
 

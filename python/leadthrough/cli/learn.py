@@ -87,7 +87,7 @@ def learn(
 ) -> None:
     """Learn a skill from recordings; with --robot, joints are learned as poses of the tip.
 
-    leadthrough learn shown/*.csv --robot panda -o pour.npz
+    leadthrough learn recorded/*.csv --robot panda -o pour.npz
 
     leadthrough learn day.csv --cut --motion 3 --rate 50 --model fast-marching -o reach.npz
     """

@@ -275,7 +275,7 @@ def judge(
 ) -> None:
     """Tell which recordings of a motion are faulty or unlike the others, and what each is worth.
 
-    leadthrough judge shown/*.csv --goals 0.1,0.1,0.05
+    leadthrough judge recorded/*.csv --goals 0.1,0.1,0.05
     """
     import numpy as np
 

@@ -23,7 +23,7 @@ _AS_PLANNED = 2e-5
 UNITS = {
     "position_error": "m",
     "orientation_error": "rad",
-    "start_from_shown": "rad (m)",
+    "start_from_recorded": "rad (m)",
     "clearance": "m",
     "tip_deviation": "m",
 }
@@ -157,7 +157,7 @@ def _compared(
     default = options.free is None and options.tolerances == lt.arm.FollowOptions().tolerances
     off = _off_the_path(report, always=not default)
     chosen = {} if options.free is not None else _freed(report, options)
-    return chosen | off | _beside_shown(arm, motion, joints)
+    return chosen | off | _beside_recorded(arm, motion, joints)
 
 
 def options_of(
@@ -203,7 +203,7 @@ def _off_the_path(report: lt.arm.PathReport, *, always: object) -> dict[str, flo
     return errors if always or max(errors.values()) > _AS_PLANNED else {}
 
 
-def _beside_shown(arm: lt.Arm, motion: Motion, joints: lt.JointTrajectory) -> dict[str, Any]:
+def _beside_recorded(arm: lt.Arm, motion: Motion, joints: lt.JointTrajectory) -> dict[str, Any]:
     """Distance of the start from the demonstrated configuration, with a warning if it is large."""
     demonstrated = joints_with(motion)
     if demonstrated is None:
@@ -225,4 +225,4 @@ def _beside_shown(arm: lt.Arm, motion: Motion, joints: lt.JointTrajectory) -> di
             "set --posture to a recording to start as it does",
             file=sys.stderr,
         )
-    return {"start_from_shown": float(away[farthest])}
+    return {"start_from_recorded": float(away[farthest])}

@@ -215,7 +215,7 @@ def example(
     output.facts({"folder": str(folder), "files": list(files)}, as_json=as_json)
     if not as_json:
         here = () if folder.resolve() == Path.cwd() else ("cd", folder, "&&")
-        output.hint(ctx, *here, "leadthrough", "info", "shown")
+        output.hint(ctx, *here, "leadthrough", "info", "recorded")
 
 
 def _reach(seed: int) -> dict[str, str | lt.Demonstration]:
@@ -230,5 +230,5 @@ def _reach(seed: int) -> dict[str, str | lt.Demonstration]:
         f"{ROBOT}.urdf": files.urdf.read_text(encoding="utf-8"),
         f"{ROBOT}.toml": files.limits.read_text(encoding="utf-8"),
         PROFILE: _PROFILE.format(robot=ROBOT, tip=arm.tip),
-        **{f"shown/{shown.name}.csv": shown for shown in recordings},
+        **{f"recorded/{shown.name}.csv": shown for shown in recordings},
     }

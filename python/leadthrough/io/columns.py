@@ -5,8 +5,8 @@ fits. LeRobot's data sets name their joints and not the unit, which is degrees o
 joint's range: from -100 at its lower limit to 100 at its upper one, or from 0 to 100 for a gripper.
 Only degrees go beyond 100; only percent stop at it.
 
-Columns named `<joint>_shown` are the arm's joints, rad (m), while the tip moved as recorded; an arm
-that follows the motion keeps close to them.
+Columns named `<joint>_recorded` are the arm's joints, rad (m), while the tip moved as recorded; an
+arm that follows the motion keeps close to them.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _DEGREE = math.pi / 180.0
 # Joints come this much beyond their limits by the slack of a calibration, rad; percent by rounding.
 _SLACK = 0.1
 _MAX_PERCENT, _END = 100.01, 1e-4
-_SUFFIX = "_shown"
+_SUFFIX = "_recorded"
 
 
 def recording(table: Table, request: Request, *, name: str = "") -> Recording:

@@ -2,7 +2,7 @@
 
 `write` uses names that reading finds: `times`, `positions` and `orientations_wxyz`, or `joints`
 with `joint_names`, `velocities` and `accelerations`; `event_times` and `event_names`. Joints that
-the tip carries along are arrays `<name>_shown`.
+the tip carries along are arrays `<name>_recorded`.
 """
 
 from __future__ import annotations

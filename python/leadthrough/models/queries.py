@@ -95,6 +95,11 @@ def checked_query(generate: _Generate) -> _Generate:
 def _check_end(end: Any, demonstrated: Motion, name: str) -> None:
     is_pose = isinstance(demonstrated, PoseTrajectory)
     oriented = is_pose and isinstance(end, tuple | list) and len(end) == 2
+    if is_pose and _numbers(end, 7) is not None:
+        raise InvalidInput(
+            f"{name}: expected a position (3,), which keeps the demonstrated orientation, or "
+            "(position (3,), orientation (4,) w, x, y, z), got seven numbers"
+        )
     position = _numbers(end[0] if oriented else end, demonstrated.positions.shape[1])
     if position is not None:
         compare = sanity.joints if isinstance(demonstrated, JointTrajectory) else sanity.position

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, NoPath
 from leadthrough.models.protocol import Mapped, Skill, Target
+from leadthrough.models.queries import CheckedQuery
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.motion_planning.blocked_segment import (
     BlockedSegment,
@@ -58,12 +59,18 @@ class Query(ShortRepr):
         goal: its end, likewise.
         duration: s, > 0; None for the skill's own.
         dt: s, > 0, upper bound of the sampling step.
+
+    Raises:
+        InvalidInput: if the duration or dt is not a positive number.
     """
 
     start: Target | None = None
     goal: Target | None = None
     duration: float | None = None
     dt: float = 0.01
+
+    def __post_init__(self) -> None:
+        CheckedQuery(self.start, self.goal, self.duration, self.dt)
 
     def arguments(self) -> dict[str, Any]:
         """The arguments of `skill.generate` that are given, by name."""

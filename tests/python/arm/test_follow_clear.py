@@ -80,11 +80,11 @@ def test_a_free_axis_of_the_tool_makes_room_for_an_arm_of_six_joints():
     np.testing.assert_allclose(reached, motion.positions, atol=1e-5)
 
 
-@pytest.mark.parametrize("too_fast", ["deviate", "raise"])
-def test_times_and_obstacles_are_not_both_kept(panda, sweep, trap, too_fast):
-    deviation = (0.01, 0.1) if too_fast == "deviate" else None
+@pytest.mark.parametrize("on_rate_limit", ["deviate", "raise"])
+def test_times_and_obstacles_are_not_both_kept(panda, sweep, trap, on_rate_limit):
+    deviation = (0.01, 0.1) if on_rate_limit == "deviate" else None
     with pytest.raises(InvalidInput, match="scene: not used together with on_rate_limit"):
-        panda.follow(sweep, scene=[trap], on_rate_limit=too_fast, deviation=deviation)
+        panda.follow(sweep, scene=[trap], on_rate_limit=on_rate_limit, deviation=deviation)
 
 
 def test_is_clear_says_what_distances_say(panda):

@@ -12,7 +12,7 @@ from leadthrough.errors import IkFailure, InvalidInput, LimitsInfeasible
 PANDA, UR3, TIAGO = (lt.Arm.load(name) for name in ("panda", "ur3", "tiago"))
 ARMS = pytest.mark.parametrize("arm", [PANDA, UR3, TIAGO], ids=["panda", "ur3", "tiago"])
 
-TOO_FAST = pytest.mark.parametrize("too_fast", ["exceed_limits", "slow", "raise"])
+ON_RATE_LIMIT = pytest.mark.parametrize("on_rate_limit", ["exceed_limits", "slow", "raise"])
 # Judged by differences of the samples.
 ROUNDING = 1e-6
 
@@ -124,10 +124,10 @@ def test_a_deviation_that_is_not_enough_raises():
     arm, posture, motion = SINGULAR["wrist"]()
     with pytest.raises(IkFailure) as failure:
         arm.follow(motion, q0=posture, on_rate_limit="deviate", deviation=(1e-5, 1e-4))
-    assert failure.value.status == "too_fast"
+    assert failure.value.status == "rate_limit"
     with pytest.raises(IkFailure) as failure:
         arm.follow(motion, q0=posture, on_rate_limit="raise")
-    assert failure.value.status == "too_fast"
+    assert failure.value.status == "rate_limit"
     assert 200 < failure.value.index < 400
 
 
@@ -186,10 +186,10 @@ def recorded(recordings, trial):
 
 
 @pytest.mark.parametrize("trial", [1, 2])
-@TOO_FAST
-def test_recorded_poses_are_followed_inside_the_limits(recordings, trial, too_fast):
+@ON_RATE_LIMIT
+def test_recorded_poses_are_followed_inside_the_limits(recordings, trial, on_rate_limit):
     motion, shown = recorded(recordings, trial)
-    joints = PANDA.follow(motion, on_rate_limit=too_fast)
+    joints = PANDA.follow(motion, on_rate_limit=on_rate_limit)
     report = PANDA.path_report(joints, motion)
     assert report.ok
     assert report.position_error.max() < 1e-5
@@ -201,66 +201,66 @@ def test_recorded_poses_are_followed_inside_the_limits(recordings, trial, too_fa
 
 
 @pytest.mark.parametrize("arm", [PANDA, TIAGO], ids=["panda", "tiago"])
-@TOO_FAST
-def test_the_pull_to_the_middle_moves_the_tool_by_less_than_a_micrometre(arm, too_fast):
+@ON_RATE_LIMIT
+def test_the_pull_to_the_middle_moves_the_tool_by_less_than_a_micrometre(arm, on_rate_limit):
     q = 0.3 * arm.limits.lower + 0.7 * arm.limits.upper
     position, orientation = arm.forward_kinematics(q)
     times = np.linspace(0.0, 4.0, 401)
     still = lt.PoseTrajectory(times, np.tile(position, (401, 1)), np.tile(orientation, (401, 1)))
-    joints = arm.follow(still, q0=q, on_rate_limit=too_fast)
+    joints = arm.follow(still, q0=q, on_rate_limit=on_rate_limit)
     reached, turned = arm.forward_kinematics(joints.positions)
     assert np.linalg.norm(reached - position, axis=1).max() < 1e-6
     assert lt.rotations.distance(turned, still.orientations).max() < 1e-6
     middle = 0.5 * (arm.limits.lower + arm.limits.upper)
     # Inside the limits of velocity, distances count by the time that they take.
-    unit = arm.limits.velocity if too_fast == "raise" else 1.0
+    unit = arm.limits.velocity if on_rate_limit == "raise" else 1.0
     away = np.linalg.norm((joints.positions - middle) / unit, axis=1)
     assert away[-1] < away[0] - 1e-3
     assert np.abs(joints.positions[-1] - q).max() > 0.05
 
 
 @ARMS
-@pytest.mark.parametrize("too_fast", ["slow", "raise"])
-def test_the_same_motion_gives_the_same_bits(arm, too_fast):
+@pytest.mark.parametrize("on_rate_limit", ["slow", "raise"])
+def test_the_same_motion_gives_the_same_bits(arm, on_rate_limit):
     motion = random_path(arm, np.random.default_rng(1))
-    first, again = (arm.follow(motion, on_rate_limit=too_fast) for _ in range(2))
+    first, again = (arm.follow(motion, on_rate_limit=on_rate_limit) for _ in range(2))
     np.testing.assert_array_equal(first.positions, again.positions)
     np.testing.assert_array_equal(first.times, again.times)
 
 
 @ARMS
-@TOO_FAST
+@ON_RATE_LIMIT
 @pytest.mark.parametrize("count", [1, 2])
-def test_one_pose_or_the_same_one_twice_stands_still(arm, too_fast, count):
+def test_one_pose_or_the_same_one_twice_stands_still(arm, on_rate_limit, count):
     q = arm.follow(random_path(arm, np.random.default_rng(0))).positions[0]
     position, orientation = arm.forward_kinematics(q)
     times = [0.0, 1e-3][:count]
     motion = lt.PoseTrajectory(times, [position] * count, [orientation] * count)
     joints = arm.follow(
-        motion, q0=q, options=FollowOptions(nullspace_gain=0.0), on_rate_limit=too_fast
+        motion, q0=q, options=FollowOptions(nullspace_gain=0.0), on_rate_limit=on_rate_limit
     )
     np.testing.assert_allclose(joints.positions, np.tile(q, (count, 1)), atol=1e-5)
     np.testing.assert_allclose(joints.velocities, 0.0, atol=1e-2 if count > 1 else 0.0)
     np.testing.assert_array_equal(joints.times, times)
 
 
-@TOO_FAST
-def test_half_a_turn_between_two_samples_is_no_path(too_fast):
+@ON_RATE_LIMIT
+def test_half_a_turn_between_two_samples_is_no_path(on_rate_limit):
     position, orientation = PANDA.forward_kinematics([0, -0.5, 0, -2, 0, 1.6, 0.7])
     over = lt.rotations.compose(lt.rotations.exp([[0, np.pi, 0]]), orientation[None])[0]
     motion = lt.PoseTrajectory([0.0, 0.01], [position] * 2, [orientation, over])
     with pytest.raises(IkFailure) as failure:
-        PANDA.follow(motion, on_rate_limit=too_fast)
+        PANDA.follow(motion, on_rate_limit=on_rate_limit)
     assert failure.value.index == 1
     assert np.isfinite(failure.value.q).all()
 
 
-@TOO_FAST
+@ON_RATE_LIMIT
 @pytest.mark.parametrize("far", [10.0, 1e6, 1e150])
 @ARMS
-def test_a_far_target_is_unreachable(arm, too_fast, far):
+def test_a_far_target_is_unreachable(arm, on_rate_limit, far):
     with pytest.raises(IkFailure) as failure:
-        arm.follow(lt.Trajectory([0.0, 1.0], [[far, 0, 0]] * 2), on_rate_limit=too_fast)
+        arm.follow(lt.Trajectory([0.0, 1.0], [[far, 0, 0]] * 2), on_rate_limit=on_rate_limit)
     assert (failure.value.index, failure.value.status) == (0, "unreachable")
 
 

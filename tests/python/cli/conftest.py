@@ -25,5 +25,5 @@ def learned(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         run("example", "reach", ".")
-        run("learn", "shown", "-o", "skill.npz")
+        run("learn", "recorded", "-o", "skill.npz")
     return folder

@@ -52,17 +52,20 @@ def offered(line):
     return answer(COMP_WORDS="\n".join(words), COMP_CWORD=str(len(words) - 1))
 
 
+REACHES = [f"recorded/reach{i}.csv" for i in (1, 2, 3)]
+
+
 @pytest.mark.parametrize(
     ("line", "values"),
     [
         ("leadthrough le", ["learn"]),
-        ("leadthrough learn shown --mod", ["--model"]),
-        ("leadthrough learn shown --model p", ["promp"]),
-        ("leadthrough learn shown --angles ", ["radians", "degrees", "percent"]),
-        ("leadthrough learn shown --model promp --set w", ["weights=20", "width=1.0"]),
-        ("leadthrough learn sh", [f"shown/reach{i}.csv" for i in (1, 2, 3)]),
-        ("leadthrough learn shown/reach2", ["shown/reach2.csv"]),
-        ("leadthrough plan ", ["bin/", "shown/", "skill.npz"]),
+        ("leadthrough learn recorded --mod", ["--model"]),
+        ("leadthrough learn recorded --model p", ["promp"]),
+        ("leadthrough learn recorded --angles ", ["radians", "degrees", "percent"]),
+        ("leadthrough learn recorded --model promp --set w", ["weights=20", "width=1.0"]),
+        ("leadthrough learn rec", REACHES),
+        ("leadthrough learn recorded/reach2", ["recorded/reach2.csv"]),
+        ("leadthrough plan ", ["bin/", "recorded/", "skill.npz"]),
         ("leadthrough check x.json --robot u", ["ur3", "ur3.urdf"]),
         ("leadthrough check x.json --robot p", ["panda"]),
         ("leadthrough check x.json --limits ur", ["ur3.toml"]),
@@ -72,7 +75,7 @@ def offered(line):
         ("leadthrough retime x.json --format f", ["franka"]),
         ("leadthrough check x.json --obstacle sph", ["sphere:0.1@0.5,0,0.2"]),
         ("leadthrough check x.json --obstacle me", ["mesh:"]),
-        ("leadthrough check x.json --obstacle cloud:shown/reach2", ["cloud:shown/reach2.csv"]),
+        ("leadthrough check x.json --obstacle cloud:rec", [f"cloud:{each}" for each in REACHES]),
         ("leadthrough view x.json --html p", ["page.html"]),
         ("leadthrough experiment a", ["agriculture"]),
         ("leadthrough example ", ["reach"]),
@@ -84,7 +87,7 @@ def test_names_and_files_are_offered(inside, line, values):
 
 @pytest.mark.parametrize("shell", ["zsh", "fish"])
 def test_other_shells_are_answered_in_their_own_form(inside, shell):
-    words = "leadthrough learn shown --model p"
+    words = "leadthrough learn recorded --model p"
     said = answer(
         _LEADTHROUGH_COMPLETE=f"complete_{shell}",
         _TYPER_COMPLETE_ARGS=words,
@@ -104,7 +107,7 @@ def test_the_script_for_a_shell_is_shown(inside, shell):
 def test_bash_completes_a_word(folder):
     script = """
     eval "$(_LEADTHROUGH_COMPLETE=source_bash leadthrough)"
-    COMP_WORDS=(leadthrough learn shown --model fa); COMP_CWORD=4
+    COMP_WORDS=(leadthrough learn recorded --model fa); COMP_CWORD=4
     $(complete -p leadthrough | sed 's/.*-F \\([^ ]*\\) .*/\\1/') leadthrough
     echo "${COMPREPLY[@]}"
     """

@@ -57,21 +57,22 @@ def test_arguments_of_the_library_become_options(message, said):
     ("words", "code", "kind", "argument"),
     [
         (["learn", "none.csv", "-o", "s.npz"], 2, "InvalidInput", None),
-        (["learn", "shown/reach1.csv", "--rate", "9", "-o", "s.npz"], 2, "InvalidInput", "--rate"),
-        (["learn", "shown/reach1.csv", "--column", "joints=a", "-o", "s.npz"], 2, "InvalidInput",
+        (["learn", "recorded/reach1.csv", "--rate", "9", "-o", "s.npz"], 2, "InvalidInput",
+         "--rate"),
+        (["learn", "recorded/reach1.csv", "--column", "joints=a", "-o", "s.npz"], 2, "InvalidInput",
          "--column"),
-        (["learn", "shown/reach1.csv", "--rate", "x", "-o", "s.npz"], 2, "UsageError", "--rate"),
-        (["learn", "shown/reach1.csv"], 2, "UsageError", "--out"),
-        (["learn", "shown/reach1.csv", "--no-such"], 2, "UsageError", "--no-such"),
+        (["learn", "recorded/reach1.csv", "--rate", "x", "-o", "s.npz"], 2, "UsageError", "--rate"),
+        (["learn", "recorded/reach1.csv"], 2, "UsageError", "--out"),
+        (["learn", "recorded/reach1.csv", "--no-such"], 2, "UsageError", "--no-such"),
         (["nonsense"], 2, "UsageError", None),
-        (["check", "shown/reach1.csv", "--obstacle", "box:1@0,0,0"], 2, "InvalidInput",
+        (["check", "recorded/reach1.csv", "--obstacle", "box:1@0,0,0"], 2, "InvalidInput",
          "--obstacle"),
         (["plan", "s.npz", "--move-goal=3,0,0", "-o", "m.json"], 1, "IkFailure", None),
     ],
 )  # fmt: skip
 def test_errors_are_one_json_object_where_json_is_asked_for(folder, words, code, kind, argument):
     if "s.npz" in words[1:2]:
-        run("learn", "shown/reach1.csv", "-o", "s.npz")
+        run("learn", "recorded/reach1.csv", "-o", "s.npz")
     result = run(*words, "--json", code=code)
     error = json.loads(result.stdout)["error"]
     assert (error["type"], error["argument"]) == (kind, argument)
@@ -95,8 +96,11 @@ def test_the_version_is_told():
     [
         (["learn", "skill.npz", "-o", "s.npz"], "skill.npz: expected recordings or a motion, got"),
         (["retime", "skill.npz", "-o", "m.json"], "`leadthrough plan skill.npz` makes a motion"),
-        (["plan", "shown/reach1.csv", "-o", "m.json"], "reach1.csv: expected a skill, a .npz"),
-        (["learn", "shown", "-o", "skill"], "--out: expected a name that ends in .npz, got skill"),
+        (["plan", "recorded/reach1.csv", "-o", "m.json"], "reach1.csv: expected a skill, a .npz"),
+        (
+            ["learn", "recorded", "-o", "skill"],
+            "--out: expected a name that ends in .npz, got skill",
+        ),
         (
             ["--no-profile", "plan", "skill.npz", "-o", "m.script"],
             "with --robot, plan writes joints",
@@ -104,7 +108,7 @@ def test_the_version_is_told():
     ],
 )
 def test_a_file_of_the_wrong_kind_is_told_with_the_command_that_takes_it(folder, words, says):
-    run("learn", "shown/reach1.csv", "-o", "skill.npz")
+    run("learn", "recorded/reach1.csv", "-o", "skill.npz")
     result = run(*words, code=2)
     assert says in result.stderr
     assert result.stdout == ""

@@ -14,13 +14,13 @@ def test_the_example_is_an_arm_its_limits_a_profile_and_three_recordings(empty_f
         "leadthrough.toml",
         "ur3.urdf",
         "ur3.toml",
-        *(f"shown/reach{number}.csv" for number in (1, 2, 3)),
+        *(f"recorded/reach{number}.csv" for number in (1, 2, 3)),
     }
     assert sorted(told["files"]) == sorted(
         str(path.relative_to("first")) for path in Path("first").rglob("*.*")
     )
     arm = lt.Arm.from_urdf("first/ur3.urdf", tip="tool0", limits="first/ur3.toml")
-    shown = [lt.read_motion(path) for path in sorted(Path("first/shown").iterdir())]
+    shown = [lt.read_motion(path) for path in sorted(Path("first/recorded").iterdir())]
     for motion in shown:
         assert motion.joint_names == arm.joint_names
         assert lt.check_limits(motion, arm.limits).position.ratio < 1.0
@@ -32,7 +32,7 @@ def test_the_example_is_an_arm_its_limits_a_profile_and_three_recordings(empty_f
 def test_the_recordings_follow_from_the_seed(empty_folder):
     for name, seed in (("a", 0), ("b", 0), ("c", 1)):
         run("example", "reach", name, "--seed", seed)
-    first, again, other = (Path(name, "shown/reach1.csv").read_text() for name in "abc")
+    first, again, other = (Path(name, "recorded/reach1.csv").read_text() for name in "abc")
     assert first == again != other
 
 

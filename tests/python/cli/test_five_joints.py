@@ -23,12 +23,12 @@ def arm(tmp_path, monkeypatch):
     episodes = [
         np.column_stack([so101.percent(q, arm.limits), opening]) for q, opening in so101.motions()
     ]
-    so101.save(Path("shown"), episodes)
+    so101.save(Path("recorded"), episodes)
     return arm
 
 
 def test_three_commands_lead_to_a_replay_and_to_a_goal_moved_by_2_cm(arm):
-    learned = facts("learn", "shown", *ARM, "--angles", "percent", "-o", "pick.npz")
+    learned = facts("learn", "recorded", *ARM, "--angles", "percent", "-o", "pick.npz")
     assert learned["demonstrations"] == ["episode_0", "episode_1", "episode_2"]
     replay = facts("plan", "pick.npz", *ARM, "-o", "replay.json")
     moved = facts("plan", "pick.npz", *ARM, *MOVED, "-o", "moved.json")
@@ -48,11 +48,11 @@ def test_three_commands_lead_to_a_replay_and_to_a_goal_moved_by_2_cm(arm):
         assert np.abs(reached - plain.positions[-1] - offset).max() < 1e-5
     for planned in (replay, moved):
         assert planned["position_error"] < 1e-5
-        assert planned["start_from_shown"] < 0.01
+        assert planned["start_from_recorded"] < 0.01
 
 
 def test_the_gripper_closes_on_the_way_to_the_controller(arm):
-    facts("learn", "shown", *ARM, "--angles", "percent", "-o", "pick.npz")
+    facts("learn", "recorded", *ARM, "--angles", "percent", "-o", "pick.npz")
     facts("plan", "pick.npz", *ARM, "-o", "replay.csv")
     facts("retime", "replay.csv", *ARM, "--rate", "100", "-o", "timed.csv")
     assert facts("check", "timed.csv", *ARM)["ok"]
@@ -62,7 +62,7 @@ def test_the_gripper_closes_on_the_way_to_the_controller(arm):
 
 
 def test_a_skill_of_joints_needs_no_inverse_kinematics(arm):
-    facts("learn", "shown", *ARM, "--angles", "percent", "--joints", "-o", "joints.npz")
+    facts("learn", "recorded", *ARM, "--angles", "percent", "--joints", "-o", "joints.npz")
     planned = facts("plan", "joints.npz", *ARM, "-o", "replay.csv")
     assert planned["type"] == "JointTrajectory"
     motion = lt.read_motion("replay.csv")
@@ -73,7 +73,7 @@ def test_a_skill_of_joints_needs_no_inverse_kinematics(arm):
 
 
 def test_axes_and_tolerances_are_set_by_options(arm):
-    facts("learn", "shown", *ARM, "--angles", "percent", "-o", "pick.npz")
+    facts("learn", "recorded", *ARM, "--angles", "percent", "-o", "pick.npz")
     plan = ("plan", "pick.npz", *ARM, "--move-goal=0,0.02,0")
     free = facts(*plan, "--free-axis", "rx", "--free-axis", "rz", "-o", "free.json")
     assert free["position_error"] < 1e-5
@@ -90,7 +90,7 @@ def test_axes_and_tolerances_are_set_by_options(arm):
 
 
 def test_joints_are_only_learned_of_an_arm_and_from_joints(arm):
-    words = ("learn", "shown", "--angles", "degrees", "--joints", "-o", "s.npz")
+    words = ("learn", "recorded", "--angles", "degrees", "--joints", "-o", "s.npz")
     assert "--joints: only used with --robot" in run(*words, code=2).stderr
     t = np.arange(5.0)
     lt.write_motion(lt.Trajectory(t, np.column_stack([t, t, t])), "points.csv")
@@ -99,5 +99,5 @@ def test_joints_are_only_learned_of_an_arm_and_from_joints(arm):
 
 
 def test_a_data_set_whose_unit_is_open_names_the_option(arm):
-    said = run("learn", "shown", *ARM, "-o", "s.npz", code=2).stderr
+    said = run("learn", "recorded", *ARM, "-o", "s.npz", code=2).stderr
     assert "--angles degrees or --angles percent" in said

@@ -15,31 +15,31 @@ REACHES = ["reach1", "reach2", "reach3"]
 @pytest.fixture(autouse=True)
 def _others(folder):
     """Files beside the recordings that are none."""
-    Path("shown/notes.md").write_text("not a recording")
-    Path("shown/.hidden.csv").write_text("not one either")
+    Path("recorded/notes.md").write_text("not a recording")
+    Path("recorded/.hidden.csv").write_text("not one either")
 
 
 def test_a_folder_stands_for_its_recordings(folder):
-    assert facts("learn", "shown", "-o", "s.npz")["demonstrations"] == REACHES
-    files = sorted(Path("shown").glob("reach*.csv"))
+    assert facts("learn", "recorded", "-o", "s.npz")["demonstrations"] == REACHES
+    files = sorted(Path("recorded").glob("reach*.csv"))
     learned = facts("learn", *files, "-o", "t.npz")
     assert learned["demonstrations"] == REACHES
     assert Path("s.npz").read_bytes() == Path("t.npz").read_bytes()
 
 
 def test_every_command_that_takes_recordings_takes_a_folder(folder):
-    told = facts("info", "shown", "ur3.urdf")
+    told = facts("info", "recorded", "ur3.urdf")
     assert [Path(each["path"]).stem for each in told] == [*REACHES, "ur3"]
     assert {each["kind"] for each in facts("info", ".")} == {"robot"}
-    assert len(facts("clean", "shown", "-o", "clean.csv")) == 3
-    run("learn", "shown", "-o", "s.npz")
+    assert len(facts("clean", "recorded", "-o", "clean.csv")) == 3
+    run("learn", "recorded", "-o", "s.npz")
     run("plan", "s.npz", "-o", "m.json")
-    run("view", "m.json", "--demonstrations", "shown", "--html", "page.html")
+    run("view", "m.json", "--demonstrations", "recorded", "--html", "page.html")
 
 
 def test_a_folder_that_is_a_recording_stays_one(folder):
     pytest.importorskip("rosbags")
-    shown = lt.read_motion("shown/reach1.csv")
+    shown = lt.read_motion("recorded/reach1.csv")
     Path("bags").mkdir()
     lt.write_motion(with_derivatives(shown), "bags/one", format="rosbag")
     assert [each["path"] for each in facts("info", "bags/one")] == ["bags/one"]
@@ -56,9 +56,9 @@ def test_a_folder_without_recordings_is_an_error(folder, words):
 
 def test_files_whose_names_look_like_options_are_told_and_taken(folder):
     odd = ("-out.csv", "--reach.csv")  # of the first, -o would take "ut.csv"
-    for name, shown in zip(odd, sorted(Path("shown").glob("reach*.csv")), strict=False):
+    for name, shown in zip(odd, sorted(Path("recorded").glob("reach*.csv")), strict=False):
         Path(name).write_bytes(shown.read_bytes())
-        said = run("learn", "shown", name, "-o", "s.npz", code=2).stderr
+        said = run("learn", "recorded", name, "-o", "s.npz", code=2).stderr
         assert f"{name}: looks like an option" in said
         assert f"./{name}" in said
     result = run("learn", "-o", "s.npz", "--json", "--", *odd)

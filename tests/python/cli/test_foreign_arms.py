@@ -21,12 +21,12 @@ GOALS = ((), ("--move-goal=0.05,0,0.03",), ("--move-goal=-0.04,0.05,-0.05",))
 @pytest.fixture(params=foreign_arms.ARMS)
 def shown(request, empty_folder):
     """The options that name an arm, the arm, and the mean joints at the start of its recordings."""
-    Path("shown").mkdir()
+    Path("recorded").mkdir()
     urdf = foreign_arms.urdf_of(request.param, empty_folder)
     _, tip, first = foreign_arms.ARMS[request.param]
     arm = lt.Arm.from_urdf(urdf, tip=tip)
     starts = [
-        foreign_arms.record(f"shown/{seed}.csv", arm, first, seed=seed)[0] for seed in range(3)
+        foreign_arms.record(f"recorded/{seed}.csv", arm, first, seed=seed)[0] for seed in range(3)
     ]
     write_limits("arm.toml", arm.joint_names)
     words = ("--robot", urdf, "--tip", tip, "--limits", "arm.toml")
@@ -35,12 +35,12 @@ def shown(request, empty_folder):
 
 def test_recordings_become_checked_motions_that_start_as_shown_for_every_goal(shown):
     robot, arm, start = shown
-    csvs = sorted(Path("shown").iterdir())
+    csvs = sorted(Path("recorded").iterdir())
     facts("learn", *csvs, *robot, "-o", "reach.npz")
     plain = lt.load_skill("reach.npz").generate()
     for number, goal in enumerate(GOALS):
         planned = facts("plan", "reach.npz", *robot, *goal, "-o", f"{number}.json")
-        assert planned["start_from_shown"] < 0.05
+        assert planned["start_from_recorded"] < 0.05
         motion = lt.read_motion(f"{number}.json")
         assert np.abs(motion.positions[0] - start).max() < 0.05
         offset = [float(x) for x in goal[0].split("=")[1].split(",")] if goal else [0.0, 0.0, 0.0]
@@ -55,7 +55,7 @@ def test_recordings_become_checked_motions_that_start_as_shown_for_every_goal(sh
 
 def test_a_start_in_another_posture_is_told_and_warned_of(shown):
     robot, arm, _ = shown
-    facts("learn", *sorted(Path("shown").iterdir()), *robot, "-o", "reach.npz")
+    facts("learn", *sorted(Path("recorded").iterdir()), *robot, "-o", "reach.npz")
     plain = lt.load_skill("reach.npz").generate()
     near = plain.joints.positions[0]
     pose = plain.positions[0], plain.orientations[0]
@@ -69,6 +69,6 @@ def test_a_start_in_another_posture_is_told_and_warned_of(shown):
         result = RUNNER.invoke(cli.app, [*map(str, words), "--json"])
         if result.exit_code == 0:  # other postures may end at a limit
             assert "warning: start: " in result.stderr
-            assert json.loads(result.stdout)["start_from_shown"] >= 0.3
+            assert json.loads(result.stdout)["start_from_recorded"] >= 0.3
             return
     pytest.fail("no other posture can be followed")

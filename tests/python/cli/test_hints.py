@@ -46,7 +46,7 @@ def test_the_hints_lead_from_the_example_to_the_view(empty_folder):
 def test_the_hints_repeat_the_arm_that_was_typed(folder):
     arm = ["--robot", "ur3.urdf", "--tip", "tool0", "--limits", "ur3.toml"]
     Path("leadthrough.toml").unlink()
-    words = ["learn", "shown", *arm, "-o", "reach.npz"]
+    words = ["learn", "recorded", *arm, "-o", "reach.npz"]
     for command in ("plan", "retime", "check", "view"):
         words = next_of(run(*words))
         assert words[0] == command
@@ -64,7 +64,7 @@ def chained(*words):
 
 
 def test_the_hints_run_as_printed_with_what_says_how_recordings_are_read(folder):
-    rows = np.loadtxt("shown/reach1.csv", delimiter=",", skiprows=1)
+    rows = np.loadtxt("recorded/reach1.csv", delimiter=",", skiprows=1)
     turned = np.degrees(rows[:, 1:])
     write_table("logged.csv", "a,b,c,d,e,f", turned)
     reading = ["--column", "joints=a,b,c,d,e,f", "--rate", "125.0", "--angles", "degrees"]
@@ -77,14 +77,14 @@ def test_the_hints_run_as_printed_with_what_says_how_recordings_are_read(folder)
 def test_the_hints_run_as_printed_in_a_folder_whose_profile_is_ignored(folder):
     arm = ["--robot", "ur3.urdf", "--tip", "tool0", "--limits", "ur3.toml"]
     Path("leadthrough.toml").write_text('robot = "panda"\n')
-    typed = chained("--no-profile", "learn", "shown", *arm, "-o", "reach.npz")
+    typed = chained("--no-profile", "learn", "recorded", *arm, "-o", "reach.npz")
     assert [words[:2] for words in typed[1:]] == [
         ["--no-profile", command] for command in ("plan", "retime", "check")
     ]
 
 
 def test_a_path_leads_to_the_same_motion_of_an_arm(folder):
-    run("learn", "shown", "-o", "reach.npz")
+    run("learn", "recorded", "-o", "reach.npz")
     asked = ["--move-start", "0.0,0.01,0.0", "--move-goal=-0.02,0.03,0", "--dt", "0.02"]
     asked += ["--obstacle", "sphere:0.01@0,0,1", "--duration", "4.0"]
     path = run("--no-profile", "plan", "reach.npz", *asked, "-o", "path.csv")
@@ -105,7 +105,7 @@ def test_a_path_leads_to_the_same_motion_of_an_arm(folder):
 
 
 def test_a_plan_in_a_format_that_cannot_be_read_leads_to_one_that_can(folder):
-    run("learn", "shown", "-o", "reach.npz")
+    run("learn", "recorded", "-o", "reach.npz")
     asked = ["--obstacle", "sphere:0.02@0,0,1", "--tolerance", "0.0001,0.0001", "--tip-only"]
     words = next_of(run("plan", "reach.npz", *asked, "-o", "m.script"))
     assert words == ["plan", "reach.npz", *asked, "-o", "m.json"]
@@ -119,7 +119,7 @@ def test_an_arm_without_known_accelerations_leads_to_a_limits_file_first(folder,
     if profile:
         Path("leadthrough.toml").write_text('robot = "ur3.urdf"\ntip = "tool0"\n')
         arm = []
-    run("learn", "shown", *arm, "-o", "reach.npz")
+    run("learn", "recorded", *arm, "-o", "reach.npz")
     result = run("plan", "reach.npz", *arm, "-o", "m.json")
     (hint,) = (line for line in result.stdout.splitlines() if line.startswith("next: "))
     first, second = (shlex.split(part) for part in hint.removeprefix("next: ").split(" && "))
@@ -129,9 +129,9 @@ def test_an_arm_without_known_accelerations_leads_to_a_limits_file_first(folder,
 
 
 def test_files_whose_names_look_like_options_are_led_on_with_their_folder(folder):
-    typed = chained("learn", "shown", "-o", "-odd.npz")
+    typed = chained("learn", "recorded", "-o", "-odd.npz")
     assert typed[1][1] == "./-odd.npz"
-    Path("shown/reach1.csv").rename("--reach.csv")
+    Path("recorded/reach1.csv").rename("--reach.csv")
     words = next_of(run("info", "--", "--reach.csv"))
     assert words[:2] == ["learn", "./--reach.csv"]
     run(*words)
@@ -147,22 +147,22 @@ def test_a_urdf_leads_to_a_limits_file_and_that_to_learning(folder):
     words = next_of(run(*words))
     arm = ["--robot", "ur3.urdf", "--tip", "tool0", "--limits", "ur3.toml"]
     assert words == ["learn", "RECORDINGS", *arm, "-o", "skill.npz"]
-    run("learn", "shown", *words[2:])
+    run("learn", "recorded", *words[2:])
 
 
 def test_faulty_recordings_are_cleaned_while_they_are_learned(folder):
-    lines = Path("shown/reach1.csv").read_text().splitlines()
+    lines = Path("recorded/reach1.csv").read_text().splitlines()
     lines[50] = ",".join(["nan"] * 7)
-    Path("shown/reach1.csv").write_text("\n".join(lines))
-    words = next_of(run("info", "shown/reach1.csv"))
-    assert words == ["learn", "shown/reach1.csv", "--clean", "-o", "skill.npz"]
+    Path("recorded/reach1.csv").write_text("\n".join(lines))
+    words = next_of(run("info", "recorded/reach1.csv"))
+    assert words == ["learn", "recorded/reach1.csv", "--clean", "-o", "skill.npz"]
     run(*words)
-    words = next_of(run("clean", "shown", "-o", "clean.csv"))
+    words = next_of(run("clean", "recorded", "-o", "clean.csv"))
     assert words[:2] == ["learn", "clean_1.csv"]
 
 
 def test_a_skill_leads_to_a_plan_and_poses_to_an_arm(folder):
-    run("learn", "shown", "-o", "skill.npz")
+    run("learn", "recorded", "-o", "skill.npz")
     words = next_of(run("info", "skill.npz"))
     assert words[:2] == ["plan", "skill.npz"]
     hint = next_of(run("--no-profile", *words))
@@ -170,24 +170,24 @@ def test_a_skill_leads_to_a_plan_and_poses_to_an_arm(folder):
 
 
 def test_a_motion_that_fails_the_check_leads_to_what_mends_it(folder):
-    assert next_of(run("check", "shown/reach1.csv", code=1))[0] == "retime"
-    run("retime", "shown/reach1.csv", "--path-tolerance", "0.01", "-o", "timed.json")
+    assert next_of(run("check", "recorded/reach1.csv", code=1))[0] == "retime"
+    run("retime", "recorded/reach1.csv", "--path-tolerance", "0.01", "-o", "timed.json")
     hit = run("check", "timed.json", "--obstacle", "sphere:0.1@0.24,0.24,0.25", code=1)
     assert "next: replan with a larger --margin or another --posture" in hit.stdout
     assert_fits(hit)
 
 
 def test_a_program_for_the_controller_leads_to_the_robot(folder):
-    result = run("retime", "shown/reach1.csv", "--path-tolerance", "0.01", "-o", "timed.script")
+    result = run("retime", "recorded/reach1.csv", "--path-tolerance", "0.01", "-o", "timed.script")
     assert "next: run timed.script on the robot" in result.stdout
 
 
 def test_json_has_no_hints(folder):
-    assert "next:" not in run("learn", "shown", "-o", "reach.npz", "--json").output
+    assert "next:" not in run("learn", "recorded", "-o", "reach.npz", "--json").output
 
 
 def test_joints_that_no_arm_was_named_for_are_written_for_a_controller(folder):
-    run("--no-profile", "learn", "shown", "-o", "joints.npz")
+    run("--no-profile", "learn", "recorded", "-o", "joints.npz")
     run("--no-profile", "plan", "joints.npz", "-o", "joints.json")
 
 

@@ -46,31 +46,31 @@ def standing_still():
 
 
 def test_a_learned_motion_does_not_stand_still(folder):
-    told = run("learn", "shown", "-o", "reach.npz").stderr
+    told = run("learn", "recorded", "-o", "reach.npz").stderr
     assert told.count("stood still, left out") == 3
     assert standing_still() < 0.2
-    run("learn", "shown", "--rest", "inf", "-o", "reach.npz")
+    run("learn", "recorded", "--rest", "inf", "-o", "reach.npz")
     assert standing_still() > 0.8
 
 
 def test_many_recordings_are_told_of_in_one_line(folder):
-    many = [f"shown/reach{1 + number % 3}.csv" for number in range(9)]
+    many = [f"recorded/reach{1 + number % 3}.csv" for number in range(9)]
     told = run("learn", *many, "-o", "reach.npz").stderr
     assert told.count("stood still") == 1
     assert "9 recordings: stood still, left out up to 1.54 s of each (--rest)" in told
 
 
 def test_speed_and_rest_are_options(folder):
-    run("learn", "shown", "--rest", "0.4", "-o", "reach.npz")
+    run("learn", "recorded", "--rest", "0.4", "-o", "reach.npz")
     assert standing_still() > 0.5
-    assert "--speed: " in run("learn", "shown", "--speed", "-1", "-o", "x.npz", code=2).stderr
-    assert "--rest: " in run("learn", "shown", "--rest", "-1", "-o", "x.npz", code=2).stderr
+    assert "--speed: " in run("learn", "recorded", "--speed", "-1", "-o", "x.npz", code=2).stderr
+    assert "--rest: " in run("learn", "recorded", "--rest", "-1", "-o", "x.npz", code=2).stderr
 
 
 def test_a_cleaned_recording_begins_with_the_motion(folder):
-    (found,) = facts("clean", "shown/reach1.csv", "-o", "clean.csv")
+    (found,) = facts("clean", "recorded/reach1.csv", "-o", "clean.csv")
     assert min(found["report"]["still"]) > 0.2
-    (found,) = facts("clean", "shown/reach1.csv", "--rest", "inf", "-o", "clean.csv")
+    (found,) = facts("clean", "recorded/reach1.csv", "--rest", "inf", "-o", "clean.csv")
     assert found["report"]["still"] == [0.0, 0.0]
-    (found,) = facts("clean", "shown/reach1.csv", "--pause", "9", "-o", "clean.csv")
+    (found,) = facts("clean", "recorded/reach1.csv", "--pause", "9", "-o", "clean.csv")
     assert found["report"]["pauses"] == []

@@ -10,20 +10,22 @@ PROFILE = Path("leadthrough.toml")
 
 def test_commands_take_the_arm_from_the_profile(folder):
     with_options = ("--robot", "ur3.urdf", "--tip", "tool0", "--limits", "ur3.toml")
-    told = facts("check", "shown/reach1.csv", code=1)  # the recording shakes
-    assert told == facts("--no-profile", "check", "shown/reach1.csv", *with_options, code=1)
-    missing = run("--no-profile", "check", "shown/reach1.csv", code=2)
+    told = facts("check", "recorded/reach1.csv", code=1)  # the recording shakes
+    assert told == facts("--no-profile", "check", "recorded/reach1.csv", *with_options, code=1)
+    missing = run("--no-profile", "check", "recorded/reach1.csv", code=2)
     assert "Missing option '--robot'" in missing.stderr
 
 
 def test_an_option_on_the_command_line_wins(folder):
-    assert "none.toml" in run("check", "shown/reach1.csv", "--limits", "none.toml", code=2).stderr
+    assert (
+        "none.toml" in run("check", "recorded/reach1.csv", "--limits", "none.toml", code=2).stderr
+    )
     PROFILE.write_text('robot = "panda"')
-    assert facts("check", "shown/reach1.csv", "--robot", "ur3", code=1)["clear"]
+    assert facts("check", "recorded/reach1.csv", "--robot", "ur3", code=1)["clear"]
 
 
 def test_another_robot_leaves_the_profiles_links_and_limits_out(folder):
-    assert facts("check", "shown/reach1.csv", "--robot", "ur3", code=1)["clear"]
+    assert facts("check", "recorded/reach1.csv", "--robot", "ur3", code=1)["clear"]
 
 
 @pytest.mark.parametrize(
@@ -42,11 +44,11 @@ def test_another_robot_leaves_the_profiles_links_and_limits_out(folder):
 )
 def test_errors_name_the_file_and_the_key(folder, text, says):
     PROFILE.write_text(text)
-    assert f"leadthrough: {says}" in run("check", "shown/reach1.csv", code=2).stderr
+    assert f"leadthrough: {says}" in run("check", "recorded/reach1.csv", code=2).stderr
 
 
 def test_help_and_commands_without_a_robot_need_no_sound_profile(folder):
     PROFILE.write_text("nonsense")
     run("check", "--help")
-    run("clean", "shown/reach1.csv", "-o", "clean.csv")
-    run("check", "shown/reach1.csv", code=2)
+    run("clean", "recorded/reach1.csv", "-o", "clean.csv")
+    run("check", "recorded/reach1.csv", code=2)

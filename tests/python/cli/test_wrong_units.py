@@ -9,7 +9,7 @@ import leadthrough as lt
 
 @pytest.fixture(autouse=True)
 def _reach(folder):
-    run("learn", "shown", "-o", "reach.npz")
+    run("learn", "recorded", "-o", "reach.npz")
 
 
 def test_a_goal_in_millimetres_is_refused(folder):

@@ -14,32 +14,32 @@ COMMANDS = typer.main.get_command(cli.app).commands
 ENOUGH = {
     "demo": [],
     "example": ["reach", "elsewhere"],
-    "info": ["shown"],
-    "clean": ["shown/reach1.csv", "-o", "out.csv"],
-    "judge": ["shown", "shown"],
-    "learn": ["shown/reach1.csv", "-o", "out.npz"],
+    "info": ["recorded"],
+    "clean": ["recorded/reach1.csv", "-o", "out.csv"],
+    "judge": ["recorded", "recorded"],
+    "learn": ["recorded/reach1.csv", "-o", "out.npz"],
     "plan": ["skill.npz", "-o", "out.json"],
-    "retime": ["shown/reach1.csv", "-o", "out.json"],
-    "check": ["shown/reach1.csv"],
-    "guard": ["shown/reach1.csv", "-o", "out.json"],
-    "simulate": ["shown/reach1.csv"],
+    "retime": ["recorded/reach1.csv", "-o", "out.json"],
+    "check": ["recorded/reach1.csv"],
+    "guard": ["recorded/reach1.csv", "-o", "out.json"],
+    "simulate": ["recorded/reach1.csv"],
     "reach": ["-o", "out.npz"],
     ("reach", "yaws"): ["--skill", "skill.npz", "--area", "0,0,0:0,0,0", "-o", "out.npz"],
     ("reach", "skill"): ["--area", "0,0,0:0,0,0", "-o", "out.npz"],
     ("reach", "area"): ["--skill", "skill.npz", "-o", "out.npz"],
     ("reach", "folder"): ["--volume", "0,0,0:0,0,0", "-o", "out.npz"],
     "validate": ["skill.npz", "--runs", "1", "--out", "found"],
-    "view": ["shown/reach1.csv", "--html", "out.html"],
+    "view": ["recorded/reach1.csv", "--html", "out.html"],
     "experiment": ["ur3"],
     **{("info", name): ["ur3.urdf"] for name in ("base", "limits", "mesh_folder", "tip")},
     ("info", "write_limits"): ["ur3.urdf"],
     ("info", "topic"): ["shown.mcap"],
     ("clean", "topic"): ["shown.mcap", "-o", "out.csv"],
-    ("learn", "samples"): ["shown/reach1.csv", "--table", "out.csv", "-o", "out.npz"],
+    ("learn", "samples"): ["recorded/reach1.csv", "--table", "out.csv", "-o", "out.npz"],
     ("judge", "topic"): ["shown.mcap"],
     ("learn", "topic"): ["shown.mcap", "-o", "out.npz"],
-    ("simulate", "skill"): ["shown/reach1.csv", "--controller", "cartesian-impedance"],
-    ("retime", "obstacle"): ["shown/reach1.csv", "-o", "out.json", "--start", "0,0,0,0,0,0"],
+    ("simulate", "skill"): ["recorded/reach1.csv", "--controller", "cartesian-impedance"],
+    ("retime", "obstacle"): ["recorded/reach1.csv", "-o", "out.json", "--start", "0,0,0,0,0,0"],
     ("plan", "margin"): ["skill.npz", "-o", "out.json", "--obstacle", "sphere:0.1@1,1,1"],
 }
 # Options that take no negative number, and those that take no 0 either.
@@ -146,7 +146,7 @@ def example(learned):
     """A folder with the example, a skill and a bag."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(learned)
-        run("retime", "shown/reach1.csv", "--path-tolerance", "0.01", "-o", "shown.mcap")
+        run("retime", "recorded/reach1.csv", "--path-tolerance", "0.01", "-o", "shown.mcap")
     return learned
 
 

@@ -46,6 +46,8 @@ def test_motion_turns_as_it_was_shown_beyond_a_half_turn(skill):
 def test_position_alone_may_be_given(skill):
     motion = skill.generate(start=(0.1, 0.0, 0.1))
     np.testing.assert_allclose(motion.positions[0], (0.1, 0.0, 0.1), atol=1e-8)
+    with pytest.raises(InvalidInput, match=r"goal: expected .*\(position \(3,\), orientation"):
+        skill.generate(goal=(0.1, 0.0, 0.1, 1.0, 0.0, 0.0, 0.0))
 
 
 def test_frame_of_the_demonstrations_does_not_matter():
