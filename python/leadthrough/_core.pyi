@@ -1,8 +1,12 @@
-"""Types of the compiled module. A test compares names and arguments with the module."""
+"""Types of the compiled module. A test compares names and arguments with the module.
+
+Attributes are properties that cannot be set. A class whose name begins with an underscore has what
+classes of the module have in common.
+"""
 
 from collections.abc import Sequence
 from enum import Enum
-from typing import overload
+from typing import Final, Self, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,71 +18,42 @@ IndexArray = NDArray[np.intp]
 BoolArray = NDArray[np.bool_]
 
 class Mimic:
-    @property
-    def joint(self) -> str: ...
-    @property
-    def multiplier(self) -> float: ...
-    @property
-    def offset(self) -> float: ...
+    joint: Final[str]
+    multiplier: Final[float]
+    offset: Final[float]
 
 class Joint:
-    @property
-    def name(self) -> str: ...
-    @property
-    def kind(self) -> str: ...
-    @property
-    def mimic(self) -> Mimic | None: ...
-    @property
-    def parent(self) -> int: ...
-    @property
-    def child(self) -> int: ...
-    @property
-    def axis(self) -> Float64Array: ...
-    @property
-    def lower(self) -> float: ...
-    @property
-    def upper(self) -> float: ...
-    @property
-    def friction(self) -> float: ...
-    @property
-    def damping(self) -> float: ...
-    @property
-    def position(self) -> Float64Array: ...
-    @property
-    def rotation(self) -> Float64Array: ...
+    name: Final[str]
+    kind: Final[str]
+    mimic: Final[Mimic | None]
+    parent: Final[int]
+    child: Final[int]
+    axis: Final[Float64Array]
+    lower: Final[float]
+    upper: Final[float]
+    friction: Final[float]
+    damping: Final[float]
+    position: Final[Float64Array]
+    rotation: Final[Float64Array]
 
 class Geometry:
-    @property
-    def kind(self) -> str: ...
-    @property
-    def sizes(self) -> Float64Array: ...
-    @property
-    def position(self) -> Float64Array: ...
-    @property
-    def angles(self) -> Float64Array: ...
-    @property
-    def file(self) -> str: ...
-    @property
-    def colour(self) -> tuple[float, float, float] | None: ...
+    kind: Final[str]
+    sizes: Final[Float64Array]
+    position: Final[Float64Array]
+    angles: Final[Float64Array]
+    file: Final[str]
+    colour: Final[tuple[float, float, float] | None]
 
 class Robot:
     def __init__(self, document: str) -> None: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def links(self) -> list[str]: ...
-    @property
-    def joints(self) -> list[str]: ...
-    @property
-    def tree(self) -> list[Joint]: ...
-    @property
-    def leaves(self) -> list[str]: ...
-    @property
-    def meshes(self) -> list[tuple[str, str, Float64Array]]: ...
-    @property
-    def collisions(self) -> dict[str, int]: ...
-    @property
-    def inertias(self) -> dict[str, tuple[float, Float64Array, Float64Array]]: ...
+    name: Final[str]
+    links: Final[list[str]]
+    joints: Final[list[str]]
+    tree: Final[list[Joint]]
+    leaves: Final[list[str]]
+    meshes: Final[list[tuple[str, str, Float64Array]]]
+    collisions: Final[dict[str, int]]
+    inertias: Final[dict[str, tuple[float, Float64Array, Float64Array]]]
     def geometry(self, link: str, role: str) -> list[Geometry]: ...
     def path(self, base: str, tip: str) -> list[Joint]: ...
     def hold(self, values: Sequence[tuple[str, float]]) -> Robot: ...
@@ -140,24 +115,15 @@ class PursuitOptions:
 
 class Chain:
     def __init__(self, robot: Robot, base: str, tip: str) -> None: ...
-    @property
-    def joints(self) -> int: ...
-    @property
-    def joint_names(self) -> list[str]: ...
-    @property
-    def lower(self) -> Float64Array: ...
-    @property
-    def upper(self) -> Float64Array: ...
-    @property
-    def velocity(self) -> Float64Array: ...
-    @property
-    def effort(self) -> Float64Array: ...
-    @property
-    def middle(self) -> Float64Array: ...
-    @property
-    def mass(self) -> float: ...
-    @property
-    def reach(self) -> float: ...
+    joints: Final[int]
+    joint_names: Final[list[str]]
+    lower: Final[Float64Array]
+    upper: Final[Float64Array]
+    velocity: Final[Float64Array]
+    effort: Final[Float64Array]
+    middle: Final[Float64Array]
+    mass: Final[float]
+    reach: Final[float]
     def with_tool(self, position: Float64Array, orientation: Float64Array) -> Chain: ...
     def with_load(self, mass: float, center: Float64Array, inertia: Float64Array) -> Chain: ...
     def with_bounds(self, lower: Float64Array, upper: Float64Array) -> Chain: ...
@@ -290,16 +256,12 @@ class CollisionModel:
         meshes: Sequence[Float64Array],
         attached: Sequence[Shape],
     ) -> None: ...
-    @property
-    def bodies(self) -> list[str]: ...
-    @property
-    def pairs(self) -> list[tuple[str, str]]: ...
-    @property
-    def left_out(self) -> list[list[str]]: ...
+    bodies: Final[list[str]]
+    pairs: Final[list[tuple[str, str]]]
+    left_out: Final[list[list[str]]]
 
 class CollisionScene:
-    @property
-    def names(self) -> list[str]: ...
+    names: Final[list[str]]
 
 def itself(model: CollisionModel) -> CollisionScene: ...
 def against(model: CollisionModel, obstacles: Sequence[Shape]) -> CollisionScene: ...
@@ -494,10 +456,8 @@ class DmpPath:
     def __init__(self) -> None: ...
     @overload
     def __init__(self, breaks: Float64Array, coefficients: Float64Array) -> None: ...
-    @property
-    def start(self) -> Float64Array: ...
-    @property
-    def end(self) -> Float64Array: ...
+    start: Final[Float64Array]
+    end: Final[Float64Array]
     def superposed(
         self,
         phase: float,
@@ -515,14 +475,10 @@ class DmpCourse:
         gain: Float64Array,
         drive: Float64Array,
     ) -> None: ...
-    @property
-    def breaks(self) -> Float64Array: ...
-    @property
-    def coefficients(self) -> Float64Array: ...
-    @property
-    def gain(self) -> Float64Array: ...
-    @property
-    def drive(self) -> Float64Array: ...
+    breaks: Final[Float64Array]
+    coefficients: Final[Float64Array]
+    gain: Final[Float64Array]
+    drive: Final[Float64Array]
     def superposed(
         self,
         phase: float,
@@ -553,7 +509,22 @@ class AvoidanceScene:
         upper: Float64Array,
     ) -> None: ...
 
-class PointState:
+class _State:
+    course: Final[DmpCourse]
+    value: Final[Float64Array]
+    slope: Final[Float64Array]
+    phase: Final[float]
+    duration: Final[float]
+    position: Final[Float64Array]
+    velocity: Final[Float64Array]
+    def coast(self, forces: DmpForces, dt: float) -> Self: ...
+    def tick(self, forces: DmpForces, dt: float) -> Self | None: ...
+    def pushed(self, forces: DmpForces, dt: float, acceleration: Float64Array) -> Self: ...
+    def led_around(
+        self, forces: DmpForces, dt: float, acceleration: Float64Array, scene: AvoidanceScene
+    ) -> Self: ...
+
+class PointState(_State):
     def __init__(
         self,
         course: DmpCourse,
@@ -562,32 +533,8 @@ class PointState:
         phase: float,
         duration: float,
     ) -> None: ...
-    @property
-    def course(self) -> DmpCourse: ...
-    @property
-    def value(self) -> Float64Array: ...
-    @property
-    def slope(self) -> Float64Array: ...
-    @property
-    def phase(self) -> float: ...
-    @property
-    def duration(self) -> float: ...
-    def coast(self, forces: DmpForces, dt: float) -> PointState: ...
-    def tick(self, forces: DmpForces, dt: float) -> PointState | None: ...
-    def pushed(self, forces: DmpForces, dt: float, acceleration: Float64Array) -> PointState: ...
-    def led_around(
-        self,
-        forces: DmpForces,
-        dt: float,
-        acceleration: Float64Array,
-        scene: AvoidanceScene,
-    ) -> PointState: ...
-    @property
-    def position(self) -> Float64Array: ...
-    @property
-    def velocity(self) -> Float64Array: ...
 
-class PoseState:
+class PoseState(_State):
     def __init__(
         self,
         course: DmpCourse,
@@ -598,40 +545,11 @@ class PoseState:
         curve: DmpCurve,
         offset: DmpPath,
     ) -> None: ...
-    @property
-    def course(self) -> DmpCourse: ...
-    @property
-    def value(self) -> Float64Array: ...
-    @property
-    def slope(self) -> Float64Array: ...
-    @property
-    def phase(self) -> float: ...
-    @property
-    def duration(self) -> float: ...
-    @property
-    def curve(self) -> DmpCurve: ...
-    @property
-    def offset(self) -> DmpPath: ...
-    def coast(self, forces: DmpForces, dt: float) -> PoseState: ...
-    def tick(self, forces: DmpForces, dt: float) -> PoseState | None: ...
-    def pushed(self, forces: DmpForces, dt: float, acceleration: Float64Array) -> PoseState: ...
-    def led_around(
-        self,
-        forces: DmpForces,
-        dt: float,
-        acceleration: Float64Array,
-        scene: AvoidanceScene,
-    ) -> PoseState: ...
-    @property
-    def position(self) -> Float64Array: ...
-    @property
-    def velocity(self) -> Float64Array: ...
-    @property
-    def orientation(self) -> Float64Array: ...
-    @property
-    def pose(self) -> Float64Array: ...
-    @property
-    def angular_velocity(self) -> Float64Array: ...
+    curve: Final[DmpCurve]
+    offset: Final[DmpPath]
+    orientation: Final[Float64Array]
+    pose: Final[Float64Array]
+    angular_velocity: Final[Float64Array]
 
 def dmp_rollout(
     forces: DmpForces,
@@ -819,29 +737,15 @@ def nearest_sources(
     arrival: Float64Array, spacing: Sequence[float], cells: Sequence[int]
 ) -> Int32Array: ...
 def distance_transform(mask: NDArray[np.bool_], spacing: Sequence[float]) -> Float64Array: ...
-@overload
 def descend(
-    arrival: Float32Array,
+    arrival: Float32Array | Float64Array,
     spacing: Sequence[float],
     start: Sequence[float],
     goal: Sequence[float],
     step: float,
 ) -> tuple[str, Float64Array]: ...
-@overload
-def descend(
-    arrival: Float64Array,
-    spacing: Sequence[float],
-    start: Sequence[float],
-    goal: Sequence[float],
-    step: float,
-) -> tuple[str, Float64Array]: ...
-@overload
 def directions(
-    arrival: Float32Array, spacing: Sequence[float], points: Float64Array
-) -> tuple[str, int, Float64Array]: ...
-@overload
-def directions(
-    arrival: Float64Array, spacing: Sequence[float], points: Float64Array
+    arrival: Float32Array | Float64Array, spacing: Sequence[float], points: Float64Array
 ) -> tuple[str, int, Float64Array]: ...
 def time_lines(
     points: Float64Array,
@@ -878,18 +782,12 @@ class TimedPath:
     def __init__(
         self, breaks: Float64Array, coefficients: Float64Array, scale: Float64Array, points: int
     ) -> None: ...
-    @property
-    def length(self) -> Float64Array: ...
-    @property
-    def parameter(self) -> Float64Array: ...
-    @property
-    def slope(self) -> Float64Array: ...
-    @property
-    def positions(self) -> Float64Array: ...
-    @property
-    def first(self) -> Float64Array: ...
-    @property
-    def second(self) -> Float64Array: ...
+    length: Final[Float64Array]
+    parameter: Final[Float64Array]
+    slope: Final[Float64Array]
+    positions: Final[Float64Array]
+    first: Final[Float64Array]
+    second: Final[Float64Array]
     def law(
         self,
         velocity: Float64Array,

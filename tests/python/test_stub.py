@@ -23,27 +23,28 @@ def arguments_in_stub(node):
 
 
 def functions_in_stub(body):
-    """Arguments by name; of an overloaded function, of each of its signatures."""
+    """Arguments by name; of an overloaded function, those of its signatures that differ."""
     found = {}
     for node in body:
-        if isinstance(node, ast.FunctionDef) and not is_property(node):
+        if isinstance(node, ast.FunctionDef):
             found.setdefault(node.name, []).append(arguments_in_stub(node))
     return {name: sorted(signatures) for name, signatures in found.items()}
 
 
-def is_property(node):
-    return any(isinstance(d, ast.Name) and d.id == "property" for d in node.decorator_list)
-
-
 def attributes_in_stub(body):
-    properties = {n.name for n in body if isinstance(n, ast.FunctionDef) and is_property(n)}
     assigned = {t.id for n in body if isinstance(n, ast.Assign) for t in n.targets}
-    annotated = {n.target.id for n in body if isinstance(n, ast.AnnAssign)}
-    return properties | assigned | annotated
+    return assigned | {n.target.id for n in body if isinstance(n, ast.AnnAssign)}
 
 
 def classes_in_stub():
-    return {node.name: node.body for node in STUB.body if isinstance(node, ast.ClassDef)}
+    """Bodies by name, with those of bases that are only in the stub."""
+    nodes = {node.name: node for node in STUB.body if isinstance(node, ast.ClassDef)}
+    shared = {name for name in nodes if name.startswith("_")}
+    return {
+        name: [*node.body, *(n for b in node.bases if b.id in shared for n in nodes[b.id].body)]
+        for name, node in nodes.items()
+        if name not in shared
+    }
 
 
 def arguments_in_module(function):
@@ -52,14 +53,11 @@ def arguments_in_module(function):
     signatures = re.findall(rf"^(?:\d+\. )?{name}\((.*)\) -> ", function.__doc__, re.MULTILINE)
     # With overloads the first line stands for them all: (*args, **kwargs).
     signatures = [text for text in signatures if text != "*args, **kwargs"]
-    return sorted(
-        [
-            argument
-            for argument in re.findall(r"(?:^|, )(\w+)(?=:|=|,|$)", without_brackets(text))
-            if argument != "self"
-        ]
+    named = {
+        tuple(re.findall(r"(?:^|, )(\w+)(?=:|=|,|$)", without_brackets(text)))
         for text in signatures
-    )
+    }
+    return sorted([name for name in names if name != "self"] for names in named)
 
 
 def without_brackets(text):
