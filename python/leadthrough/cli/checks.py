@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 import leadthrough as lt
-from leadthrough.cli import completion, options, output
+from leadthrough.cli import options, output
 
 
 def check(
@@ -20,19 +19,8 @@ def check(
     details: options.ArmDetails,
     obstacle: options.Obstacles = None,
     margin: options.Margin = 0.005,
-    rate: Annotated[
-        float | None,
-        typer.Option(
-            help="Rate in Hz of a receiver that runs the positions alone, straight from one to the "
-            "next; by default so are files without velocities and accelerations, at their own."
-        ),
-    ] = None,
-    physics: Annotated[
-        bool,
-        typer.Option(
-            "--physics", help="Also simulate it under gravity; `leadthrough simulate` reports more."
-        ),
-    ] = False,
+    rate: float | None = None,
+    physics: bool = False,
     as_json: options.AsJson = False,
 ) -> None:
     """Check a joint motion against the arm's limits and for collisions, also with itself.
@@ -40,6 +28,11 @@ def check(
     Exits with code 1 if a limit is exceeded, there is a collision, or the simulated arm fails.
 
     leadthrough check timed.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2
+
+    Options:
+        rate: Rate in Hz of a receiver that runs the positions alone, straight from one to the next;
+            by default so are files without velocities and accelerations, at their own.
+        physics: Also simulate it under gravity; `leadthrough simulate` reports more.
     """
     from leadthrough.cli import errors, parse
     from leadthrough.cli import robot as robots
@@ -143,50 +136,20 @@ def simulate(
     robot: options.RobotName,
     details: options.ArmDetails,
     obstacle: options.Obstacles = None,
-    controller: Annotated[
-        ControllerName, typer.Option(help="Controller that makes torques of the motion.")
-    ] = ControllerName.COMPUTED_TORQUE,
-    frequency: Annotated[
-        float | None,
-        typer.Option(help="Natural frequency of the joints' errors, in rad/s; none for the tip."),
-    ] = None,
-    stiffness: Annotated[
-        float | None,
-        typer.Option(help="Stiffness of an impedance: of the tip in N/m, of joints in N m/rad."),
-    ] = None,
-    skill: Annotated[
-        Path | None,
-        typer.Option(
-            help="Skill file; cartesian-impedance is stiff where its demonstrations agree.",
-            autocompletion=completion.files(".npz"),
-        ),
-    ] = None,
-    start: Annotated[
-        str | None,
-        typer.Option(help="Joint positions at which the arm rests before, as 0,-0.5,1."),
-    ] = None,
-    mass: Annotated[float, typer.Option(help="What the tip carries, in kg.")] = 0.0,
-    payload: Annotated[
-        float, typer.Option(help="Factor by which it is heavier than the controller knows.")
-    ] = 1.0,
-    friction: Annotated[float, typer.Option(help="Dry friction of each joint, in N m.")] = 0.0,
-    damping: Annotated[float, typer.Option(help="Damping of each joint, in N m s/rad.")] = 0.0,
-    delay: Annotated[float, typer.Option(help="Delay of the measurements, in s.")] = 0.0,
-    encoder: Annotated[float, typer.Option(help="Steps of the encoders, in rad.")] = 0.0,
-    push: Annotated[
-        list[str] | None,
-        typer.Option(help="Force at the tip for 0.1 s: TIME,FX,FY,FZ in s and N; may be repeated."),
-    ] = None,
-    tip_tolerance: Annotated[
-        float | None, typer.Option(help="Largest error of the tip that is acceptable, in m.")
-    ] = None,
-    html: Annotated[
-        Path | None,
-        typer.Option(
-            help="Write a page with the simulated arm beside the planned one to this HTML file.",
-            autocompletion=completion.files(".html"),
-        ),
-    ] = None,
+    controller: ControllerName = ControllerName.COMPUTED_TORQUE,
+    frequency: float | None = None,
+    stiffness: float | None = None,
+    skill: options.SkillPath = None,
+    start: str | None = None,
+    mass: float = 0.0,
+    payload: float = 1.0,
+    friction: float = 0.0,
+    damping: float = 0.0,
+    delay: float = 0.0,
+    encoder: float = 0.0,
+    push: list[str] | None = None,
+    tip_tolerance: float | None = None,
+    html: options.PagePath = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Run a joint motion on the simulated arm: torques, tracking errors, contacts (MuJoCo).
@@ -194,6 +157,22 @@ def simulate(
     The arm is made from its own URDF. Exits with code 1 if the motion is not fit to run.
 
     leadthrough simulate timed.json --robot panda --mass 1 --friction 0.2 --html simulated.html
+
+    Options:
+        controller: Controller that makes torques of the motion.
+        frequency: Natural frequency of the joints' errors, in rad/s; none for the tip.
+        stiffness: Stiffness of an impedance: of the tip in N/m, of joints in N m/rad.
+        skill: Skill file; cartesian-impedance is stiff where its demonstrations agree.
+        start: Joint positions at which the arm rests before, as 0,-0.5,1.
+        mass: Mass that the tip carries, in kg.
+        payload: Factor by which it is heavier than the controller knows.
+        friction: Dry friction of each joint, in N m.
+        damping: Damping of each joint, in N m s/rad.
+        delay: Delay of the measurements, in s.
+        encoder: Steps of the encoders, in rad.
+        push: Force at the tip for 0.1 s: TIME,FX,FY,FZ in s and N; may be repeated.
+        tip_tolerance: Largest error of the tip that is acceptable, in m.
+        html: Write a page with the simulated arm beside the planned one to this HTML file.
     """
     from leadthrough.cli import errors, parse
     from leadthrough.cli import robot as robots

@@ -29,15 +29,7 @@ def learn(
     *,
     ctx: typer.Context,
     files: options.Recordings,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            "-o",
-            help="Skill file to write, an .npz.",
-            autocompletion=completion.files(".npz"),
-        ),
-    ],
+    out: Annotated[Path, typer.Option("--out", "-o", autocompletion=completion.files(".npz"))],
     model: Annotated[
         str | None,
         typer.Option(
@@ -47,42 +39,19 @@ def learn(
         ),
     ] = None,
     parameter: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            help="Parameter of the model, such as weights=80; may be repeated.",
-            autocompletion=completion.parameters,
-        ),
+        list[str] | None, typer.Option("--set", autocompletion=completion.parameters)
     ] = None,
     robot: options.MaybeRobotName = None,
     details: options.ArmDetails,
-    clean: Annotated[
-        bool,
-        typer.Option("--clean", help="Remove faulty samples first; stderr reports them."),
-    ] = False,
-    cut: Annotated[
-        bool, typer.Option("--cut", help="Split recordings into motions at pauses.")
-    ] = False,
-    number: Annotated[
-        list[int] | None,
-        typer.Option(
-            "--motion",
-            help="Number of the motion to learn, counted from 1; may be repeated. By default all.",
-        ),
-    ] = None,
+    clean: bool = False,
+    cut: bool = False,
+    number: Annotated[list[int] | None, typer.Option("--motion")] = None,
     resting: options.RestOptions,
     pause: options.Pause = None,
-    as_joints: Annotated[
-        bool,
-        typer.Option(
-            "--joints", help="With --robot, learn its joints instead of poses of its tip."
-        ),
-    ] = False,
+    as_joints: Annotated[bool, typer.Option("--joints")] = False,
     layout: options.ReadOptions,
     table: options.FaultTable = None,
-    samples: Annotated[
-        int, typer.Option(help="With --table, most samples that are kept of each recording.")
-    ] = 200,
+    samples: int = 200,
     as_json: options.AsJson = False,
 ) -> None:
     """Learn a skill from recordings; with --robot, joints are learned as poses of the tip.
@@ -90,6 +59,15 @@ def learn(
     leadthrough learn recorded/*.csv --robot panda -o pour.npz
 
     leadthrough learn day.csv --cut --motion 3 --rate 50 --model fast-marching -o reach.npz
+
+    Options:
+        out: Skill file to write, an .npz.
+        parameter: Parameter of the model, such as weights=80; may be repeated.
+        clean: Remove faulty samples first; stderr reports them.
+        cut: Split recordings into motions at pauses.
+        number: Number of the motion to learn, counted from 1; may be repeated. By default all.
+        as_joints: With --robot, learn its joints instead of poses of its tip.
+        samples: With --table, most samples that are kept of each recording.
     """
     from leadthrough import check
     from leadthrough.cli import errors, parse, reading

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Annotated
 
 import typer
 
@@ -23,26 +22,12 @@ def retime(
     robot: options.RobotName,
     out: options.Output,
     details: options.ArmDetails,
-    rate: Annotated[float, typer.Option(help="Sampling rate of the result, in Hz.")] = 1000.0,
-    path_tolerance: Annotated[
-        float,
-        typer.Option(help="Largest distance of the smoothed path from the samples, in rad (m)."),
-    ] = 1e-5,
-    keep_timing: Annotated[
-        bool,
-        typer.Option("--keep-timing", help="Reach no point of the path earlier than it does now."),
-    ] = False,
-    tip_speed: Annotated[float | None, typer.Option(help="Speed limit of the tip, in m/s.")] = None,
-    torques: Annotated[
-        bool, typer.Option("--torques", help="Also keep within the joint torque limits.")
-    ] = False,
-    start: Annotated[
-        str | None,
-        typer.Option(
-            help="Joint positions, such as 0,-0.5,1, at which the arm rests before; a way from "
-            "there onto the motion is written with it."
-        ),
-    ] = None,
+    rate: float = 1000.0,
+    path_tolerance: float = 1e-5,
+    keep_timing: bool = False,
+    tip_speed: float | None = None,
+    torques: bool = False,
+    start: str | None = None,
     obstacle: options.Obstacles = None,
     format: options.FormatName = None,
     as_json: options.AsJson = False,
@@ -55,6 +40,15 @@ def retime(
     keep clear of.
 
     leadthrough retime motion.csv --robot ur5.urdf --limits ur5.toml --rate 500 -o timed.script
+
+    Options:
+        rate: Sampling rate of the result, in Hz.
+        path_tolerance: Largest distance of the smoothed path from the samples, in rad (m).
+        keep_timing: Reach no point of the path earlier than it does now.
+        tip_speed: Speed limit of the tip, in m/s.
+        torques: Also keep within the joint torque limits.
+        start: Joint positions, such as 0,-0.5,1, at which the arm rests before; a way from there
+            onto the motion is written with it.
     """
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
@@ -129,17 +123,8 @@ def guard(
     details: options.ArmDetails,
     obstacle: options.Obstacles = None,
     margin: options.Margin = 0.005,
-    rate: Annotated[
-        float | None,
-        typer.Option(help="Commands per second; by default those of the motion."),
-    ] = None,
-    start: Annotated[
-        str | None,
-        typer.Option(
-            help="Joint positions, such as 0,-0.5,1, at which the arm rests; by default those of "
-            "the first sample."
-        ),
-    ] = None,
+    rate: float | None = None,
+    start: str | None = None,
     format: options.FormatName = None,
     as_json: options.AsJson = False,
 ) -> None:
@@ -150,6 +135,11 @@ def guard(
     no file is written if no certified stop exists.
 
     leadthrough guard motion.json --robot panda --obstacle box:0.1,0.1,0.4@0.5,0.2,0.2 -o safe.json
+
+    Options:
+        rate: Commands per second; by default those of the motion.
+        start: Joint positions, such as 0,-0.5,1, at which the arm rests; by default those of the
+            first sample.
     """
     import numpy as np
 

@@ -6,10 +6,12 @@ A parameter is named as the library names the argument, so that errors can name 
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
 
@@ -43,36 +45,11 @@ SkillFile = Annotated[
         autocompletion=completion.files(".npz"),
     ),
 ]
+_Link = Annotated[str | None, typer.Option(autocompletion=completion.links)]
+SkillPath = Annotated[Path | None, typer.Option(autocompletion=completion.files(".npz"))]
+PagePath = Annotated[Path | None, typer.Option(autocompletion=completion.files(".html"))]
 RobotName = Annotated[str, _ROBOT]
 MaybeRobotName = Annotated[str | None, _ROBOT]
-LimitsFile = Annotated[
-    Path | None,
-    typer.Option(
-        help="TOML file with the limits that a URDF cannot hold: acceleration and jerk.",
-        autocompletion=completion.files(".toml"),
-    ),
-]
-BaseLink = Annotated[
-    str | None,
-    typer.Option(
-        help="First link of the arm; by default the root link of the URDF.",
-        autocompletion=completion.links,
-    ),
-]
-TipLink = Annotated[
-    str | None,
-    typer.Option(
-        help="Last link of the arm; needed if the URDF has several end links.",
-        autocompletion=completion.links,
-    ),
-]
-MeshFolder = Annotated[
-    Path | None,
-    typer.Option(
-        help="Folder with the meshes that the URDF names, if they do not lie beside it.",
-        autocompletion=completion.files(),
-    ),
-]
 Obstacles = Annotated[
     list[str] | None,
     typer.Option(
@@ -106,51 +83,6 @@ FormatName = Annotated[
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
-Columns = Annotated[
-    list[str] | None,
-    typer.Option(
-        help="Columns to read: time=t, positions=x,y,z, orientations=qw,qx,qy,qz or joints=q1,q2; "
-        "may be repeated. By default found by their names."
-    ),
-]
-Rate = Annotated[
-    float | None,
-    typer.Option(help="Sampling rate of recordings without a time column, in Hz."),
-]
-Angles = Annotated[
-    AngleUnit | None,
-    typer.Option(
-        help="Unit of joint angles if the file does not state it: radians (the default), degrees, "
-        "or percent of the joints' ranges, as LeRobot has them."
-    ),
-]
-Quaternions = Annotated[
-    QuaternionOrder | None,
-    typer.Option(
-        help="Order of quaternion components if the column names do not state it: wxyz or xyzw."
-    ),
-]
-Topic = Annotated[
-    str | None, typer.Option(help="Topic of a ROS bag; needed if several hold motions.")
-]
-Rest = Annotated[
-    float,
-    typer.Option(
-        help="Standing still to keep before and after a motion, in s; by default none, inf keeps "
-        "all of it."
-    ),
-]
-Speed = Annotated[
-    float | None,
-    typer.Option(
-        help="Speed at which a motion begins, in m/s (rad/s for joints); below half of it the arm "
-        "stands still. By default it follows from the recording's noise."
-    ),
-]
-AngularSpeed = Annotated[
-    float | None,
-    typer.Option(help="The same for the turning of poses, in rad/s."),
-]
 Pause = Annotated[
     float | None,
     typer.Option(help="Shortest standing still that counts as a pause, in s."),
@@ -179,23 +111,41 @@ TaskTimeout = Annotated[
 
 @dataclass(frozen=True)
 class ArmDetails:
-    """Options that complete a robot's name."""
+    """Options that complete a robot's name.
 
-    limits: LimitsFile = None
-    base: BaseLink = None
-    tip: TipLink = None
-    mesh_folder: MeshFolder = None
+    Options:
+        limits: TOML file with the limits that a URDF cannot hold: acceleration and jerk.
+        base: First link of the arm; by default the root link of the URDF.
+        tip: Last link of the arm; needed if the URDF has several end links.
+        mesh_folder: Folder with the meshes that the URDF names, if they do not lie beside it.
+    """
+
+    limits: Annotated[Path | None, typer.Option(autocompletion=completion.files(".toml"))] = None
+    base: _Link = None
+    tip: _Link = None
+    mesh_folder: Annotated[Path | None, typer.Option(autocompletion=completion.files())] = None
 
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Options that say how recordings are read."""
+    """Options that say how recordings are read.
 
-    column: Columns = None
-    rate: Rate = None
-    angles: Angles = None
-    quaternions: Quaternions = None
-    topic: Topic = None
+    Options:
+        column: Columns to read: time=t, positions=x,y,z, orientations=qw,qx,qy,qz or
+            joints=q1,q2; may be repeated. By default found by their names.
+        rate: Sampling rate of recordings without a time column, in Hz.
+        angles: Unit of joint angles if the file does not state it: radians (the default),
+            degrees, or percent of the joints' ranges, as LeRobot has them.
+        quaternions: Order of quaternion components if the column names do not state it: wxyz
+            or xyzw.
+        topic: Topic of a ROS bag; needed if several hold motions.
+    """
+
+    column: list[str] | None = None
+    rate: float | None = None
+    angles: AngleUnit | None = None
+    quaternions: QuaternionOrder | None = None
+    topic: str | None = None
 
     def arguments(self) -> dict[str, Any]:  # Any: the reading functions' types differ
         """The arguments of `leadthrough.io.read_demonstrations` that they make."""
@@ -209,38 +159,71 @@ class ReadOptions:
 
 @dataclass(frozen=True)
 class RestOptions:
-    """Options of `leadthrough.preprocess.trim`."""
+    """Options of `leadthrough.preprocess.trim`.
 
-    rest: Rest = 0.0
-    speed: Speed = None
-    angular_speed: AngularSpeed = None
+    Options:
+        rest: Standing still to keep before and after a motion, in s; by default none, inf keeps
+            all of it.
+        speed: Speed at which a motion begins, in m/s (rad/s for joints); below half of it the
+            arm stands still. By default it follows from the recording's noise.
+        angular_speed: The same for the turning of poses, in rad/s.
+    """
+
+    rest: float = 0.0
+    speed: float | None = None
+    angular_speed: float | None = None
 
 
 def flattened(command: Callable[..., None]) -> Callable[..., None]:
-    """The command with the fields of its option groups as parameters of its own."""
+    """The command with the fields of its option groups as parameters of its own.
+
+    The docstring's section "Options" has the help of each parameter whose type has none.
+    """
     hints = get_type_hints(command, include_extras=True)
     groups: dict[str, Any] = {name: kind for name, kind in hints.items() if is_dataclass(kind)}
+    text, helps = _documented(command)
+    for kind in groups.values():
+        helps |= _documented(kind)[1]
     parameters = []
     for name, parameter in inspect.signature(command).parameters.items():
-        kind = groups.get(name)
-        own = inspect.signature(kind, eval_str=True).parameters.values() if kind else [parameter]
+        own = [parameter.replace(annotation=hints[name])]
+        if name in groups:
+            own = list(inspect.signature(groups[name], eval_str=True).parameters.values())
         parameters += [
             each.replace(
                 kind=inspect.Parameter.KEYWORD_ONLY,
-                annotation=each.annotation if kind else hints[name],
+                annotation=_with_help(each.name, each.annotation, helps.pop(each.name, None)),
             )
             for each in own
         ]
+    assert not helps, f"{command.__name__} has no {', '.join(helps)}"
 
     def flat(**values: Any) -> None:
         for name, kind in groups.items():
             values[name] = kind(**{each.name: values.pop(each.name) for each in fields(kind)})
         command(**values)
 
-    flat.__name__, flat.__doc__ = command.__name__, command.__doc__
+    flat.__name__, flat.__doc__ = command.__name__, text
     flat.__annotations__ = {each.name: each.annotation for each in parameters}
     flat.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     return flat
+
+
+def _documented(command: object) -> tuple[str, dict[str, str]]:
+    """The docstring of a command or group without its section "Options", and that by name."""
+    text, _, section = (inspect.getdoc(command) or "").partition("\n\nOptions:\n")
+    helps = re.findall(r"^ {4}(\w+): (.*(?:\n {8}.*)*)", section, re.MULTILINE)
+    return text, {name: " ".join(help.split()) for name, help in helps}
+
+
+def _with_help(name: str, kind: Any, help: str | None) -> Any:  # Any: types, plain and annotated
+    if help is None:
+        return kind
+    plain, *known = get_args(kind) if get_origin(kind) is Annotated else (kind,)
+    switch = [f"--{name.replace('_', '-')}"] if plain is bool else []  # and no --no-...
+    option = copy(known[0]) if known else typer.Option(*switch)
+    option.help = help
+    return Annotated[plain, option]
 
 
 def of_model(model: object) -> dict[str, str]:

@@ -31,63 +31,20 @@ def plan(
     ctx: typer.Context,
     skill: options.SkillFile,
     out: options.Output,
-    start: Annotated[
-        str | None,
-        typer.Option(
-            help="Start: a point X,Y,Z, a pose X,Y,Z/W,X,Y,Z, or joint positions (m, rad). By "
-            "default, and for an orientation left out, the demonstrated one."
-        ),
-    ] = None,
-    goal: Annotated[str | None, typer.Option(help="Goal, in the form of --start.")] = None,
-    move_start: Annotated[
-        str | None,
-        typer.Option(help="Offset DX,DY,DZ of the start from the demonstrated one (m, rad)."),
-    ] = None,
-    move_goal: Annotated[
-        str | None, typer.Option(help="Offset of the goal, in the form of --move-start.")
-    ] = None,
-    duration: Annotated[
-        float | None,
-        typer.Option(
-            help="Duration, in s; by default the demonstrated one, or what the skill needs."
-        ),
-    ] = None,
-    dt: Annotated[float, typer.Option(help="Time between samples, in s.")] = 0.01,
+    start: str | None = None,
+    goal: str | None = None,
+    move_start: str | None = None,
+    move_goal: str | None = None,
+    duration: float | None = None,
+    dt: float = 0.01,
     obstacle: options.Obstacles = None,
     robot: options.MaybeRobotName = None,
     details: options.ArmDetails,
-    posture: Annotated[
-        str | None,
-        typer.Option(
-            help="Joint positions (rad) that the arm should keep close to, or a recording of them. "
-            "By default the demonstrated ones.",
-            autocompletion=completion.recordings,
-        ),
-    ] = None,
-    tolerance: Annotated[
-        str | None,
-        typer.Option(
-            help="Error M,RAD of the tip's position and orientation that counts as reached, in m "
-            "and rad; by default 1e-5,1e-5."
-        ),
-    ] = None,
-    free_axis: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Axis of the tip's poses to leave free: x, y, z, or rx, ry, rz for the rotations "
-            "about them; may be repeated. By default none, and for an arm of fewer than six joints "
-            "those that cost the least error."
-        ),
-    ] = None,
-    margin: Annotated[
-        float | None,
-        typer.Option(
-            help="Distance that the whole arm keeps from obstacles, in m; by default 0.005."
-        ),
-    ] = None,
-    tip_only: Annotated[
-        bool, typer.Option("--tip-only", help="Keep only the tip clear of obstacles.")
-    ] = False,
+    posture: Annotated[str | None, typer.Option(autocompletion=completion.recordings)] = None,
+    tolerance: str | None = None,
+    free_axis: list[str] | None = None,
+    margin: float | None = None,
+    tip_only: bool = False,
     format: options.FormatName = None,
     as_json: options.AsJson = False,
 ) -> None:
@@ -98,6 +55,24 @@ def plan(
     leadthrough plan pour.npz --robot panda --move-goal 0.1,0,0 -o motion.json
 
     leadthrough plan reach.npz --goal 0.5,0.1,0.3 --obstacle sphere:0.08@0.4,0,0.3 -o path.csv
+
+    Options:
+        start: Start: a point X,Y,Z, a pose X,Y,Z/W,X,Y,Z, or joint positions (m, rad). By default,
+            and for an orientation left out, the demonstrated one.
+        goal: Goal, in the form of --start.
+        move_start: Offset DX,DY,DZ of the start from the demonstrated one (m, rad).
+        move_goal: Offset of the goal, in the form of --move-start.
+        duration: Duration, in s; by default the demonstrated one, or what the skill needs.
+        dt: Time between samples, in s.
+        posture: Joint positions (rad) that the arm should keep close to, or a recording of them. By
+            default the demonstrated ones.
+        tolerance: Error M,RAD of the tip's position and orientation that counts as reached, in m
+            and rad; by default 1e-5,1e-5.
+        free_axis: Axis of the tip's poses to leave free: x, y, z, or rx, ry, rz for the rotations
+            about them; may be repeated. By default none, and for an arm of fewer than six joints
+            those that cost the least error.
+        margin: Distance that the whole arm keeps from obstacles, in m; by default 0.005.
+        tip_only: Keep only the tip clear of obstacles.
     """
     from leadthrough.arm.recorded_joints import warn_of_another_arm
     from leadthrough.cli import errors, parse, reading

@@ -24,22 +24,10 @@ _URDF = (".urdf", ".xml")
 def info(
     *,
     ctx: typer.Context,
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            help="Recordings, motions, skills, ROS bags, data sets or URDFs, or folders of them.",
-            autocompletion=completion.anything,
-        ),
-    ],
+    files: Annotated[list[Path], typer.Argument(autocompletion=completion.anything)],
     layout: options.ReadOptions,
     details: options.ArmDetails,
-    write_limits: Annotated[
-        Path | None,
-        typer.Option(
-            help="Write a limits file for the URDF, with assumed accelerations and jerks where "
-            "none are stated."
-        ),
-    ] = None,
+    write_limits: Path | None = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Show what files contain, and report faults in recordings.
@@ -49,6 +37,11 @@ def info(
     leadthrough info recorded.mcap skill.npz ur5.urdf
 
     leadthrough info ur5.urdf --tip tool0 --write-limits ur5.toml
+
+    Options:
+        files: Recordings, motions, skills, ROS bags, data sets or URDFs, or folders of them.
+        write_limits: Write a limits file for the URDF, with assumed accelerations and jerks where
+            none are stated.
     """
     import json
 
@@ -171,21 +164,12 @@ def clean(
     files: options.Recordings,
     out: options.Output,
     layout: options.ReadOptions,
-    longest_gap: Annotated[
-        float,
-        typer.Option(help="Longest time without samples to accept, in s; more is an error."),
-    ] = 0.5,
-    longest_pause: Annotated[
-        float | None,
-        typer.Option(help="Shorten longer pauses to this, in s; by default pauses are kept."),
-    ] = None,
+    longest_gap: float = 0.5,
+    longest_pause: float | None = None,
     pause: options.Pause = None,
     resting: options.RestOptions,
-    new_rate: Annotated[float | None, typer.Option(help="Resample at this rate, in Hz.")] = None,
-    smoothing: Annotated[
-        float | None,
-        typer.Option(help="Smoothing window, in s; also adds velocities to joint motions."),
-    ] = None,
+    new_rate: float | None = None,
+    smoothing: float | None = None,
     table: options.FaultTable = None,
     as_json: options.AsJson = False,
 ) -> None:
@@ -194,6 +178,12 @@ def clean(
     If there are several recordings, each is written to its own numbered file.
 
     leadthrough clean day.csv --longest-pause 0.3 --smoothing 0.2 -o clean.csv
+
+    Options:
+        longest_gap: Longest time without samples to accept, in s; more is an error.
+        longest_pause: Shorten longer pauses to this, in s; by default pauses are kept.
+        new_rate: Resample at this rate, in Hz.
+        smoothing: Smoothing window, in s; also adds velocities to joint motions.
     """
     import json
     from functools import partial
@@ -244,31 +234,13 @@ def clean(
 def judge(
     *,
     files: options.Recordings,
-    model: Annotated[
-        str | None,
-        typer.Option(
-            help="Model that is learned with one recording left out after the other, as of "
-            "`leadthrough learn`; by default promp.",
-            autocompletion=completion.models,
-        ),
-    ] = None,
-    parameter: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="Parameter of the model, such as weights=80; may be repeated."),
-    ] = None,
-    goals: Annotated[
-        str | None,
-        typer.Option(
-            help="Region in which the next demonstration may end, to suggest where: distances "
-            "DX,DY,DZ to both sides of the recordings' mean goal, or two corners X,Y,Z:X,Y,Z.",
-        ),
-    ] = None,
+    model: Annotated[str | None, typer.Option(autocompletion=completion.models)] = None,
+    parameter: Annotated[list[str] | None, typer.Option("--set")] = None,
+    goals: str | None = None,
     resting: options.RestOptions,
     layout: options.ReadOptions,
     seed: options.Seed = 0,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder that keeps what is computed, to go on there.")
-    ] = None,
+    out: Path | None = None,
     on: options.On = None,
     task_timeout: options.TaskTimeout = None,
     as_json: options.AsJson = False,
@@ -276,6 +248,14 @@ def judge(
     """Tell which recordings of a motion are faulty or unlike the others, and what each is worth.
 
     leadthrough judge recorded/*.csv --goals 0.1,0.1,0.05
+
+    Options:
+        model: Model that is learned with one recording left out after the other, as of `leadthrough
+            learn`; by default promp.
+        parameter: Parameter of the model, such as weights=80; may be repeated.
+        goals: Region in which the next demonstration may end, to suggest where: distances DX,DY,DZ
+            to both sides of the recordings' mean goal, or two corners X,Y,Z:X,Y,Z.
+        out: Folder that keeps what is computed, to go on there.
     """
     import numpy as np
 

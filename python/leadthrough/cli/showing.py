@@ -33,49 +33,32 @@ limits = "{robot}.toml"
 
 def view(
     *,
-    motion: Annotated[
-        Path | None,
-        typer.Argument(
-            help="Motion to show: of the joints, or poses that the tip follows.",
-            autocompletion=completion.recordings,
-        ),
-    ] = None,
+    motion: Annotated[Path | None, typer.Argument(autocompletion=completion.recordings)] = None,
     robot: options.RobotName = "panda",
     details: options.ArmDetails,
     demonstrations: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Recording to draw, or a folder of them; may be repeated.",
-            autocompletion=completion.recordings,
-        ),
+        list[Path] | None, typer.Option(autocompletion=completion.recordings)
     ] = None,
-    skill: Annotated[
-        Path | None,
-        typer.Option(
-            help="Skill file; in the live page its goal and obstacles can be dragged.",
-            autocompletion=completion.files(".npz"),
-        ),
-    ] = None,
-    goal: Annotated[
-        str | None,
-        typer.Option(help="Goal of the skill: X,Y,Z in m, or a pose X,Y,Z/W,X,Y,Z."),
-    ] = None,
+    skill: options.SkillPath = None,
+    goal: str | None = None,
     obstacle: options.Obstacles = None,
     layout: options.ReadOptions,
-    html: Annotated[
-        Path | None,
-        typer.Option(
-            help="Write the page to this HTML file instead of opening a browser.",
-            autocompletion=completion.files(".html"),
-        ),
-    ] = None,
-    port: Annotated[int, typer.Option(help="Port of the live page; 0 picks a free one.")] = 0,
+    html: options.PagePath = None,
+    port: int = 0,
 ) -> None:
     """Show an arm and its motion, live in a browser or as an HTML file that needs no server.
 
     leadthrough view motion.csv --robot ur3 --html motion.html
 
     leadthrough view --robot panda --skill skill.npz --obstacle box:0.1,0.1,0.4@0.5,0,0.2
+
+    Options:
+        motion: Motion to show: of the joints, or poses that the tip follows.
+        demonstrations: Recording to draw, or a folder of them; may be repeated.
+        skill: Skill file; in the live page its goal and obstacles can be dragged.
+        goal: Goal of the skill: X,Y,Z in m, or a pose X,Y,Z/W,X,Y,Z.
+        html: Write the page to this HTML file instead of opening a browser.
+        port: Port of the live page; 0 picks a free one.
     """
     from leadthrough import check
     from leadthrough.cli import errors, parse, reading
@@ -111,23 +94,19 @@ def view(
 
 
 def demo(
-    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("leadthrough-demo"),
-    scene: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Scene to show: handwriting, pouring or harvesting; may be repeated. By default "
-            "all three."
-        ),
-    ] = None,
-    motion: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Motion of the LASA handwriting set, such as GShape; may be repeated. By default "
-            "eight of them. The arm is shown with the first."
-        ),
-    ] = None,
+    out: Path = Path("leadthrough-demo"),
+    scene: list[str] | None = None,
+    motion: list[str] | None = None,
 ) -> None:
-    """Show three arms that learn: a UR3 writes, a Panda pours, a TIAGo harvests."""
+    """Show three arms that learn: a UR3 writes, a Panda pours, a TIAGo harvests.
+
+    Options:
+        out: Folder for the results.
+        scene: Scene to show: handwriting, pouring or harvesting; may be repeated. By default all
+            three.
+        motion: Motion of the LASA handwriting set, such as GShape; may be repeated. By default
+            eight of them. The arm is shown with the first.
+    """
     from leadthrough import check
     from leadthrough_studies.demo import report, scenes
 
@@ -181,13 +160,8 @@ def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
 
 def example(
     ctx: typer.Context,
-    name: Annotated[
-        str,
-        typer.Argument(
-            help="Name of the example: reach.", autocompletion=completion.one_of(*NAMES)
-        ),
-    ],
-    folder: Annotated[Path, typer.Argument(help="Folder to write it to; made if it is missing.")],
+    name: Annotated[str, typer.Argument(autocompletion=completion.one_of(*NAMES))],
+    folder: Annotated[Path, typer.Argument()],
     seed: options.Seed = 0,
     as_json: options.AsJson = False,
 ) -> None:
@@ -196,6 +170,10 @@ def example(
     reach: a UR3, its limits, and three recordings of a simulated person guiding it.
 
     leadthrough example reach first-steps
+
+    Options:
+        name: Name of the example: reach.
+        folder: Folder to write it to; made if it is missing.
     """
     from leadthrough import check
 

@@ -27,44 +27,17 @@ def validate(
     robot: options.RobotName,
     details: options.ArmDetails,
     goals: Annotated[str | None, typer.Option(help=f"Region of the goals: {_FORM}")] = None,
-    starts: Annotated[
-        str | None, typer.Option(help="Region of the starts, in the form of --goals.")
-    ] = None,
+    starts: str | None = None,
     obstacle: options.Obstacles = None,
-    random_obstacle: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Obstacle at a random position: one as of --obstacle, then ~DX,DY,DZ, how far it "
-            "may be from there, in m. May be repeated.",
-        ),
-    ] = None,
-    runs: Annotated[int, typer.Option(help="Number of random queries.")] = 1000,
-    width: Annotated[
-        float | None,
-        typer.Option(help="Stop once the success rate's confidence interval is at most this wide."),
-    ] = None,
-    required: Annotated[
-        float | None,
-        typer.Option(
-            help="Required success rate; exits with 1 if the lower confidence bound is below it."
-        ),
-    ] = None,
-    physics: Annotated[
-        bool,
-        typer.Option("--physics", help="Simulate each motion too; needs the extra simulation."),
-    ] = False,
+    random_obstacle: list[str] | None = None,
+    runs: int = 1000,
+    width: float | None = None,
+    required: float | None = None,
+    physics: bool = False,
     margin: options.Margin = 0.005,
     seed: options.Seed = 0,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for the results; by default SKILL-validation.")
-    ] = None,
-    certify: Annotated[
-        Path | None,
-        typer.Option(
-            help="Skill file to write with the certificate, an .npz; may be that of the skill.",
-            autocompletion=completion.files(".npz"),
-        ),
-    ] = None,
+    out: Path | None = None,
+    certify: options.SkillPath = None,
     on: options.On = None,
     task_timeout: options.TaskTimeout = None,
     as_json: options.AsJson = False,
@@ -75,6 +48,17 @@ def validate(
     manifest.json; run the same command again to go on with one that was stopped.
 
     leadthrough validate pour.npz --robot panda --goals 0.1,0.1,0.05 --runs 5000 --on local:4
+
+    Options:
+        starts: Region of the starts, in the form of --goals.
+        random_obstacle: Obstacle at a random position: one as of --obstacle, then ~DX,DY,DZ, how
+            far it may be from there, in m. May be repeated.
+        runs: Number of random queries.
+        width: Stop once the success rate's confidence interval is at most this wide.
+        required: Required success rate; exits with 1 if the lower confidence bound is below it.
+        physics: Simulate each motion too; needs the extra simulation.
+        out: Folder for the results; by default SKILL-validation.
+        certify: Skill file to write with the certificate, an .npz; may be that of the skill.
     """
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
@@ -139,34 +123,16 @@ def _places(
 def reach(
     *,
     robot: options.RobotName,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            "-o",
-            help="File to write, an .npz; a picture .png is written beside it.",
-            autocompletion=completion.files(".npz"),
-        ),
-    ],
+    out: Annotated[Path, typer.Option("--out", "-o", autocompletion=completion.files(".npz"))],
     details: options.ArmDetails,
     volume: Annotated[
         str | None,
         typer.Option(help=f"Where the tip is to reach: {_CORNERS}; by default the whole reach."),
     ] = None,
-    spacing: Annotated[
-        float, typer.Option(help="Distance between neighbouring places, in m.")
-    ] = 0.1,
-    orientations: Annotated[
-        int, typer.Option(help="Number of orientations that are tried at each place.")
-    ] = 12,
+    spacing: float = 0.1,
+    orientations: int = 12,
     obstacle: options.Obstacles = None,
-    skill: Annotated[
-        Path | None,
-        typer.Option(
-            help="Skill of poses that the arm is to run; finds where it must stand.",
-            autocompletion=completion.files(".npz"),
-        ),
-    ] = None,
+    skill: options.SkillPath = None,
     area: Annotated[
         str | None,
         typer.Option(
@@ -174,13 +140,9 @@ def reach(
             f"{_CORNERS}."
         ),
     ] = None,
-    yaws: Annotated[
-        int, typer.Option(help="With --skill, number of directions that the base may face.")
-    ] = 8,
+    yaws: int = 8,
     seed: options.Seed = 0,
-    folder: Annotated[
-        Path | None, typer.Option(help="Folder that keeps what is computed, to go on there.")
-    ] = None,
+    folder: Path | None = None,
     on: options.On = None,
     task_timeout: options.TaskTimeout = None,
     as_json: options.AsJson = False,
@@ -190,6 +152,14 @@ def reach(
     leadthrough reach --robot panda --spacing 0.05 --on local:4 -o reach.npz
 
     leadthrough reach --robot ur3 --skill pour.npz --area=-0.5,-0.5,0:0.5,0.5,0 -o stand.npz
+
+    Options:
+        out: File to write, an .npz; a picture .png is written beside it.
+        spacing: Distance between neighbouring places, in m.
+        orientations: Number of orientations that are tried at each place.
+        skill: Skill of poses that the arm is to run; finds where it must stand.
+        yaws: With --skill, number of directions that the base may face.
+        folder: Folder that keeps what is computed, to go on there.
     """
     from leadthrough.cli import parse, reading
     from leadthrough.cli import robot as robots
@@ -275,26 +245,24 @@ def _place(  # an option each
 
 def experiment(
     name: Annotated[
-        str | None,
-        typer.Argument(
-            help="Name of the study; leave it out to list all studies.",
-            autocompletion=completion.one_of(*completion.STUDIES),
-        ),
+        str | None, typer.Argument(autocompletion=completion.one_of(*completion.STUDIES))
     ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Run a small part of the study.")] = False,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for the results; by default leadthrough-NAME.")
-    ] = None,
+    quick: bool = False,
+    out: Path | None = None,
     seed: options.Seed = 0,
-    jobs: Annotated[
-        int, typer.Option(help="Number of parallel processes; the same as --on local:N.")
-    ] = 1,
+    jobs: int = 1,
     on: options.On = None,
     task_timeout: options.TaskTimeout = None,
 ) -> None:
     """Run a study; results that are already in its folder are not computed again.
 
     leadthrough experiment lasa --quick --on tcp://host:8786
+
+    Options:
+        name: Name of the study; leave it out to list all studies.
+        quick: Run a small part of the study.
+        out: Folder for the results; by default leadthrough-NAME.
+        jobs: Number of parallel processes; the same as --on local:N.
     """
     from leadthrough import check
     from leadthrough.cli import errors
