@@ -2,6 +2,7 @@
 
 import warnings
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
@@ -305,3 +306,196 @@ def test_only_the_ratio_of_weights_counts(scale):
 def test_one_rotation_is_its_own_mean():
     q = rotations.exp([[0.3, -2.0, 0.1]])
     np.testing.assert_allclose(rotations.mean(q), q[0], atol=1e-15)
+
+
+I = np.eye(4)  # four unit quaternions  # noqa: E741
+QUARTERS = rotations.exp([[0, 0, 0], [0, 0, 1.6], [0, 0, 3.2], [0, 0, 4.8]])
+UNEVEN = [-2e250, -1e250, 0.0, 1e-100, 1e250, 2e250]
+CURVE = rotations.exp(np.outer(np.arange(6), [0.1, 0.3, 0.2]))
+NOT_MATRICES = (
+    [np.eye(3), np.diag([1, 1, -1])],
+    [np.zeros((3, 3))],
+    [1.1 * np.eye(3)],
+    [np.full((3, 3), 1e300)],
+    [np.full((3, 3), np.nan)],
+    np.eye(3),
+)
+CALLS = [
+    (rotations.exp, "rotation_vectors", ([1.0, 2.0, 3.0],)),
+    (rotations.exp, "rotation_vectors", ([[np.nan, 0, 0]],)),
+    (rotations.log, "quaternions", ([[0.0, 0, 0, 0]],)),
+    (rotations.log, "quaternions", (np.eye(3),)),
+    (rotations.to_matrix, "quaternions", ([[np.inf, 0, 0, 0]],)),
+    (rotations.compose, "b", (I[:1], I[:2])),
+    (rotations.distance, "b", (I, "q")),
+    (rotations.align_signs, "quaternions", (None,)),
+    *((rotations.from_matrix, "matrices", (each,)) for each in NOT_MATRICES),
+    (rotations.from_euler, "angles", ([[0, np.inf, 0]], "ZYZ")),
+    (rotations.to_euler, "quaternions", ([[0, 0, 0, 0]], "ZYZ")),
+    *(
+        (call, "convention", (rows, name))
+        for name in ("ZZY", "XyZ", "ZY", "", None, "abc")
+        for call, rows in ((rotations.from_euler, np.zeros((1, 3))), (rotations.to_euler, I))
+    ),
+    (rotations.lift, "quaternions", ([1.0, 0, 0, 0],)),
+    (rotations.lift, "quaternions", ([[np.nan, 0, 0, 0]],)),
+    (rotations.lift, "anchor", (I[:1], "middle")),
+    (rotations.mean, "quaternions", (np.zeros((0, 4)),)),
+    (rotations.mean, "quaternions", ([1.0, 0, 0, 0],)),
+    (rotations.mean, "quaternions", ([[1.0, 0, 0, 0], [1.0]],)),
+    (rotations.mean, "quaternions", ([[1.0, 0, 0, np.nan]],)),
+    (rotations.mean, "quaternions", (I,)),  # not within a quarter turn of their middle
+    (rotations.mean, "quaternions", (I[:2, None],)),
+    (rotations.mean, "weights", (I[:2], [1.0])),
+    (rotations.mean, "weights", (I[:2], [1.0, -1.0])),
+    (rotations.mean, "weights", (I[:2], [0.0, 0.0])),
+    (rotations.slerp, "fractions", (I[:1], I[:1], [[0.5]])),
+    (rotations.slerp, "fractions", (I[:1], I[:1], [np.inf])),
+    (rotations.slerp, "fractions", (I[:1], I[:1], [1.5])),
+    (rotations.slerp, "b", (I[:1], I[:2], [0.5])),
+    *(
+        (between, argument, given)
+        for between in (rotations.interpolate, rotations.squad)
+        for argument, given in (
+            ("at", ([0, 1], I[:2], [1.5])),
+            ("at", ([0, 1], I[:2], [np.nan])),
+            ("at", ([0, 1], I[:2], 0.5)),
+            ("quaternions", ([0, 1], I[:3], [0.5])),
+            ("times", ([0], I[:1], [0.0])),
+            ("times", ([1, 0], I[:2], [0.5])),
+        )
+    ),
+    (rotations.squad, "times", (UNEVEN, CURVE, [1.0])),  # no velocity is carried over
+    (rotations.angular_velocity, "quaternions", ([0, 1], QUARTERS)),
+    (rotations.angular_velocity, "quaternions", ([0, 1, 2, 3], QUARTERS)),  # half a turn
+    (rotations.angular_velocity, "times", ([0], QUARTERS[:1])),
+    (rotations.angular_velocity, "times", ([0, 0], QUARTERS[:2])),
+    (rotations.angular_velocity, "times", ([0, 1e-320], QUARTERS[:2])),
+    (rotations.angular_acceleration, "times", ([0, 1], QUARTERS[:2])),
+    (rotations.integrate, "angular_velocities", ([0, 1], [[1, 0, 0]], I[0])),
+    (rotations.integrate, "angular_velocities", ([0, 1e200], [[1e200, 0, 0]] * 2, I[0])),
+    (rotations.integrate, "start", ([0], [[1, 0, 0]], [1, 0, 0])),
+    (rotations.left_jacobian, "rotation_vectors", ([1, 2, 3],)),
+    (rotations.left_jacobian_inverse, "rotation_vectors", ([[np.nan, 0, 0]],)),
+]
+KEYWORDS = {
+    rotations.from_euler: "convention",
+    rotations.to_euler: "convention",
+    rotations.lift: "anchor",
+    rotations.mean: "weights",
+}
+
+
+@pytest.mark.parametrize(
+    ("call", "argument", "given"), CALLS, ids=lambda each: getattr(each, "__name__", None)
+)
+def test_wrong_arguments_are_refused_by_name(call, argument, given):
+    first, *rest = given
+    keyword = KEYWORDS.get(call)
+    with pytest.raises(InvalidInput) as error:
+        call(first, **dict(zip([keyword], rest, strict=False))) if keyword else call(*given)
+    assert error.value.argument == argument
+
+
+mpmath.mp.dps = 50
+
+AXES = np.array([[1.0, 2, -2], [0, 0, 1], [-0.3, 0.1, 1e-8], [1, -1, 1]])
+AXES /= np.linalg.norm(AXES, axis=1, keepdims=True)
+
+SMALL = [0.0, 5e-324, 1e-300, 1e-160, 1e-12, 1e-8]
+SERIES = [1.999e-4, 2e-4, 2.001e-4]  # exp changes its formula at half an angle of 1e-4
+TURNS = [
+    centre + offset
+    for centre in (np.pi, 2 * np.pi, 4 * np.pi)
+    for offset in (-0.1, -1e-5, -1e-8, 0.0, 1e-8, 1e-5, 0.1)
+]
+HARD_ANGLES = [*SMALL, *SERIES, 1.0, *TURNS, 1e3]
+
+
+def exact_exp(vector):
+    v = mpmath.matrix(vector.tolist())
+    half = mpmath.norm(v) / 2
+    scale = mpmath.sin(half) / (2 * half) if half else mpmath.mpf(1) / 2
+    return np.array([mpmath.cos(half), *(scale * v)], dtype=object)
+
+
+def exact_log(quaternion):
+    w, *v = (mpmath.mpf(float(component)) for component in quaternion)
+    sine = mpmath.norm(mpmath.matrix(v))
+    if not sine:
+        return np.array(v, dtype=object)
+    scale = 2 * mpmath.atan2(sine, abs(w)) / sine * (-1 if w < 0 else 1)
+    return np.array([scale * component for component in v], dtype=object)
+
+
+def exact_left_jacobian(vector):
+    """The integral of exp(s phi) over s from 0 to 1, in closed form."""
+    v = mpmath.matrix(vector.tolist())
+    angle = mpmath.norm(v)
+    if not angle:
+        return mpmath.eye(3)
+    k = mpmath.matrix([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]]) / angle
+    across = (1 - mpmath.cos(angle)) / angle
+    return mpmath.eye(3) + across * k + (1 - mpmath.sin(angle) / angle) * k * k
+
+
+def as_array(matrix):
+    return np.array(matrix.tolist(), dtype=float)
+
+
+@pytest.mark.parametrize("angle", HARD_ANGLES)
+def test_exp(angle):
+    vectors = angle * AXES
+    exact = np.array([exact_exp(vector) for vector in vectors])
+    tolerance = 3e-16 * max(1.0, angle)  # the rounding of half the angle
+    assert np.abs(rotations.exp(vectors) - exact).max() < tolerance
+
+
+@pytest.mark.parametrize("angle", HARD_ANGLES)
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_log(angle, sign):
+    quaternions = sign * rotations.exp(angle * AXES)
+    quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
+    exact = np.array([exact_log(quaternion) for quaternion in quaternions])
+    error = np.abs(rotations.log(quaternions) - exact).max(axis=1)
+    # Normalising may turn the last bit of w over: at half a turn that is an angle of 2e-16.
+    assert (error <= 1e-15).all()
+    small = np.abs(exact).max(axis=1) < 1e-3
+    assert (error[small] <= 1e-15 * np.abs(exact[small]).max(axis=1) + 5e-324).all()
+
+
+@pytest.mark.parametrize("angle", HARD_ANGLES)
+def test_left_jacobian(angle):
+    vectors = angle * AXES
+    exact = [as_array(exact_left_jacobian(vector)) for vector in vectors]
+    np.testing.assert_allclose(rotations.left_jacobian(vectors), exact, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("angle", [a for a in HARD_ANGLES if a < 6 or abs(np.sin(a / 2)) > 1e-6])
+def test_left_jacobian_inverse(angle):
+    vectors = angle * AXES
+    exact = np.array([as_array(exact_left_jacobian(vector) ** -1) for vector in vectors])
+    beside = abs(np.sin(angle / 2)) if angle > 6 else 1.0
+    relative = 1e-15 * max(1.0, angle) / beside  # of the distance to the whole turn
+    error = np.abs(rotations.left_jacobian_inverse(vectors) - exact).max()
+    assert error < relative * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("angle", [a for a in HARD_ANGLES if a < np.pi])
+@pytest.mark.parametrize("fraction", [0.0, 1e-9, 0.3, 1.0])
+def test_slerp_from_the_identity(angle, fraction):
+    ends = rotations.exp(angle * AXES)
+    ours = rotations.slerp([[1.0, 0, 0, 0]] * 4, ends, [fraction] * 4)
+    exact = [
+        exact_exp(np.array([mpmath.mpf(fraction) * x for x in exact_log(end)], dtype=object))
+        for end in ends
+    ]
+    assert np.abs(ours - np.array(exact)).max() < 1e-15
+
+
+@pytest.mark.parametrize("angle", [a for a in HARD_ANGLES if a > np.pi and a < 20])
+def test_lift_counts_turns_to_the_last_digits(angle):
+    for axis in AXES:
+        spin = np.linspace(0, angle, 13)[:, None] * axis
+        ours = rotations.lift(rotations.exp(spin))
+        np.testing.assert_allclose(ours, spin, rtol=0, atol=5e-15 * angle)

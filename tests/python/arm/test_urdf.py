@@ -1,9 +1,11 @@
-"""Arms some of whose joints mimic others, against Pinocchio's model of all joints by themselves."""
+"""URDFs: meshes, joints that mimic others, and files that are damaged or hostile."""
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
-from urdfs import two_wheels
+from foreign_arms import urdf_in_package
+from urdfs import CUBE, one_joint, two_wheels, with_mesh
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, InvalidRobot
@@ -189,3 +191,158 @@ def test_locking_the_leader_locks_its_followers(arm):
         arm.gravity_torques([0.1, 0.2, 0.4, 0.3])[[0, 1, 3]],
         atol=1e-12,
     )
+
+
+class Hulls:
+    """coal's convex hulls of a robot's meshes."""
+
+    def __init__(self, urdf):
+        folders = [str(place) for place in urdf.parents if place.name == "share"]
+        self.model = pin.buildModelFromUrdf(str(urdf))
+        self.geometry = pin.buildGeomFromUrdf(
+            self.model, str(urdf), pin.GeometryType.COLLISION, package_dirs=folders
+        )
+        self.data, self.geometry_data = self.model.createData(), self.geometry.createData()
+        self.shapes = {}
+        for shape in self.geometry.geometryObjects:
+            is_mesh = isinstance(shape.geometry, coal.BVHModelBase)
+            if is_mesh:
+                shape.geometry.buildConvexHull(True, "Qt")
+            body = shape.geometry.convex if is_mesh else shape.geometry
+            self.shapes[shape.name.rpartition("_")[0]] = shape.name, body
+
+    def distance(self, q, pair):
+        pin.updateGeometryPlacements(self.model, self.data, self.geometry, self.geometry_data, q)
+        placed = []
+        for name, body in (self.shapes[link] for link in pair):
+            pose = self.geometry_data.oMg[self.geometry.getGeometryId(name)]
+            placed += [body, coal.Transform3s(pose.rotation, pose.translation)]
+        return coal.distance(*placed, coal.DistanceRequest(), coal.DistanceResult())
+
+
+def test_meshes_are_found_beside_the_urdf_and_count_as_their_hulls():
+    urdf = urdf_in_package("example-robot-data", "ur5_robot.urdf")
+    arm = lt.Arm.from_urdf(urdf, base="base_link", tip="tool0")
+    peer = Hulls(urdf)
+    rows = np.random.default_rng(1).uniform(-np.pi, np.pi, (40, 6))
+    for q, ours in zip(rows, arm.self_distance(rows), strict=True):
+        theirs = min(peer.distance(q, pair) for pair in arm.collision_pairs.checked)
+        if theirs > 0:
+            assert ours == pytest.approx(theirs, abs=1e-5)
+        else:
+            assert theirs - 1e-3 < ours < 1e-6
+    assert arm.check(0.1 * rows, [lt.Box((0.1, 0.1, 0.1), (0, 0, 5))]).obstacles.first is None
+
+
+@pytest.mark.parametrize(
+    "name", ["package://parts/meshes/cube.obj", "meshes/cube.obj", "file://{folder}/cube.obj"]
+)
+def test_a_mesh_is_scaled_and_found_by_package_path_or_address(tmp_path, name):
+    folder = tmp_path / "parts" / "meshes"
+    folder.mkdir(parents=True)
+    (folder / "cube.obj").write_text(CUBE)
+    document = with_mesh(name.format(folder=folder), scale="0.1 0.1 -0.1")
+    arm = lt.Arm.from_urdf(document, mesh_folders=[tmp_path / "parts"])
+    below = lt.Sphere(0.1, (0.05, 0.05, -0.4))
+    assert arm.distance([0.0], [below]) == pytest.approx(0.2)
+
+
+def test_a_mesh_that_is_missing_is_named_when_it_is_needed(tmp_path):
+    arm = lt.Arm.from_urdf(with_mesh("package://parts/gone.stl"), mesh_folders=[tmp_path])
+    assert arm.forward_kinematics([0.0])[0] is not None
+    with pytest.raises(InvalidRobot, match=r"link 'b': mesh 'package://parts/gone.stl'"):
+        arm.check([[0.0]])
+
+
+@pytest.mark.parametrize("content", ["v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n", "v 0 0 0\n", "x"])
+def test_a_mesh_without_a_volume_is_refused(tmp_path, content):
+    (tmp_path / "flat.obj").write_text(content)
+    arm = lt.Arm.from_urdf(with_mesh("flat.obj"), mesh_folders=[tmp_path])
+    with pytest.raises(InvalidRobot, match="link 'b'"):
+        arm.self_distance([0.0])
+
+
+@pytest.mark.parametrize("folders", ["here", 3, [3], None])
+def test_wrong_folders_are_refused(folders):
+    with pytest.raises(InvalidInput, match="mesh_folders"):
+        lt.Arm.from_urdf(with_mesh("a.stl"), mesh_folders=folders)
+
+
+def robot(inside="", link="", velocity="1"):
+    limit = f'<limit lower="-1" upper="1" velocity="{velocity}" effort="1e308"/>'
+    return one_joint(inside + limit, kind="revolute", link=link)
+
+
+def refused(document, message):
+    with pytest.raises(InvalidRobot, match=message):
+        lt.Arm.from_urdf(document)
+
+
+def test_an_element_of_a_million_attributes_is_refused():
+    many = "".join(f' a{i}="1"' for i in range(1_000_000))
+    refused(f'<robot name="r"{many}><link name="a"/></robot>', "more than 64 attributes")
+
+
+def test_many_capsules_are_read_as_fast_as_other_elements():
+    shapes = '<collision><geometry><capsule radius="1" length="1"/></geometry></collision>' * 60_000
+    assert lt.Arm.from_urdf(robot(link=shapes)).robot.collisions == {"b": 60_000}
+
+
+def test_entities_are_not_expanded():
+    laughs = "".join(f'<!ENTITY l{i} "{10 * f"&l{i - 1};"}">' for i in range(1, 12))
+    head = f'<!DOCTYPE robot [<!ENTITY l0 "ha">{laughs}]>'
+    refused(head + robot().replace('"one"', '"&l11;"'), "unsupported markup")
+    refused('<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]>' + robot(), "unsupported")
+
+
+@pytest.mark.parametrize(
+    ("inside", "link", "named"),
+    [
+        ('<origin xyz="1e308 0 0"/>', "", "joint 'j': origin xyz"),
+        ('<origin rpy="0 1e308 0"/>', "", "joint 'j': origin rpy"),
+        ('<mimic joint="j" multiplier="1e300"/>', "", "joint 'j'"),
+        ("", '<inertial><mass value="1e308"/></inertial>', "link 'b': mass value"),
+        ("", '<inertial><origin xyz="0 0 -1e12"/><mass value="1"/></inertial>', "link 'b': origin"),
+        ("", '<collision><geometry><sphere radius="1e308"/></geometry></collision>', "link 'b'"),
+        ("", '<collision><geometry><box size="1 1e200 1"/></geometry></collision>', "link 'b'"),
+    ],
+)
+def test_sizes_that_no_robot_has_are_refused(inside, link, named):
+    refused(robot(inside, link), named)
+
+
+def test_what_is_accepted_stays_finite():
+    arm = lt.Arm.from_urdf(robot('<origin xyz="1e9 -1e9 1e9" rpy="1e9 0 0"/>', velocity="1e308"))
+    position, orientation = arm.forward_kinematics([0.5])
+    assert np.isfinite(position).all()
+    assert np.linalg.norm(orientation) == pytest.approx(1.0)
+    assert np.isfinite(arm.jacobian([0.5])).all()
+    assert arm.limits.velocity[0] == 1e308
+
+
+def test_a_mesh_outside_is_named_with_what_to_do(tmp_path):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    document = with_mesh(tmp_path / "cube.obj")
+    arm = lt.Arm.from_urdf(document)
+    with pytest.raises(InvalidRobot, match="name its folder in mesh_folders"):
+        arm.check([[0.0]])
+    arm = lt.Arm.from_urdf(document, mesh_folders=[tmp_path])
+    assert arm.check([[0.0]]).ok
+
+
+@pytest.mark.parametrize("path", ["a\0b.toml", "\ud800.toml", "/dev/zero", "."])
+def test_limits_that_no_file_can_be_are_refused(path):
+    with pytest.raises(InvalidInput, match="limits"):
+        lt.Arm.from_urdf(robot(), limits=path)
+
+
+def test_limits_that_nest_deep_are_refused(tmp_path):
+    (tmp_path / "deep.toml").write_text("a = " + "[" * 100_000)
+    with pytest.raises(InvalidInput, match="not a TOML document"):
+        lt.Arm.from_urdf(robot(), limits=tmp_path / "deep.toml")
+
+
+@pytest.mark.parametrize("folder", ["a\0b", "\ud800"])
+def test_folders_of_meshes_that_cannot_be_are_refused(folder):
+    with pytest.raises(InvalidInput, match="mesh_folders"):
+        lt.Arm.from_urdf(robot(), mesh_folders=[folder])
