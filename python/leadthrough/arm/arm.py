@@ -15,7 +15,6 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import collision, following, recorded_joints, robot_files
 from leadthrough.arm import inverse_kinematics as ik
-from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.collision import CollisionPairs, CollisionReport
 from leadthrough.arm.following import FollowOptions, OnRateLimit
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
@@ -23,6 +22,7 @@ from leadthrough.arm.kinematics import joint_rows
 from leadthrough.arm.limits import JointLimits, checked_values
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.path_report import PathReport, path_report
+from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.shapes import SceneLike, as_scene

@@ -18,13 +18,12 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.ik_failure import failure, require_reachable
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.recorded_joints import demonstrated_joints
-from leadthrough.arm.tip_path import TipPath, Track, tube_around
+from leadthrough.arm.tip_path import CollisionTest, TipPath, Track, tube_around
 from leadthrough.arm.tracking import (
     Start,
     Tracker,

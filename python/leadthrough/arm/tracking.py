@@ -20,11 +20,16 @@ import numpy as np
 
 import leadthrough._core as core
 from leadthrough import rotations
-from leadthrough.arm.clearing import CollisionTest, clear_path
 from leadthrough.arm.ik_failure import failure
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration, margins
-from leadthrough.arm.tip_path import TipPath, Track, solve_sample
+from leadthrough.arm.tip_path import (
+    CollisionTest,
+    TipPath,
+    Track,
+    clear_path,
+    solve_sample,
+)
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import IkFailure
 

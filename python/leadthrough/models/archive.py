@@ -21,11 +21,16 @@ from leadthrough.errors import UnsupportedQuery
 from leadthrough.io import npz
 from leadthrough.io.files import StrPath, replacing
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.demonstrations import Demonstrations
-from leadthrough.models.protocol import Distributed, Parameter, Skill, fitted_again
+from leadthrough.models.protocol import (
+    Demonstrations,
+    Distributed,
+    Parameter,
+    Skill,
+    Target,
+    fitted_again,
+)
 from leadthrough.models.queries import CheckedQuery, Via, checked_query
 from leadthrough.models.registry import entry_of_skill
-from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT_co
 from leadthrough.shapes import Shape
 

@@ -20,16 +20,9 @@ from leadthrough.errors import UnsupportedQuery
 from leadthrough.models.archive import Arrays, SteppedSkill
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.frame import Frame
-from leadthrough.models.protocol import (
-    Conditioned,
-    Guided,
-    Model,
-    Skill,
-    Unfitted,
-)
+from leadthrough.models.protocol import Conditioned, Guided, Model, Skill, Target, Unfitted
 from leadthrough.models.queries import CheckedQuery, Via
 from leadthrough.models.registry import entry_of_skill
-from leadthrough.models.targets import Target
 from leadthrough.motion import MotionT, MotionT_co, PoseTrajectory
 from leadthrough.shapes import Shape, check_shapes
 

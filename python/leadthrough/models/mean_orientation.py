@@ -13,7 +13,7 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import FitError
-from leadthrough.preprocess.curve_distance import frechet_distance
+from leadthrough.preprocess.align import frechet_distance
 
 # For a middle without a quarter turn around it: how much more the rotations must agree on it than
 # on any other, as a fraction, and how far off it one may be, short of the half turn of its

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, optional
 from leadthrough.arm import Arm, check_arm
-from leadthrough.arm.clearing import CollisionTest
+from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.shapes import SceneLike, as_scene
 

@@ -1,8 +1,12 @@
 """Turns recordings into demonstrations that models can learn from."""
 
-from leadthrough.preprocess.align import align_by_arc_length, align_by_time_warping
+from leadthrough.preprocess.align import (
+    align_by_arc_length,
+    align_by_time_warping,
+    dtw_distance,
+    frechet_distance,
+)
 from leadthrough.preprocess.clean import clean, cut_at_gaps
-from leadthrough.preprocess.curve_distance import dtw_distance, frechet_distance
 from leadthrough.preprocess.report import CleaningReport
 from leadthrough.preprocess.resample import arc_length, by_arc_length, sample_evenly
 from leadthrough.preprocess.segment import join, segment

@@ -1,4 +1,4 @@
-"""Demonstrations of different timing, aligned in time.
+"""Demonstrations aligned in time, and distances of curves whose points are paired in order.
 
 Dynamic time warping (Sakoe and Chiba 1978) brings each demonstration to the mean timing of all,
 around a mean that is warped along with them (Petitjean et al. 2011, "A global averaging method for
@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import leadthrough._core as core
 from leadthrough import check, rotations
@@ -30,7 +30,6 @@ from leadthrough.motion import (
     moved_events,
     normalised_times,
 )
-from leadthrough.preprocess.curve_distance import dtw_distance
 
 # Steps shorter than this fraction of the motion's extent are trembling of the hand or noise of the
 # sensor: summed over a pause they would count as distance.
@@ -326,3 +325,48 @@ def _errors(curves: Sequence[Float64Array], left_out: Float64Array, size: int) -
     groups = [missed[:, :size], missed[:, size:]][: 1 + (missed.shape[1] > size)]
     distances = [float(np.linalg.norm(group, axis=1).mean()) for group in groups]
     return np.array([dtw_distance(path, wanted) / len(wanted), *distances]) + _ROUNDING
+
+
+def dtw_distance(a: ArrayLike, b: ArrayLike) -> float:
+    """The dynamic time warping distance: the smallest sum of distances over paired points.
+
+    Args:
+        a: points (n, d) of the first curve.
+        b: points (m, d) of the second curve.
+
+    Returns:
+        The sum, in the curves' unit.
+
+    Source: Sakoe and Chiba 1978, with symmetric steps of weight one.
+    """
+    return _finite(core.dtw_distance(*_curves(a, b)))
+
+
+def frechet_distance(a: ArrayLike, b: ArrayLike) -> float:
+    """The discrete Frechet distance: the smallest possible largest distance of paired points.
+
+    Args:
+        a: points (n, d) of the first curve.
+        b: points (m, d) of the second curve.
+
+    Returns:
+        The distance, in the curves' unit.
+
+    Source: Eiter and Mannila 1994.
+    """
+    return _finite(core.frechet_distance(*_curves(a, b)))
+
+
+def _curves(a: ArrayLike, b: ArrayLike) -> tuple[Float64Array, Float64Array]:
+    first = check.array(a, "a", shape=("n", "d"))
+    second = check.array(b, "b", shape=("m", first.shape[1]))
+    for curve, name in ((first, "a"), (second, "b")):
+        if curve.size == 0:
+            raise InvalidInput(f"{name}: expected at least one point, got shape {curve.shape}")
+    return first, second
+
+
+def _finite(value: float) -> float:
+    if not np.isfinite(value):
+        raise InvalidInput("curves: expected coordinates whose squares are finite, got larger ones")
+    return value

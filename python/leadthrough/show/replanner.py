@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm, FollowOptions
-from leadthrough.arm.clearing import CollisionTest
 from leadthrough.arm.following import follow
 from leadthrough.arm.ik_failure import limiting_joints_text
 from leadthrough.arm.recorded_joints import warn_of_another_arm
+from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.errors import IkFailure
 from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill, Target

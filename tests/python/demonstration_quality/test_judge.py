@@ -9,7 +9,7 @@ from refusals import refused
 from sklearn.metrics import roc_auc_score
 
 import leadthrough as lt
-from leadthrough.demonstration_quality.traits import TRAITS, peculiarities
+from leadthrough.demonstration_quality.judge import TRAITS, peculiarities
 from leadthrough.validation import TargetRegion
 from leadthrough_studies.robotasks.study import read
 

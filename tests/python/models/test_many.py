@@ -5,7 +5,7 @@ from refusals import refused
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.models import generate_all
-from leadthrough.models.promp import drawing
+from leadthrough.models.promp import basis
 from leadthrough.models.promp.gaussian import Gaussian
 
 TIMES = np.linspace(0.0, 2.0, 40)
@@ -36,7 +36,7 @@ def test_many_motions_are_those_of_each_query_on_any_number_of_threads(threads):
 
 @pytest.mark.parametrize("shown", DRAWN, ids=["points", "joints", "poses"])
 def test_samples_are_the_motions_of_their_weights_on_any_number_of_threads(shown, monkeypatch):
-    monkeypatch.setattr(drawing, "_BLOCK", 8 * 2000)  # bytes: some motions lie together, not all
+    monkeypatch.setattr(basis, "_BLOCK", 8 * 2000)  # bytes: some motions lie together, not all
     skill, count, dt = lt.ProMP(weights=6).fit(shown), 9, 0.01
     weights = skill.sample_weights(count, seed=4)
     alone = [skill.with_weights(Gaussian(each, skill.free.covariance)) for each in weights]

@@ -19,7 +19,7 @@ from leadthrough.planning.speed_map import (
     quickest,
     speeds_at,
 )
-from leadthrough.preprocess.curve_distance import frechet_distance
+from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 
 SATURATION, RADIUS, REACH = 0.05, 0.063, 0.087

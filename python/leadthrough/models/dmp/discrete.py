@@ -19,13 +19,12 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.models.archive import Arrays, SteppedSkill
-from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp.channels import Channels
 from leadthrough.models.dmp.learning import check_choices, check_weights, learn_motion
 from leadthrough.models.dmp.poses import channels_of
 from leadthrough.models.dmp.primitive import Primitive, take_parts
 from leadthrough.models.dmp.query import check_final_velocity, check_step
-from leadthrough.models.protocol import Skill, Target, Unfitted
+from leadthrough.models.protocol import Demonstrations, Skill, Target, Unfitted
 from leadthrough.models.queries import CheckedQuery, even_phases
 from leadthrough.motion import Motion, MotionT, MotionT_co, moved_events
 from leadthrough.shapes import Shape

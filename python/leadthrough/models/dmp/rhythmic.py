@@ -20,7 +20,6 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import UnsupportedQuery
 from leadthrough.models.archive import Arrays
-from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.learning import check_weights, learn_rhythm
 from leadthrough.models.dmp.primitive import Primitive, take_parts
@@ -32,7 +31,7 @@ from leadthrough.models.dmp.query import (
     pose_acceleration,
 )
 from leadthrough.models.dmp.transformation import RHYTHMIC, Ends
-from leadthrough.models.protocol import Target, Unfitted
+from leadthrough.models.protocol import Demonstrations, Target, Unfitted
 from leadthrough.models.queries import CheckedQuery, checked_query, even_times
 from leadthrough.motion import (
     JointTrajectory,

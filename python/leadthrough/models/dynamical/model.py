@@ -9,11 +9,10 @@ import numpy as np
 
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.errors import FitError
-from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dynamical.field import MAX_DURATION, Field, endpoints
 from leadthrough.models.dynamical.samples import NEAR_GOAL, Samples, samples_about_goals
 from leadthrough.models.dynamical.skill import DynamicalSkill
-from leadthrough.models.protocol import Unfitted
+from leadthrough.models.protocol import Demonstrations, Unfitted
 from leadthrough.motion import MotionT
 
 # Largest factor by which a system's speed is changed: a slower one rests somewhere.

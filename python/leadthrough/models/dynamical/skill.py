@@ -136,7 +136,25 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
         return duration * self.demonstrated_duration / self.pace
 
     def _situation(self, start: Target | None, goal: Target | None) -> Situation[MotionT_co]:
-        return situation(self.coordinates, self.ends, self.scale, start, goal)
+        """The situation of a query; parts left out are as demonstrated."""
+        coordinates, size = self.coordinates, self.coordinates.size
+        position = self.ends[1, :size]
+        if goal is not None:
+            target = coordinates.target(goal, "goal", 1.0)
+            position = target[:size]
+            if len(target) > size:
+                about = coordinates.orientations(target[None, size:], np.ones(1))
+                coordinates = replace(coordinates, reference=np.repeat(about, len(NODES), axis=0))
+        first = self.ends[0].copy()
+        if start is not None:
+            given = coordinates.target(start, "start", 0.0)
+            if len(given) > size:
+                turns, nominal = sheets(given[size:], first[size:]), first[size:]
+                nearest = min(turns, key=lambda turn: float(np.linalg.norm(turn - nominal)))
+                given = np.concatenate([given[:size], nearest])
+            first[: len(given)] = given
+        first[:size] -= position
+        return Situation(coordinates, position, first / self.scale, self.scale)
 
     def _nearest_to_demonstrations(self, x: Float64Array) -> Float64Array:
         """The same pose (6,), its rotation vector on the sheet nearest to a demonstration."""
@@ -159,44 +177,6 @@ class Situation(Generic[MotionT_co]):
         columns = x * self.scale
         columns[:, : self.coordinates.size] += self.goal
         return columns
-
-
-def situation(
-    coordinates: Coordinates[MotionT_co],
-    ends: Float64Array,
-    scale: Float64Array,
-    start: Target | None,
-    goal: Target | None,
-) -> Situation[MotionT_co]:
-    """The situation that a query describes; what it leaves open is as demonstrated."""
-    size = coordinates.size
-    position = ends[1, :size]
-    if goal is not None:
-        target = coordinates.target(goal, "goal", 1.0)
-        position = target[:size]
-        if len(target) > size:
-            coordinates = _about(
-                coordinates, coordinates.orientations(target[None, size:], np.ones(1))[0]
-            )
-    demonstrated = ends[0].copy()
-    if start is not None:
-        given = coordinates.target(start, "start", 0.0)
-        if len(given) > size:
-            given = np.concatenate(
-                [given[:size], _nearest_sheet(given[size:], demonstrated[size:])]
-            )
-        demonstrated[: len(given)] = given
-    demonstrated[:size] -= position
-    return Situation(coordinates, position, demonstrated / scale, scale)
-
-
-def _about(coordinates: Coordinates[MotionT_co], goal: Float64Array) -> Coordinates[MotionT_co]:
-    return replace(coordinates, reference=np.tile(goal, (len(NODES), 1)))
-
-
-def _nearest_sheet(vector: Float64Array, other: Float64Array) -> Float64Array:
-    """The rotation vector (3,) of the same rotation that is nearest to another vector."""
-    return min(sheets(vector, other), key=lambda each: float(np.linalg.norm(each - other)))
 
 
 def sheets(turn: Float64Array, axis: Float64Array) -> list[Float64Array]:

@@ -17,7 +17,6 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.marching import orientation
 from leadthrough.models.marching.experience import Experience, experience_like, experience_of
 from leadthrough.models.marching.maps import (
@@ -33,12 +32,10 @@ from leadthrough.models.marching.planner import planned
 from leadthrough.models.marching.policy import Policy, policy_to
 from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, split
 from leadthrough.models.marching.time_law import TIMINGS, timed
-from leadthrough.models.protocol import Parameter, Unfitted
+from leadthrough.models.protocol import Demonstrations, Parameter, Target, Unfitted
 from leadthrough.models.queries import CheckedQuery
-from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, Trajectory
 from leadthrough.planning import Grid
-from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape, check_shapes
 
 METHODS = ("auto", "map", "start", "mean_path")
@@ -206,15 +203,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             check.number(duration, "duration", above=0.0)
         orientations = None
         if self._has_orientations:
-            covered, weights = arc_length(points), np.ones(len(self._all))
-            orientations = orientation.along(
-                self._all,
-                weights,
-                path=points,
-                start=None,
-                goal=None,
-                fractions=covered / covered[-1],
-            )
+            orientations = orientation.along(self._all, np.ones(len(self._all)), path=points)
         new = experience_like(self._all, points, orientations, duration=duration)
         return replace(self, learned=(*self.learned, new))
 
@@ -380,15 +369,8 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         if self.experience:
             least, most = (factor * self.area_of_influence for factor in _RADII)
             step = (most - least) / _RADIUS_STEPS
-            result.append(
-                self._parameter(
-                    "area_of_influence",
-                    "area of influence, m",
-                    least,
-                    most,
-                    step,
-                )
-            )
+            label = "area of influence, m"
+            result.append(self._parameter("area_of_influence", label, least, most, step))
         return result
 
     def _parameter(

@@ -43,11 +43,14 @@ def along(
     weights: Float64Array,
     *,
     path: Float64Array,
-    start: Float64Array | None,
-    goal: Float64Array | None,
-    fractions: Float64Array,
+    start: Float64Array | None = None,
+    goal: Float64Array | None = None,
+    fractions: Float64Array | None = None,
 ) -> Float64Array:
-    """Orientations along a path that follows demonstrations of poses."""
+    """Orientations along a path that follows demonstrations, by default at its own points."""
+    if fractions is None:
+        covered = arc_length(path)
+        fractions = covered / covered[-1]
     phases = np.linspace(0.0, 1.0, _NODES)
     chosen = [i for i, weight in enumerate(weights) if weight > 0.0]
     nodes = _agreed([used[i] for i in chosen], weights[chosen], path)

@@ -22,7 +22,6 @@ from leadthrough.errors import UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of
-from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.mixture import Blocks, Mixture
 from leadthrough.models.mean_orientation import middle_orientations
@@ -36,9 +35,8 @@ from leadthrough.models.mixtures.task_frames import (
     placed,
     shrunk,
 )
-from leadthrough.models.protocol import Parameter, Unfitted
+from leadthrough.models.protocol import Demonstrations, Parameter, Target, Unfitted
 from leadthrough.models.queries import CheckedQuery
-from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
 
 # A deviation of 5 % of a column's: frames are not weighed by finer agreement than that, which few

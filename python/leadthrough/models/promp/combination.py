@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import NODES, Coordinates, carried
-from leadthrough.models.promp.gaussian import Gaussian, product
+from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.model import ProMPSkill
 from leadthrough.motion import MotionT, normalised_times
 
@@ -95,6 +95,22 @@ def blend(
     blended = np.linalg.inv(precision)
     mean = (blended @ pull)[:, :, 0]
     return mean, 0.5 * (blended + blended.transpose(0, 2, 1))
+
+
+def product(factors: Sequence[Gaussian], powers: Sequence[float]) -> Gaussian:
+    """The normalised product of densities, each raised to a power."""
+    result, *others = (
+        Gaussian(each.mean, each.covariance / power)
+        for each, power in zip(factors, powers, strict=True)
+    )
+    for other in others:
+        total = result.covariance + other.covariance
+        gain = result.covariance @ np.linalg.pinv(total, hermitian=True)
+        covariance = result.covariance - gain @ result.covariance
+        result = Gaussian(
+            result.mean + gain @ (other.mean - result.mean), 0.5 * (covariance + covariance.T)
+        )
+    return result
 
 
 def _powers(activations: ArrayLike, count: int) -> Float64Array:

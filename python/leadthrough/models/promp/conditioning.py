@@ -1,18 +1,26 @@
-"""Weights of a ProMP after observations: of columns, of noisy samples, of a value in a task space.
+"""Weights of a ProMP after observations, and of motions between a new start and a new goal.
 
-A task space, such as the position of an arm's tool, is a function of the columns with a Jacobian.
-Exact via points are refused where they lie too close for the basis: few functions cannot bend from
-one to the next.
+Columns, noisy samples or a value in a task space are observed. A task space, such as the position
+of an arm's tool, is a function of the columns with a Jacobian. Exact via points are refused where
+they lie too close for the basis: few functions cannot bend from one to the next.
+
+If all demonstrations share an end, the covariance says next to nothing about another one, and
+conditioning alone would distort the motion. So it is moved to new ends by a mixture of two:
+conditioned on them, as far as they lie within the demonstrations' spread and no phase moves by
+much more than they do; the rest is shifted, by offsets that fade from end to end.
 
 Sources: Gomez-Gonzalez et al. 2020, "Adaptation and robust learning of probabilistic movement
 primitives", section IV-D, for task spaces, iterated as by Bell and Cathey 1993, "The iterated
-Kalman filter update as a Gauss-Newton method".
+Kalman filter update as a Gauss-Newton method"; Zhou, Gao and Asfour 2019, "Learning via-movement
+primitives with inter- and extrapolation capabilities", for the shift.
 """
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, Self, TypeAlias, TypeVar
+from dataclasses import dataclass
+from typing import Any, Generic, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,10 +29,17 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import Coordinates
-from leadthrough.models.promp.basis import Basis
-from leadthrough.models.promp.dense import log_determinant, product, solve_definite
-from leadthrough.models.promp.gaussian import Gaussian
-from leadthrough.motion import Motion
+from leadthrough.models.promp.basis import Basis, inner_prior, lines
+from leadthrough.models.promp.gaussian import (
+    CERTAIN,
+    Gaussian,
+    log_determinant,
+    product,
+    solve_definite,
+)
+from leadthrough.models.queries import MAX_GAIN, fraction_inside
+from leadthrough.models.targets import Target
+from leadthrough.motion import Motion, MotionT_co
 
 # Standard deviations, as fractions of the scale, of which a Cholesky root loses nothing that
 # matters.
@@ -45,44 +60,34 @@ _RESOLVED = 2.0
 _MAX_DETERMINED = 0.5
 _PHASES_PER_WEIGHT = 4
 _ROUNDING = 1e-6  # fraction of the reach that counts as no move
+# Standard deviations up to which ends count as demonstrated.
+_MAX_DEVIATIONS = 3.0
+_SAME_END = 1e-9  # fraction of the reach that counts as nothing
 
 
-class Primitive(Protocol):
-    """Attributes of a ProMP's skill that observations need."""
+@dataclass(frozen=True, eq=False)
+class Primitive(Generic[MotionT_co]):
+    """Attributes of a ProMP's skill that observations need, documented where they are public."""
+
+    model: Any
+    basis: Basis
+    coordinates: Coordinates[MotionT_co]
+    free: Gaussian
+    noise: Float64Array
+    scale: Float64Array
+    duration: float
 
     @property
-    def basis(self) -> Basis:
-        """The k basis functions."""
-
-    @property
-    def coordinates(self) -> Coordinates[Any]:
-        """Meaning of the d columns."""
-
-    @property
-    def free(self) -> Gaussian:
-        """Distribution of the weights (d k,) before the limits."""
-
-    @property
+    @abstractmethod
     def weights(self) -> Gaussian:
         """Distribution of the weights (d k,) inside the limits."""
 
-    @property
-    def noise(self) -> Float64Array:
-        """Variances (d,) of the demonstrations about their curves."""
-
-    @property
-    def scale(self) -> Float64Array:
-        """Reach (d,) of the motion."""
-
-    @property
-    def duration(self) -> float:
-        """Duration of the motion, s."""
-
+    @abstractmethod
     def with_weights(self, weights: Gaussian) -> Self:
         """The skill with another distribution of the weights."""
 
 
-PrimitiveT = TypeVar("PrimitiveT", bound=Primitive)
+PrimitiveT = TypeVar("PrimitiveT", bound=Primitive[Any])
 
 
 def quickly(
@@ -302,3 +307,105 @@ def _is_determined(skill: Primitive, phases: Float64Array, columns: NDArray[np.i
     rows = np.concatenate([np.kron(picked, row) for row in skill.basis(phases)])
     known = ((rows @ skill.free.certain) ** 2).sum(axis=1)
     return bool((known > _MAX_DETERMINED * (rows**2).sum(axis=1)).any())
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """An end that a query asks for."""
+
+    name: str  # argument that asks for it
+    phase: float  # 0 at the start, 1 at the end
+    values: Float64Array  # the first columns (p,) there
+
+
+def asked(coordinates: Coordinates, start: Target | None, goal: Target | None) -> list[Asked]:
+    """The ends that a query asks for, in the columns of the coordinates."""
+    return [
+        Asked(name, phase, coordinates.target(place, name, phase))
+        for name, place, phase in (("start", start, 0.0), ("goal", goal, 1.0))
+        if place is not None
+    ]
+
+
+def moved(skill: PrimitiveT, asked: Sequence[Asked]) -> PrimitiveT:
+    """The skill whose mean motion has the ends asked for."""
+    conditioned = skill
+    for each in asked:
+        conditioned = of_values(
+            conditioned, np.array([each.phase]), each.values[None], name=each.name
+        )
+    size = skill.coordinates.width
+    offsets = _offsets(skill, asked)
+    shift = _shift(skill, asked, offsets)
+    learned = (conditioned.free.mean - skill.free.mean).reshape(size, -1) - shift
+    known = min(1.0, _MAX_DEVIATIONS / max(novelty(skill, asked), _MAX_DEVIATIONS))
+    rows = skill.basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * skill.basis.count + 1))
+    position = slice(0, skill.coordinates.size)  # of poses, the rotation has a unit of its own
+    for group in (position, slice(position.stop, size))[: 1 + (position.stop < size)]:
+        limit = MAX_GAIN * _moved_by(skill, asked, offsets, group)
+        inside = fraction_inside(rows @ shift[group].T, rows @ learned[group].T, limit)
+        shift[group] += min(known, inside) * learned[group]
+    mean = skill.free.mean + shift.ravel()
+    return skill.with_weights(Gaussian(mean, conditioned.free.covariance))
+
+
+def novelty(skill: Primitive, asked: Sequence[Asked]) -> float:
+    """Distance of ends from the demonstrated ones, in standard deviations."""
+    offsets = _offsets(skill, asked)
+    selection, surprise = [], []
+    for each, offset in zip(asked, offsets, strict=True):
+        count = len(each.values)
+        row = skill.basis(np.array([each.phase]))[0]
+        unit = 1.0 / skill.scale[:count]
+        selection.append(np.kron(np.eye(skill.coordinates.width)[:count] * unit[:, None], row))
+        surprise.append(offset[:count] * unit)
+    rows = np.concatenate(selection)
+    variances, axes = np.linalg.eigh(rows @ skill.free.covariance @ rows.T)
+    along = np.abs(axes.T @ np.concatenate(surprise))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        deviations = along / np.sqrt(np.where(variances > CERTAIN**2, variances, 0.0))
+    # Fixed and asked to be as it is, up to rounding: nothing new.
+    return float(np.where(along < _SAME_END, 0.0, deviations).max())
+
+
+def _offsets(skill: Primitive, asked: Sequence[Asked]) -> list[Float64Array]:
+    """Offset (d,) of each end; 0 in columns that were not asked for."""
+    curves = skill.free.mean.reshape(skill.coordinates.width, -1)
+    offsets = []
+    for each in asked:
+        offset = np.zeros(len(curves))
+        present = curves @ skill.basis(np.array([each.phase]))[0]
+        offset[: len(each.values)] = each.values - present[: len(each.values)]
+        offsets.append(offset)
+    return offsets
+
+
+def _shift(
+    skill: Primitive, asked: Sequence[Asked], offsets: Sequence[Float64Array]
+) -> Float64Array:
+    """Weights (d, k) of the shift; where the motion is fixed, at via points, it does not move."""
+    # A rhythmic motion ends where it starts: all of it is shifted.
+    fading = np.ones((skill.basis.count, 1)) if skill.basis.is_rhythmic else lines(skill.basis)
+    shift = np.zeros((skill.coordinates.width, skill.basis.count))
+    for each, offset in zip(asked, offsets, strict=True):
+        shift += np.outer(offset, fading[:, int(each.phase)])
+    fixed = skill.free.certain
+    if fixed.shape[1] > 0:
+        smooth = np.kron(np.diag(skill.scale**2), inner_prior(skill.basis)) @ fixed
+        wrong = fixed.T @ shift.ravel()
+        shift -= (smooth @ np.linalg.pinv(fixed.T @ smooth) @ wrong).reshape(shift.shape)
+    return shift
+
+
+def _moved_by(
+    skill: Primitive,
+    asked: Sequence[Asked],
+    offsets: Sequence[Float64Array],
+    group: slice,
+) -> float:
+    """The largest offset of the ends in a group of columns, in its unit."""
+    if any(len(each.values) >= group.stop for each in asked):
+        return max(float(np.linalg.norm(offset[group])) for offset in offsets)
+    position = slice(0, skill.coordinates.size)
+    reach = np.linalg.norm(skill.scale[group]) / np.linalg.norm(skill.scale[position])
+    return float(reach) * max(float(np.linalg.norm(offset[position])) for offset in offsets)

@@ -26,9 +26,9 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.combination import check_alike
 from leadthrough.models.promp.conditioning import check_seen
+from leadthrough.models.promp.estimation import Experience, PosteriorPredictive, common_noise
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.model import ProMPSkill
-from leadthrough.models.promp.predictive import Experience, PosteriorPredictive, common_noise
 from leadthrough.motion import Motion, MotionT, MotionT_co
 from leadthrough.repr import ShortRepr
 

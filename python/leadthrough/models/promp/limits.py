@@ -19,8 +19,14 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.promp.basis import Basis
-from leadthrough.models.promp.dense import product, root_of, row_basis, solve_definite
-from leadthrough.models.promp.gaussian import CERTAIN, Gaussian
+from leadthrough.models.promp.gaussian import (
+    CERTAIN,
+    Gaussian,
+    product,
+    root_of,
+    row_basis,
+    solve_definite,
+)
 
 _PHASES_PER_WEIGHT = 10
 # A motion stays this fraction of its reach inside the limits, so that it also keeps them between

@@ -23,11 +23,18 @@ from leadthrough.errors import UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of, scales
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
-from leadthrough.models.promp import conditioning, ends, limits
-from leadthrough.models.promp.basis import KINDS, MIN_FUNCTIONS, Basis, BasisKind
-from leadthrough.models.promp.conditioning import TaskMap
-from leadthrough.models.promp.drawing import Drawing, phases_at
+from leadthrough.models.promp import conditioning, limits
+from leadthrough.models.promp.basis import (
+    KINDS,
+    MIN_FUNCTIONS,
+    Basis,
+    BasisKind,
+    Drawing,
+    phases_at,
+)
+from leadthrough.models.promp.conditioning import Primitive, TaskMap
 from leadthrough.models.promp.estimation import (
+    Experience,
     Samples,
     checked_phases,
     expectation_maximisation,
@@ -36,10 +43,8 @@ from leadthrough.models.promp.estimation import (
 )
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.limits import Truncated
-from leadthrough.models.promp.predictive import Experience
-from leadthrough.models.protocol import Parameter, Unfitted, whole_number
+from leadthrough.models.protocol import Parameter, Target, Unfitted, whole_number
 from leadthrough.models.queries import CheckedQuery, checked_threads, even_times
-from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
@@ -48,6 +53,8 @@ Estimator: TypeAlias = Literal["least_squares", "em"]
 # be spared outside the motion.
 _EARLIER_MARGIN, _SMALL_MARGIN = 1.0, 0.25
 _FEW = 15
+# Attributes of a skill that another distribution of the weights leaves as they are.
+_KEPT = ("model", "basis", "coordinates", "noise", "scale", "duration", "bounds")
 _MIN_WEIGHTS, _MAX_WEIGHTS = 5, 40  # the range worth trying on a slider
 
 
@@ -149,7 +156,7 @@ class ProMP(Unfitted):
 
 
 @dataclass(frozen=True, eq=False)
-class ProMPSkill(FittedSkill[MotionT_co]):
+class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
     """A normal distribution of motions; made by `ProMP.fit`.
 
     `generate` returns its mean, joints with velocities and accelerations. Inside the demonstrated
@@ -170,12 +177,6 @@ class ProMPSkill(FittedSkill[MotionT_co]):
     """
 
     model: ProMP
-    basis: Basis
-    coordinates: Coordinates[MotionT_co]
-    free: Gaussian
-    noise: Float64Array
-    scale: Float64Array
-    duration: float
     bounds: limits.Bounds | None = None
     experience: Experience | None = None
 
@@ -218,8 +219,8 @@ class ProMPSkill(FittedSkill[MotionT_co]):
                 "goal: a rhythmic motion has none, it ends where it starts; leave it out"
             )
         skill = self if query.duration is None else self.lasting(query.duration)
-        asked = ends.asked(self.coordinates, query.start, query.goal)
-        skill = ends.moved(skill, asked) if asked else skill
+        asked = conditioning.asked(self.coordinates, query.start, query.goal)
+        skill = conditioning.moved(skill, asked) if asked else skill
         times = even_times(skill.duration, query.dt)
         return skill._motion(skill.weights.mean, times)
 
@@ -236,8 +237,8 @@ class ProMPSkill(FittedSkill[MotionT_co]):
         Returns:
             0 for the mean ends; infinite where the motion is fixed to something else.
         """
-        asked = ends.asked(self.coordinates, start, goal)
-        return ends.novelty(self, asked) if asked else 0.0
+        asked = conditioning.asked(self.coordinates, start, goal)
+        return conditioning.novelty(self, asked) if asked else 0.0
 
     def condition(
         self,
@@ -270,7 +271,7 @@ class ProMPSkill(FittedSkill[MotionT_co]):
         if plain and self.bounds is None:
             observed = conditioning.quickly(self, time, position, covariance)
             if observed is not None:
-                return self._with_free(observed)
+                return self.with_weights(observed)
         check.integer(order, "order", at_least=0, at_most=2)
         several = isinstance(time, list | tuple) or getattr(time, "ndim", 0) > 0
         phases = self._phases(time if several else [cast(float, time)], "time", at_least=1)
@@ -446,24 +447,9 @@ class ProMPSkill(FittedSkill[MotionT_co]):
         """
         if self.bounds is not None:
             limits.moved_inside(weights, self.basis, self.bounds, self.scale)
-        # Spelled out, as `replace` takes longer and controllers condition in a loop.
-        same = self.noise, self.scale, self.duration, self.bounds
-        return ProMPSkill(self.model, self.basis, self.coordinates, weights, *same)
-
-    def _with_free(self, weights: Gaussian) -> ProMPSkill[MotionT_co]:
-        """As `with_weights` without limits, in half the time that the constructor takes."""
-        made = object.__new__(type(self))
-        vars(made).update(
-            model=self.model,
-            basis=self.basis,
-            coordinates=self.coordinates,
-            free=weights,
-            noise=self.noise,
-            scale=self.scale,
-            duration=self.duration,
-            bounds=None,
-            experience=None,
-        )
+        # Without the constructor, in half the time: controllers condition in a loop.
+        made, own = object.__new__(type(self)), vars(self)
+        vars(made).update({name: own[name] for name in _KEPT}, free=weights, experience=None)
         return made
 
     @cached_property

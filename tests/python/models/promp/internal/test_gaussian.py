@@ -5,12 +5,13 @@ import pytest
 from refusals import refused
 
 import leadthrough as lt
-from leadthrough.models.promp import dense
+from leadthrough.models.promp import gaussian
 from leadthrough.models.promp.basis import Basis
-from leadthrough.models.promp.gaussian import Gaussian, product
+from leadthrough.models.promp.combination import product
+from leadthrough.models.promp.estimation import PosteriorPredictive
+from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.inference import Seen
 from leadthrough.models.promp.limits import checked, moved_inside
-from leadthrough.models.promp.predictive import PosteriorPredictive
 
 
 def test_product_of_gaussians_is_that_of_their_densities():
@@ -42,20 +43,20 @@ def test_determinants_and_inverses_agree_with_numpys():
     rng = np.random.default_rng(4)
     wide = rng.standard_normal((9, 9))
     matrix = wide @ wide.T + np.eye(9)
-    assert dense.log_determinant(matrix) == pytest.approx(np.linalg.slogdet(matrix)[1])
-    np.testing.assert_allclose(dense.inverse_definite(matrix), np.linalg.inv(matrix), atol=1e-12)
+    assert gaussian.log_determinant(matrix) == pytest.approx(np.linalg.slogdet(matrix)[1])
+    np.testing.assert_allclose(gaussian.inverse_definite(matrix), np.linalg.inv(matrix), atol=1e-12)
     with pytest.raises(np.linalg.LinAlgError):
-        dense.log_determinant(-matrix)
+        gaussian.log_determinant(-matrix)
     stiff = np.eye(9) + 1e12 * np.outer(wide[0], wide[0])
     wanted = np.log1p(1e12 * (wide[0] ** 2).sum())
-    assert dense.log_determinant(stiff, least=1.0) == pytest.approx(wanted, abs=0.01)
+    assert gaussian.log_determinant(stiff, least=1.0) == pytest.approx(wanted, abs=0.01)
 
 
 def test_row_basis_spans_the_rows_and_is_orthonormal_where_they_nearly_agree():
     rng = np.random.default_rng(3)
     lengths = np.diag([1.0, 1e-3, 1e-6, 1e-12])
     rows = rng.standard_normal((30, 4)) @ lengths @ rng.standard_normal((4, 50))
-    basis, chosen = dense.row_basis(rows, least=1e-9)
+    basis, chosen = gaussian.row_basis(rows, least=1e-9)
     assert basis.shape == (3, 50)
     np.testing.assert_allclose(basis @ basis.T, np.eye(3), atol=1e-9)
     np.testing.assert_allclose(rows @ basis.T @ basis, rows, atol=1e-10)
