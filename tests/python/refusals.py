@@ -1,4 +1,4 @@
-"""Refused arguments, in a line each."""
+"""Calls that fail, in a line each."""
 
 import re
 
@@ -7,8 +7,14 @@ import pytest
 from leadthrough.errors import InvalidInput
 
 
+def raised(kind, call, /, *args, **options):
+    """The error of this kind that a call raises."""
+    with pytest.raises(kind) as caught:
+        call(*args, **options)
+    return caught.value
+
+
 def refused(words, call, /, *args, **options):
     """That a call raises InvalidInput about this argument, or in words of this pattern."""
-    with pytest.raises(InvalidInput) as caught:
-        call(*args, **options)
-    assert caught.value.argument == words or re.search(words, str(caught.value)), caught.value
+    error = raised(InvalidInput, call, *args, **options)
+    assert error.argument == words or re.search(words, str(error)), error

@@ -45,38 +45,10 @@ def test_duration_is_from_the_first_to_the_last_sample():
     assert lt.JointTrajectory(TIMES, np.zeros((3, 6))).duration == 2.0
 
 
-@pytest.mark.parametrize(
-    "positions", [np.zeros((2, 2)), np.zeros(3), np.zeros((3, 0)), np.full((3, 2), np.nan), None]
-)
-def test_positions_that_do_not_fit_the_times_are_refused(positions):
-    for motion in (lt.Trajectory, lt.JointTrajectory):
-        refused("positions: ", motion, TIMES, positions)
-
-
-def test_a_motion_without_samples_is_refused():
-    refused("times: expected at least one sample", lt.Trajectory, [], np.zeros((0, 2)))
-
-
 def test_orientations_are_normalised_and_sign_continuous():
     flipped = UNIT * np.array([[1.001], [-1.0], [1.0]])
     motion = lt.PoseTrajectory(TIMES, np.zeros((3, 3)), flipped)
     assert np.array_equal(motion.orientations, UNIT)
-
-
-def test_poses_are_in_space():
-    refused(r"positions: expected shape \(3, 3\)", lt.PoseTrajectory, TIMES, np.zeros((3, 2)), UNIT)
-    refused("orientations: ", lt.PoseTrajectory, TIMES, np.zeros((3, 3)), np.zeros((3, 4)))
-
-
-def test_joint_derivatives_have_the_shape_of_the_positions():
-    for name in ("velocities", "accelerations"):
-        with pytest.raises(InvalidInput, match=f"{name}: expected shape"):
-            lt.JointTrajectory(TIMES, np.zeros((3, 2)), **{name: np.zeros((3, 1))})
-
-
-@pytest.mark.parametrize("names", ["ab", ("a",), ("a", "b", "c"), ("a", 1), None, 2])
-def test_joint_names_are_one_a_column(names):
-    refused("joint_names: ", lt.JointTrajectory, TIMES, np.zeros((3, 2)), joint_names=names)
 
 
 def test_a_demonstration_holds_a_motion():
@@ -108,13 +80,24 @@ def test_a_slice_keeps_times_rows_and_the_events_between():
     assert np.array_equal(motion[::3].positions, rows[::3])
 
 
-@pytest.mark.parametrize("samples", [3, slice(5, 5), "a", slice(None, None, -1)])
-def test_what_is_no_piece_of_a_motion_is_refused(samples):
-    with pytest.raises(InvalidInput, match=r"samples: |times: "):
-        lt.Trajectory(np.arange(10.0), np.zeros((10, 2)))[samples]
-
-
-def test_a_motion_is_not_taken_for_an_array():
+def test_what_makes_no_motion_is_refused_by_name():
+    for positions in [
+        np.zeros((2, 2)),
+        np.zeros(3),
+        np.zeros((3, 0)),
+        np.full((3, 2), np.nan),
+        None,
+    ]:
+        for motion in (lt.Trajectory, lt.JointTrajectory):
+            refused("positions: ", motion, TIMES, positions)
+    refused("times: expected at least one sample", lt.Trajectory, [], np.zeros((0, 2)))
+    refused(r"positions: expected shape \(3, 3\)", lt.PoseTrajectory, TIMES, np.zeros((3, 2)), UNIT)
+    refused("orientations: ", lt.PoseTrajectory, TIMES, np.zeros((3, 3)), np.zeros((3, 4)))
+    for name in ("velocities", "accelerations"):
+        with pytest.raises(InvalidInput, match=f"{name}: expected shape"):
+            lt.JointTrajectory(TIMES, np.zeros((3, 2)), **{name: np.zeros((3, 1))})
+    for names in ["ab", ("a",), ("a", "b", "c"), ("a", 1), None, 2]:
+        refused("joint_names: ", lt.JointTrajectory, TIMES, np.zeros((3, 2)), joint_names=names)
     with pytest.raises(InvalidInput, match="positions: expected numbers, got a Trajectory"):
         lt.Trajectory(TIMES, lt.Trajectory(TIMES, np.zeros((3, 2))))
 
@@ -136,9 +119,12 @@ def test_between_samples_a_motion_is_straight_and_turns_steadily():
     assert lt.JointTrajectory(TIMES, points).at(0.25).tolist() == [0.5, 1.0]
 
 
-@pytest.mark.parametrize("time", [-0.1, 2.1, np.nan, "now", [0.0, 3.0]])
-def test_a_time_outside_the_motion_is_refused(time):
-    refused("time: ", lt.Trajectory(TIMES, np.zeros((3, 2))).at, time)
+def test_pieces_and_times_outside_a_motion_are_refused():
+    for samples in [3, slice(5, 5), "a", slice(None, None, -1)]:
+        with pytest.raises(InvalidInput, match=r"samples: |times: "):
+            lt.Trajectory(np.arange(10.0), np.zeros((10, 2)))[samples]
+    for time in [-0.1, 2.1, np.nan, "now", [0.0, 3.0]]:
+        refused("time: ", lt.Trajectory(TIMES, np.zeros((3, 2))).at, time)
 
 
 def test_an_object_of_which_a_part_was_meant_is_told_the_part(tmp_path):
@@ -167,16 +153,11 @@ def test_motions_sort_their_events_and_demonstrations_show_them():
     assert lt.Trajectory([1.0, 2.0], [[0.0], [1.0]], [Event(1.5, "a")]).events == at((1.5, "a"))
 
 
-@pytest.mark.parametrize(("time", "name"), [(np.nan, "a"), ("now", "a"), (0.0, " "), (0.0, 3)])
-def test_events_without_a_time_or_a_name_are_refused(time, name):
-    refused(r"time|name", Event, time, name)
-
-
-@pytest.mark.parametrize(
-    "wrong", [at((2.1, "late")), at((0.9, "early")), "closed", 3, None, [(1.0, "closed")]]
-)
-def test_events_outside_of_their_motion_and_other_things_are_refused(wrong):
-    refused("events", lt.Trajectory, [1.0, 2.0], [[0.0], [1.0]], wrong)
+def test_events_without_a_time_or_a_name_or_outside_their_motion_are_refused():
+    for time, name in [(np.nan, "a"), ("now", "a"), (0.0, " "), (0.0, 3)]:
+        refused(r"time|name", Event, time, name)
+    for wrong in [at((2.1, "late")), at((0.9, "early")), "closed", 3, None, [(1.0, "closed")]]:
+        refused("events", lt.Trajectory, [1.0, 2.0], [[0.0], [1.0]], wrong)
 
 
 def test_moved_events_come_as_soon_as_the_new_clock_gets_there():

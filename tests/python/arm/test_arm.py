@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from motions import configurations
-from refusals import refused
+from refusals import raised, refused
 from urdfs import one_joint, two_wheels
 
 import leadthrough as lt
@@ -32,11 +32,6 @@ def test_bundled_robots_load_with_all_their_limits(name):
     arm = lt.Arm.load(name)
     for quantity in ("lower", "upper", "velocity", "acceleration", "jerk", "effort"):
         assert getattr(arm.limits, quantity).shape == (len(arm.joint_names),)
-
-
-@pytest.mark.parametrize("name", ["nao", "", None, 3, "../panda"])
-def test_another_robot_is_refused_with_the_names_there_are(name):
-    refused("'panda'", lt.Arm.load, name)
 
 
 def test_a_document_and_its_file_are_the_same_robot(tmp_path):
@@ -71,16 +66,6 @@ def test_several_ends_ask_for_the_tip():
     assert lt.Arm.from_urdf(fork, tip="tool").joint_names == ("turn",)
 
 
-@pytest.mark.parametrize("names", [{"base": "nowhere"}, {"tip": "nowhere"}, {"tip": 3}])
-def test_unknown_links_are_refused(names):
-    refused(next(iter(names)), lt.Arm.from_urdf, planar(), **names)
-
-
-@pytest.mark.parametrize("source", ["nowhere.urdf", None, 3, b"<robot/>", "/"])
-def test_what_is_no_urdf_is_refused(source):
-    refused("path_or_xml", lt.Arm.from_urdf, source)
-
-
 @pytest.mark.parametrize(
     ("document", "where"),
     [
@@ -97,9 +82,7 @@ def test_what_is_no_urdf_is_refused(source):
     ],
 )
 def test_a_malformed_or_contradictory_robot_is_refused(document, where):
-    with pytest.raises((InvalidRobot, InvalidInput)) as refusal:
-        lt.Arm.from_urdf(document)
-    assert str(refusal.value).startswith(where)
+    assert str(raised((InvalidRobot, InvalidInput), lt.Arm.from_urdf, document)).startswith(where)
 
 
 def test_a_chain_of_a_hundred_thousand_joints_is_refused():
@@ -163,11 +146,6 @@ def test_a_damaged_document_is_read_or_refused(at, length, patch):
         assert np.isfinite(arm.forward_kinematics(np.zeros(len(arm.joint_names)))[0]).all()
 
 
-def test_the_limits_must_be_the_chains():
-    limits = JointLimits(("turn", "twist"), [-1, -1], [1, 1], [1, 1])
-    refused("limits", lt.Arm, planar(), "base", "tool", limits)
-
-
 def test_a_wrong_keyword_is_refused_in_the_words_of_the_call():
     arm = lt.Arm.from_urdf(planar())
     with pytest.raises(TypeError, match=r"^Arm\.inverse_kinematics\(\) got an unexpected keyword"):
@@ -183,7 +161,15 @@ def test_methods_of_a_class_of_ones_own_keep_their_names():
     assert Mine.wave.__qualname__.endswith("Mine.wave")
 
 
-def test_a_file_is_sent_to_from_urdf():
+def test_names_links_and_files_of_no_robot_are_refused():
+    for name in ["nao", "", None, 3, "../panda"]:
+        refused("'panda'", lt.Arm.load, name)
+    for names in [{"base": "nowhere"}, {"tip": "nowhere"}, {"tip": 3}]:
+        refused(next(iter(names)), lt.Arm.from_urdf, planar(), **names)
+    for source in ["nowhere.urdf", None, 3, b"<robot/>", "/"]:
+        refused("path_or_xml", lt.Arm.from_urdf, source)
+    limits = JointLimits(("turn", "twist"), [-1, -1], [1, 1], [1, 1])
+    refused("limits", lt.Arm, planar(), "base", "tool", limits)
     for name in ("x.urdf", "robots/x", "x.xacro"):
         refused(r"read a file with Arm\.from_urdf\('", lt.Arm.load, name)
 

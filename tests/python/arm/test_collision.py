@@ -282,9 +282,8 @@ def test_nothing_to_hit_is_infinitely_far():
     assert swing().self_distance([0.0]) == np.inf
 
 
-@pytest.mark.parametrize(
-    ("trajectory", "scene", "options", "match"),
-    [
+def test_wrong_input_of_a_check_is_refused(panda):
+    for trajectory, scene, options, match in [
         (np.zeros((0, 7)), (), {}, "trajectory"),
         (np.zeros((3, 6)), (), {}, r"trajectory: expected shape \(m, 7\)"),
         (np.zeros(7), (), {}, "trajectory"),
@@ -296,16 +295,11 @@ def test_nothing_to_hit_is_infinitely_far():
         (np.zeros((2, 7)), ["box"], {}, "obstacles"),
         (np.zeros((2, 7)), (), {"tolerance": 0.0}, "tolerance"),
         (np.zeros((2, 7)), (), {"threads": 0}, "threads"),
-    ],
-)
-def test_wrong_input_of_a_check_is_refused(panda, trajectory, scene, options, match):
-    refused(match, panda.check, trajectory, scene, **options)
-
-
-@pytest.mark.parametrize("q", [np.zeros(6), np.zeros((2, 6)), np.nan, "zero", [[np.inf] * 7]])
-def test_wrong_configurations_are_refused(panda, q):
-    refused("q", panda.distance, q, [])
-    refused("q", panda.self_distance, q)
+    ]:
+        refused(match, panda.check, trajectory, scene, **options)
+    for q in [np.zeros(6), np.zeros((2, 6)), np.nan, "zero", [[np.inf] * 7]]:
+        refused("q", panda.distance, q, [])
+        refused("q", panda.self_distance, q)
 
 
 TILT = rotations.exp([[0.3, -0.7, 1.1]])[0]

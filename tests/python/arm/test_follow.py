@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 import so101
-from refusals import refused
+from refusals import raised, refused
 
 import leadthrough as lt
 from leadthrough.arm import FollowOptions, IkOptions
@@ -93,9 +93,8 @@ def test_a_motion_that_is_too_fast_is_followed_and_left_to_be_slowed(arm, postur
     assert_follows(arm, fast, joints)
     np.testing.assert_array_equal(joints.times, fast.times)
     assert (np.abs(joints.velocities) > arm.limits.velocity).any()
-    with pytest.raises(IkFailure) as failure:
-        arm.follow(fast, q0=posture, on_rate_limit="raise")
-    assert failure.value.status == "rate_limit"
+    failure = raised(IkFailure, arm.follow, fast, q0=posture, on_rate_limit="raise")
+    assert failure.status == "rate_limit"
 
 
 def test_by_default_a_motion_that_is_too_fast_is_slowed_and_every_step_bounded(arm, posture):
@@ -114,9 +113,8 @@ def test_leaving_the_workspace_names_the_sample(arm, posture):
     position, orientation = arm.forward_kinematics(posture)
     away = np.linspace(0, 5, len(TIMES))[:, None] * np.array([1.0, 0.0, 0.0])
     motion = lt.PoseTrajectory(TIMES, position + away, np.tile(orientation, (len(TIMES), 1)))
-    with pytest.raises(IkFailure) as failure:
-        arm.follow(motion)
-    error = failure.value
+    failure = raised(IkFailure, arm.follow, motion)
+    error = failure
     assert 0 < error.index < len(TIMES)
     assert error.status in {"limits", "unreachable", "budget"}
     assert error.residual[0] > 1e-6 or error.residual[1] > 1e-6
@@ -192,10 +190,9 @@ def excursion(offset=(0.0, 0.0, 0.0), spin=0.0):
 
 
 def failure_of(motion, **options):
-    with pytest.raises(IkFailure) as failure:
-        PANDA.follow(motion, **options)
-    assert 0 < failure.value.index < len(motion) - 1
-    return failure.value
+    failure = raised(IkFailure, PANDA.follow, motion, **options)
+    assert 0 < failure.index < len(motion) - 1
+    return failure
 
 
 def test_the_joints_whose_limits_keep_the_tip_from_a_pose_are_named():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from motions import minimum_jerk
+from refusals import raised
 from scipy.interpolate import CubicSpline
 
 import leadthrough as lt
@@ -125,10 +126,9 @@ def test_a_deviation_that_is_not_enough_raises():
     with pytest.raises(IkFailure) as failure:
         arm.follow(motion, q0=posture, on_rate_limit="deviate", deviation=(1e-5, 1e-4))
     assert failure.value.status == "rate_limit"
-    with pytest.raises(IkFailure) as failure:
-        arm.follow(motion, q0=posture, on_rate_limit="raise")
-    assert failure.value.status == "rate_limit"
-    assert 200 < failure.value.index < 400
+    failure = raised(IkFailure, arm.follow, motion, q0=posture, on_rate_limit="raise")
+    assert failure.status == "rate_limit"
+    assert 200 < failure.index < 400
 
 
 def random_path(arm, rng, samples=200):
@@ -249,10 +249,9 @@ def test_half_a_turn_between_two_samples_is_no_path(on_rate_limit):
     position, orientation = PANDA.forward_kinematics([0, -0.5, 0, -2, 0, 1.6, 0.7])
     over = lt.rotations.compose(lt.rotations.exp([[0, np.pi, 0]]), orientation[None])[0]
     motion = lt.PoseTrajectory([0.0, 0.01], [position] * 2, [orientation, over])
-    with pytest.raises(IkFailure) as failure:
-        PANDA.follow(motion, on_rate_limit=on_rate_limit)
-    assert failure.value.index == 1
-    assert np.isfinite(failure.value.q).all()
+    failure = raised(IkFailure, PANDA.follow, motion, on_rate_limit=on_rate_limit)
+    assert failure.index == 1
+    assert np.isfinite(failure.q).all()
 
 
 @ON_RATE_LIMIT

@@ -123,9 +123,8 @@ HERE = [0.3, 0.0, 0.3]
 ROWS = np.zeros((3, 3))
 
 
-@pytest.mark.parametrize(
-    ("method", "arguments", "message"),
-    [
+def test_bad_arguments_and_options_are_refused(arm):
+    for method, arguments, message in [
         ("inverse_kinematics", {"position": [np.nan, 0, 0]}, "position"),
         ("inverse_kinematics", {"position": [0, 0]}, "position"),
         ("inverse_kinematics", {"position": "here"}, "position"),
@@ -147,16 +146,10 @@ ROWS = np.zeros((3, 3))
         ("inverse_kinematics_all", {"count": 65}, "count"),
         ("inverse_kinematics_all", {"separation": 0.0}, "separation"),
         *((method, {"seed": [0.0, 0.0]}, r"seed: .* q0") for method in SOLVERS),
-    ],
-)
-def test_bad_arguments_are_refused(arm, method, arguments, message):
-    target = {"positions": ROWS} if method.endswith("batch") else {"position": HERE}
-    refused(message, getattr(arm, method), **target | arguments)
-
-
-@pytest.mark.parametrize(
-    "option",
-    [
+    ]:
+        target = {"positions": ROWS} if method.endswith("batch") else {"position": HERE}
+        refused(message, getattr(arm, method), **target | arguments)
+    for option in [
         {"position_tolerance": 0.0},
         {"position_tolerance": [1e-3, 1e-3]},
         {"position_tolerance": [1e-3, -1e-3, 1e-3]},
@@ -179,10 +172,8 @@ def test_bad_arguments_are_refused(arm, method, arguments, message):
         {"max_restarts": True},
         {"max_cpu_seconds": 0.0},
         {"max_cpu_seconds": np.nan},
-    ],
-)
-def test_bad_options_are_refused_by_name(option):
-    refused("|".join(option), IkOptions, **option)
+    ]:
+        refused("|".join(option), IkOptions, **option)
 
 
 UR3 = lt.Arm.load("ur3")

@@ -45,9 +45,8 @@ def test_joints_outside_the_arm_may_be_spoken_of(toml):
     refused("unknown joint 'finger'", read_limits, path, URDF)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
+def test_a_wrong_file_is_refused_with_the_place(toml):
+    for text, message in [
         ("[joints", "not a TOML document"),
         ("", r"\[joints\]"),
         ("joints = 3", r"\[joints\]"),
@@ -59,15 +58,10 @@ def test_joints_outside_the_arm_may_be_spoken_of(toml):
         ('[joints]\none = { velocity = "fast" }', "one: velocity"),
         ("[joints]\none = { acceleration = 1 }", "two: expected acceleration"),
         ("[joints]\none = { lower = 2 }", "lower: expected at most upper for 'one'"),
-    ],
-)
-def test_a_wrong_file_is_refused_with_the_place(toml, text, message):
-    refused(message, read_limits, toml(text), URDF)
-
-
-@pytest.mark.parametrize("path", ["nowhere.toml", None, 3])
-def test_a_file_that_cannot_be_read_is_refused(path):
-    refused("cannot read", read_limits, path, URDF)
+    ]:
+        refused(message, read_limits, toml(text), URDF)
+    for path in ["nowhere.toml", None, 3]:
+        refused("cannot read", read_limits, path, URDF)
 
 
 @pytest.mark.parametrize(

@@ -67,9 +67,8 @@ def test_locked_joints_are_not_the_callers_dictionary(tiago):
         locked.locked_joints["torso_lift_joint"] = 9.0
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
+def test_joints_that_cannot_be_locked_are_refused(tiago):
+    for values, message in [
         ({"torso_lift_joint": 0.4}, "torso_lift_joint: expected a value inside its limits 0 to"),
         ({"torso_lift_joint": -1e-3}, "torso_lift_joint"),
         ({"torso_lift_joint": np.nan}, "torso_lift_joint"),
@@ -78,13 +77,8 @@ def test_locked_joints_are_not_the_callers_dictionary(tiago):
         ({3: 0.1}, "joint's name"),
         ([("torso_lift_joint", 0.1)], "names"),
         (None, "names"),
-    ],
-)
-def test_joints_that_cannot_be_locked_are_refused(tiago, values, message):
-    refused(message, tiago.lock_joints, values)
-
-
-def test_one_joint_stays_none_is_locked_twice_and_limits_are_those_of_the_others(tiago):
+    ]:
+        refused(message, tiago.lock_joints, values)
     torso = {"torso_lift_joint": 0.1}
     refused("at least one", tiago.lock_joints, dict.fromkeys(tiago.joint_names, 0.1))
     refused(r"locked at 0\.1", tiago.lock_joints(torso).lock_joints, {"torso_lift_joint": 0.2})

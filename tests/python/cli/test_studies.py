@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import pytest
 from cli.command_line import RUNNER, run
+from refusals import raised
 
 from leadthrough import cli, errors
 from leadthrough_studies import catalogue, study
@@ -134,9 +135,7 @@ def test_a_study_that_is_stopped_says_how_to_go_on(tmp_path, monkeypatch):
 def test_wrong_arguments_are_an_error_of_one_line(wrong, empty_folder, monkeypatch, capsys):
     (empty_folder / "file").write_text("in the way")
     monkeypatch.setattr("sys.argv", ["leadthrough", *wrong])
-    with pytest.raises(SystemExit) as error:
-        cli.main()
-    assert error.value.code == 2
+    assert raised(SystemExit, cli.main).code == 2
     assert wrong[-1] in capsys.readouterr().err.replace("\n", "")
 
 

@@ -292,20 +292,14 @@ def test_equal_calls_have_equal_answers(panda):
     assert np.array_equal(stream(), stream())
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
+def test_wrong_arguments_are_named(guard, panda):
+    for arguments, message in [
         ({"chunk": np.zeros((3, 6)), "state": Q}, r"chunk: expected shape \(n, 7\)"),
         ({"chunk": np.zeros((0, 7)), "state": Q}, "chunk: expected at least one sample"),
         ({"chunk": np.zeros((3, 7))}, "state: expected the joints at the first call"),
         ({"chunk": np.zeros((3, 7)), "state": Q[:3]}, r"state: expected shape \(7,\)"),
-    ],
-)
-def test_wrong_arguments_are_named(guard, arguments, message):
-    refused(message, guard.admit, **arguments)
-
-
-def test_an_arm_without_acceleration_limits_is_refused(panda):
+    ]:
+        refused(message, guard.admit, **arguments)
     bare = lt.Arm.from_urdf(panda.document, base=panda.base, tip=panda.tip)
     refused("limits: expected acceleration limits", lt.Guard, bare, rate=RATE)
     refused("arm: expected an Arm, got 'panda'", lt.Guard, "panda", rate=RATE)

@@ -59,26 +59,6 @@ def test_fields_can_be_mapped(save):
     assert np.array_equal(demonstration.motion.positions, POINTS.T)
 
 
-@pytest.mark.parametrize(
-    ("variables", "message"),
-    [
-        ({"a": {"pos": POINTS}, "b": {"pos": POINTS}}, "structures in one variable, got them in a"),
-        ({"demos": {"force": POINTS}}, "no names of positions or joints found"),
-        ({"demos": {"pos": POINTS}}, "rate: the file has no time column"),
-        ({"demos": {"pos": POINTS, "t": TIMES[:3]}}, "t: expected one time for each of 5 samples"),
-        ({"demos": {"pos": POINTS * np.nan, "t": TIMES}}, "'pos': expected a finite"),
-        ({"demos": {"pos": "text", "t": TIMES}}, "pos: expected numbers"),
-        (
-            {"demos": {"pos": np.zeros((0, 0)), "t": TIMES}},
-            "t: expected one time for each of 0 samples",
-        ),
-        ({}, "no names of positions or joints found"),
-    ],
-)
-def test_what_makes_no_motion_is_refused(save, variables, message):
-    refused(message, lt.read_demonstrations, save(**variables))
-
-
 def test_newer_matlab_files_are_named_as_such(tmp_path):
     path = tmp_path / "recording.mat"
     path.write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + bytes(400))
@@ -104,7 +84,21 @@ def test_what_is_no_number_is_left_out(tmp_path):
     assert found["empty"].size == 0
 
 
-def test_a_field_of_uneven_cells_is_refused(save):
+def test_what_makes_no_motion_is_refused(save):
+    for given_variables, message in [
+        ({"a": {"pos": POINTS}, "b": {"pos": POINTS}}, "structures in one variable, got them in a"),
+        ({"demos": {"force": POINTS}}, "no names of positions or joints found"),
+        ({"demos": {"pos": POINTS}}, "rate: the file has no time column"),
+        ({"demos": {"pos": POINTS, "t": TIMES[:3]}}, "t: expected one time for each of 5 samples"),
+        ({"demos": {"pos": POINTS * np.nan, "t": TIMES}}, "'pos': expected a finite"),
+        ({"demos": {"pos": "text", "t": TIMES}}, "pos: expected numbers"),
+        (
+            {"demos": {"pos": np.zeros((0, 0)), "t": TIMES}},
+            "t: expected one time for each of 0 samples",
+        ),
+        ({}, "no names of positions or joints found"),
+    ]:
+        refused(message, lt.read_demonstrations, save(**given_variables))
     path = save(demos=cells({"pos": cells(POINTS, TIMES), "t": TIMES}))
     refused("pos: expected ", lt.read_demonstrations, path)
 

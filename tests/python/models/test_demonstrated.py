@@ -56,17 +56,6 @@ def test_a_single_one_is_to_be_put_in_a_list(case, wrap):
     refused("put a single one in a list", model.fit, wrap(motion))
 
 
-def test_something_else_is_refused_with_what_came_and_where(case):
-    model, motion = case
-    refused(r"demonstrations\[1\].* got int", model.fit, [motion, 3])
-    refused(r"demonstrations\[0\].* got NoneType", model.fit, [None])
-
-
-def test_different_types_are_refused(case):
-    model, motion = case
-    refused("expected", model.fit, [motion, POSES if motion is POINTS else POINTS])
-
-
 def test_different_numbers_of_columns_are_refused(case):
     model, motion = case
     if motion is POINTS:
@@ -94,7 +83,12 @@ def test_none_is_too_few_but_for_a_planner(case):
             model.fit([])
 
 
-def test_numbers_that_overflow_are_refused(case):
+def test_other_things_and_types_are_refused_with_what_came_and_where(case):
+    model, motion = case
+    refused(r"demonstrations\[1\].* got int", model.fit, [motion, 3])
+    refused(r"demonstrations\[0\].* got NoneType", model.fit, [None])
+    model, motion = case
+    refused("expected", model.fit, [motion, POSES if motion is POINTS else POINTS])
     model, motion = case
     large = type(motion)(T, 1e101 * LINE, *([motion.orientations] if motion is POSES else []))
     with pytest.raises(FitError, match="use another unit"):

@@ -90,13 +90,6 @@ def test_frame_is_that_of_the_goal_by_default(case):
     np.testing.assert_allclose(made.positions, skill.generate().positions, atol=1e-3)
 
 
-def test_frames_that_do_not_fit_are_refused(case):
-    skill, shown, _ = case
-    for frames in ([], [HERE, HERE], [None], [Frame((0.0, 0.0))]):
-        refused("frames", skill.at, frames)
-    refused("frames", skill.model.fit, [shown], frames=[])
-
-
 def test_via_points_and_velocities_are_in_the_base_frame():
     for motion, seen in MOTIONS.items():
         model = kind("DMP", motion).build()
@@ -218,7 +211,11 @@ def test_limits_are_in_the_base_frame_where_its_axes_are_those_of_the_task():
         poses.generate(limits=(-np.ones(3), np.ones(3)))
 
 
-def test_what_the_skill_inside_does_not_take_is_refused_by_name():
+def test_what_the_skill_inside_does_not_take_is_refused_by_name(case):
+    skill, shown, _ = case
+    for frames in ([], [HERE, HERE], [None], [Frame((0.0, 0.0))]):
+        refused("frames", skill.at, frames)
+    refused("frames", skill.model.fit, [shown], frames=[])
     shown = HERE.base(POSES)
     promp = Framed(lt.ProMP()).fit([shown], frames=[[HERE]])
     for name, value in (

@@ -67,12 +67,9 @@ def test_a_skill_whose_package_is_not_installed_is_refused(theirs, tmp_path, mon
     refused(r"expected a skill of .* got 'straight'", lt.load_skill, tmp_path / "skill.npz")
 
 
-def test_a_package_that_cannot_be_imported_disturbs_no_other_model(theirs):
+def test_unknown_models_are_refused_with_the_names_that_there_are(theirs):
     refused(r"broken.*cannot be imported", model_entry, "broken")
     refused("expected a skill of", registry.entry_of_skill, "no such kind")
-
-
-def test_an_unknown_model_is_refused_with_the_names_that_there_are():
     refused(r"expected one of dmp, .*, got 'dpm'", model_entry, "dpm")
 
 
@@ -116,18 +113,12 @@ def test_missing_foreign_and_damaged_files_are_refused(saved, tmp_path):
         refused("saved skill", lt.load_skill, saved)
 
 
-def test_later_format_says_so(saved):
-    refused("version 9", lt.load_skill, rewritten(saved, version=archive.VERSION + 8))
-
-
-def test_unknown_kind_and_wrong_settings_are_refused(saved):
-    refused("'oracle'", lt.load_skill, rewritten(saved, kind="oracle"))
-    refused("damaged", lt.load_skill, rewritten(saved, kind="fast_marching", settings={"shown": 1}))
-
-
-def test_folder_that_does_not_exist_is_named(saved):
+def test_files_of_other_versions_kinds_and_settings_are_refused(saved):
     skill = lt.load_skill(saved)
     refused("no such folder", skill.save, saved.parent / "missing" / "skill.npz")
+    refused("'oracle'", lt.load_skill, rewritten(saved, kind="oracle"))
+    refused("damaged", lt.load_skill, rewritten(saved, kind="fast_marching", settings={"shown": 1}))
+    refused("version 9", lt.load_skill, rewritten(saved, version=archive.VERSION + 8))
 
 
 FOLDER = Path(__file__).parent / "saved_before"

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from refusals import raised
 
 import leadthrough as lt
 from leadthrough.errors import NoPath
@@ -37,9 +38,8 @@ def test_paths_reach_the_goal_and_touch_no_wall(seed, shape, share, step):
     speed[cells] = 1.0
     times = lt.arrival_times(speed, cells, spacing=grid.spacing, order=1 + seed % 2)
     if np.isinf(times[tuple(grid.cells_of([start])[0])]):
-        with pytest.raises(NoPath) as caught:
-            descend(times, grid, start, goal, step=step)
-        assert caught.value.reason == "start_unreached"
+        caught = raised(NoPath, descend, times, grid, start, goal, step=step)
+        assert caught.reason == "start_unreached"
         return
     path = descend(times, grid, start, goal, step=step)
     np.testing.assert_array_equal(path[[0, -1]], [start, goal])
@@ -107,13 +107,9 @@ def test_a_start_at_the_goal_is_the_whole_path():
 def test_no_path_says_why(divided):
     grid, times = divided.grid, divided.times
     for start, reason in divided.pathless.items():
-        with pytest.raises(NoPath) as caught:
-            descend(times, grid, start, (0.0, 0.0))
-        assert caught.value.reason == reason
+        assert raised(NoPath, descend, times, grid, start, (0.0, 0.0)).reason == reason
     both = lt.arrival_times(divided.speed, [(0, 0), (2, 6)])
-    with pytest.raises(NoPath) as caught:
-        descend(both, grid, (1.0, 5.0), (0.0, 0.0))
-    assert caught.value.reason == "other_source"
+    assert raised(NoPath, descend, both, grid, (1.0, 5.0), (0.0, 0.0)).reason == "other_source"
 
 
 @settings(max_examples=100, deadline=None)
@@ -168,7 +164,6 @@ def test_no_positions_have_no_directions():
 
 def test_positions_without_a_direction_say_why(divided):
     for point, reason in divided.pathless.items():
-        with pytest.raises(NoPath) as caught:
-            direction(divided.times, divided.grid, [(1.0, 1.0), point])
-        assert caught.value.reason == reason
-        assert "positions[1]" in str(caught.value)
+        caught = raised(NoPath, direction, divided.times, divided.grid, [(1.0, 1.0), point])
+        assert caught.reason == reason
+        assert "positions[1]" in str(caught)

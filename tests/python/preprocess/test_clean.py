@@ -211,34 +211,6 @@ def test_any_recording_is_cleaned_or_refused(data):
     assert len(demonstration.motion.times) == report.left
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"spike_factor": 0}, "spike_factor: "),
-        ({"longest_gap": -1}, "longest_gap: "),
-        ({"pause": np.nan}, "pause: "),
-        ({"longest_pause": 0}, "longest_pause: "),
-        ({"speed": "slow"}, "speed: "),
-        ({"angular_speed": 0}, "angular_speed: "),
-        ({"rate": 0}, "rate: "),
-        ({"rate": 1e12}, "rate: expected at most 10,000,000 samples"),
-        ({"smoothing": 0.001}, r"smoothing: expected 0.04 to 2 s, at least 5 samples"),
-        ({"smoothing": 1e300}, r"smoothing: expected 0.04 to 2 s, at least 5 samples"),
-    ],
-)
-def test_impossible_options_are_refused(options, message):
-    refused(message, clean, JOINTS, **options)
-
-
-def test_what_is_no_recording_is_refused():
-    for wrong in (None, SWING, [JOINTS]):
-        refused("recording: expected a Recording", clean, wrong)
-        refused("recording: expected a Recording", cut_at_gaps, wrong)
-    nothing = Recording(np.zeros(0), np.zeros((0, 2)))
-    for function in (clean, cut_at_gaps):
-        refused("got none", function, nothing)
-
-
 CLOCK = np.arange(101) / 50.0
 WAY = np.column_stack([np.sin(CLOCK), CLOCK])
 ARM = Recording(CLOCK, WAY, joint_names=("a", "b"), events=(lt.Event(1, "grasp"),), name="arm")
@@ -292,5 +264,24 @@ def test_what_looks_wrong_is_remarked(changes, remark):
     assert f"! {found.remarks[0]}" in str(found)
 
 
-def test_only_recordings_are_summarized():
+def test_impossible_options_and_what_is_no_recording_are_refused():
+    for options, message in [
+        ({"spike_factor": 0}, "spike_factor: "),
+        ({"longest_gap": -1}, "longest_gap: "),
+        ({"pause": np.nan}, "pause: "),
+        ({"longest_pause": 0}, "longest_pause: "),
+        ({"speed": "slow"}, "speed: "),
+        ({"angular_speed": 0}, "angular_speed: "),
+        ({"rate": 0}, "rate: "),
+        ({"rate": 1e12}, "rate: expected at most 10,000,000 samples"),
+        ({"smoothing": 0.001}, r"smoothing: expected 0.04 to 2 s, at least 5 samples"),
+        ({"smoothing": 1e300}, r"smoothing: expected 0.04 to 2 s, at least 5 samples"),
+    ]:
+        refused(message, clean, JOINTS, **options)
+    for wrong in (None, SWING, [JOINTS]):
+        refused("recording: expected a Recording", clean, wrong)
+        refused("recording: expected a Recording", cut_at_gaps, wrong)
+    nothing = Recording(np.zeros(0), np.zeros((0, 2)))
+    for function in (clean, cut_at_gaps):
+        refused("got none", function, nothing)
     refused("expected a Recording, got ndarray", summarize, WAY)

@@ -77,9 +77,8 @@ def test_tiny_steps_beside_a_long_way_are_harmless():
     np.testing.assert_allclose(resampled, [[0], [1e20], [2e20]])
 
 
-@pytest.mark.parametrize(
-    "points",
-    [
+def test_bad_points_and_counts_are_refused():
+    for points in [
         [],
         np.zeros((0, 2)),
         np.zeros((3, 0)),
@@ -87,16 +86,11 @@ def test_tiny_steps_beside_a_long_way_are_harmless():
         [[np.nan, 0]],
         None,
         [[1e308, 0], [-1e308, 0]],
-    ],
-)
-def test_bad_points_are_refused(points):
-    for call in (resample.arc_length, lambda p: resample.by_arc_length(p, 5)):
-        refused("points: ", call, points)
-
-
-@pytest.mark.parametrize("count", [1, 0, -3, 2.0, None, True])
-def test_a_bad_count_is_refused(count):
-    refused("count: expected an integer", resample.by_arc_length, [[0.0], [1.0]], count)
+    ]:
+        for call in (resample.arc_length, lambda p: resample.by_arc_length(p, 5)):
+            refused("points: ", call, points)
+    for count in [1, 0, -3, 2.0, None, True]:
+        refused("count: expected an integer", resample.by_arc_length, [[0.0], [1.0]], count)
 
 
 DISTANCES = [dtw_distance, frechet_distance]

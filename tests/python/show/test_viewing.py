@@ -76,10 +76,6 @@ def test_notebook_shows_the_page_that_view_writes(panda, tmp_path):
     assert len(repr(shown)) < 200
 
 
-def test_scene_of_a_notebook_has_a_height(panda):
-    refused("height: expected", inline, panda, height=0)
-
-
 def test_skill_that_the_arm_cannot_follow_is_refused(panda, shown, tmp_path):
     with pytest.raises(InvalidInput, match="no motion that the arm can follow"):
         view(panda, skill=lt.DMP().fit(shown), goal=(3, 0, 0), html=tmp_path / "a.html")
@@ -125,9 +121,10 @@ def test_page_tells_which_mesh_cannot_be_shown(tmp_path):
     )
 
 
-@pytest.mark.parametrize("shows", [inline, open_view, view])
-def test_an_arm_must_be_given(shows):
-    refused(r"arm: expected an Arm, got 'ur3'.*lt\.Arm\.load", shows, "ur3")
+def test_an_arm_must_be_given_and_a_scene_have_a_height(panda):
+    refused("height: expected", inline, panda, height=0)
+    for shows in [inline, open_view, view]:
+        refused(r"arm: expected an Arm, got 'ur3'.*lt\.Arm\.load", shows, "ur3")
 
 
 def unpacked(text):

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 from simulation.conftest import AWAY, HOME
 
 import leadthrough as lt
@@ -205,42 +206,26 @@ def test_a_skills_tight_and_loose_phases_are_felt(loaded):
     assert off[0] > 1.2 * off[1]
 
 
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"disturbances": {"payload": -1.0}}, "payload"),
-        ({"disturbances": {"friction": [1.0, 2.0]}}, "friction"),
-        ({"disturbances": {"damping": -1.0}}, "damping"),
-        ({"disturbances": {"delay": 2.0}}, "delay"),
-        ({"disturbances": {"encoder": -1.0}}, "encoder"),
-        ({"disturbances": {"pushes": [1.0]}}, "pushes"),
-        ({"rate": 10.0}, "rate"),
-        ({"state": [0.0]}, "state"),
-        ({"tip_tolerance": 0.0}, "tip_tolerance"),
-        ({"controller": PositionServo(-1.0)}, "stiffness"),
-        ({"gravity": [1.0]}, "gravity"),
-        ({"scene": [1.0]}, "obstacles"),
-    ],
-    ids=lambda value: value if isinstance(value, str) else None,
-)
-def test_wrong_arguments_are_named(loaded, swing, wrong, message):
-    with pytest.raises(InvalidInput, match=f"^{message}"):
-        if "disturbances" in wrong:
-            wrong = {"disturbances": Disturbances(**wrong["disturbances"])}
-        lt.simulate(loaded, swing, **wrong)
-
-
-def test_a_payload_of_an_arm_that_carries_none_is_refused(swing):
+def test_wrong_arguments_are_named(loaded, swing):
+    for wrong in (
+        {"payload": -1.0},
+        {"friction": [1.0, 2.0]},
+        {"damping": -1.0},
+        {"delay": 2.0},
+        {"encoder": -1.0},
+        {"pushes": [1.0]},
+    ):
+        with pytest.raises(InvalidInput, match=f"^{next(iter(wrong))}"):
+            lt.simulate(loaded, swing, disturbances=Disturbances(**wrong))
+    for wrong in ({"rate": 10.0}, {"state": [0.0]}, {"tip_tolerance": 0.0}, {"gravity": [1.0]}):
+        refused(next(iter(wrong)), lt.simulate, loaded, swing, **wrong)
+    refused("obstacles", lt.simulate, loaded, swing, scene=[1.0])
+    with pytest.raises(InvalidInput, match="stiffness"):
+        lt.simulate(loaded, swing, controller=PositionServo(-1.0))
     with pytest.raises(InvalidInput, match="payload: expected 1 for an arm that carries nothing"):
         lt.simulate(lt.Arm.load("panda"), swing, disturbances=Disturbances(payload=2.0))
-
-
-@pytest.mark.parametrize(
-    "wrong", [-1.0, [[1.0, 2.0], [3.0, 4.0]], -np.eye(3), np.triu(np.ones((3, 3)))]
-)
-def test_wrong_stiffnesses_are_named(wrong):
-    with pytest.raises(InvalidInput, match=r"^stiffness"):
-        CartesianImpedance(wrong)
+    for wrong in [-1.0, [[1.0, 2.0], [3.0, 4.0]], -np.eye(3), np.triu(np.ones((3, 3)))]:
+        refused("stiffness", CartesianImpedance, wrong)
 
 
 def test_without_mujoco_the_error_names_the_extra(loaded, swing, monkeypatch):

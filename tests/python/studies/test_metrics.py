@@ -102,23 +102,17 @@ def test_the_nearest_shifted_demonstration_has_the_known_errors_on_the_whole_las
     )
 
 
-@pytest.mark.parametrize("distance", [*DISTANCES, metrics.swept_error_area])
-@pytest.mark.parametrize(
-    ("a", "b"),
-    [
+def test_bad_curves_and_motions_are_refused():
+    for a, b in [
         (np.zeros((0, 2)), np.zeros((0, 3))),
         (np.zeros((3, 2)), np.zeros((3, 3))),
         ([[np.nan, 0]], [[0, 0]]),
         ([[0.0, 0], [1, 1]], None),
         ([[0.0, 0], [-1e300, 0]], [[1e300, 0], [0, 1e300]]),
-    ],
-)
-def test_bad_curves_are_refused(distance, a, b):
-    with pytest.raises(InvalidInput):
-        distance(a, b)
-
-
-def test_bad_motions_are_refused():
+    ]:
+        for distance in [*DISTANCES, metrics.swept_error_area]:
+            with pytest.raises(InvalidInput):
+                distance(a, b)
     planar = lt.Trajectory([0, 1], [[0.0, 0], [1, 1]])
     spatial = lt.Trajectory([0, 1], [[0.0, 0, 0], [1, 1, 1]])
     for call in (metrics.velocity_rmse, metrics.end_error, metrics.reproduction_errors):

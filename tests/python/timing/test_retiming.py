@@ -10,7 +10,7 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from refusals import refused
+from refusals import raised, refused
 from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
@@ -110,12 +110,6 @@ def test_the_same_path_gives_the_same_bits():
     assert (one.positions == two.positions).all()
 
 
-@pytest.mark.parametrize("jacobian", [None, 3.0])
-def test_a_tip_speed_is_positive_and_has_a_jacobian(jacobian):
-    refused("jacobian", TipSpeed, 0.1, jacobian)
-    refused("tip_speed", TipSpeed, 0.0, lambda q: q)
-
-
 @pytest.mark.parametrize("rate", [20.0, 100.0, 250.0, 999.0, 4000.0])
 def test_any_rate_keeps_the_limits(rate):
     motion = lt.retime(random_spline(2), PANDA, rate=rate)
@@ -141,7 +135,10 @@ def test_given_velocities_are_met_at_both_ends():
     assert 0.5e-3 <= motion.times[-1] - motion.times[-2] <= 1.5e-3
 
 
-def test_velocities_off_the_path_or_too_fast_are_refused():
+def test_velocities_and_speeds_off_the_path_or_too_fast_are_refused():
+    for jacobian in [None, 3.0]:
+        refused("jacobian", TipSpeed, 0.1, jacobian)
+        refused("tip_speed", TipSpeed, 0.0, lambda q: q)
     path = random_spline(4)
     slope = path.evaluate(0.0, 1)
     along = slope / np.abs(slope / PANDA.velocity).max()
@@ -155,9 +152,8 @@ def test_velocities_off_the_path_or_too_fast_are_refused():
 def test_a_refused_velocity_names_the_joint_nearest_its_limit_whichever_way_it_moves(way):
     limits = lt.arm.JointLimits(["a", "b"], [-9, -9], [9, 9], [2, 1], [9, 9], [99, 99])
     line = np.array([[0.0, 0.0], [1.0, way]])
-    with pytest.raises(LimitsInfeasible) as error:
-        lt.retime(line, limits, start_velocity=3.0 * line[1])
-    assert error.value.joint == "b"
+    error = raised(LimitsInfeasible, lt.retime, line, limits, start_velocity=3.0 * line[1])
+    assert error.joint == "b"
 
 
 def test_corners_stop_or_are_cut():
@@ -354,11 +350,6 @@ def test_wrong_arguments_are_named(change, match):
     refused(match, lt.retime, arguments.pop("path"), arguments.pop("limits"), **arguments)
 
 
-def test_limits_without_jerk_show_what_is_missing():
-    limits = JointLimits(("j",), [-1.0], [1.0], [1.0], [1.0])
-    refused(r"(?s)jerk limits, got none.*\[joints\].*\"j\" =", lt.retime, [[0.0], [0.5]], limits)
-
-
 def test_limits_that_no_motion_keeps_are_infeasible():
     stuck = JointLimits(("a", "b"), [-1, -1], [1, 1], [1, 0], [1, 1], [1, 1])
     with pytest.raises(LimitsInfeasible, match="b moves") as caught:
@@ -375,11 +366,6 @@ def test_infinite_limits_do_not_bind():
     assert lt.retime([[0.0], [2.0]], fast).duration == pytest.approx(2.0, rel=0.01)
     free = JointLimits(("j",), [-9], [9], [inf], [inf], [inf])
     refused("limits", lt.retime, [[0.0], [2.0]], free)
-
-
-def test_a_motion_of_countless_samples_is_refused():
-    slow = limits_of(1, velocity=1e-9)
-    refused("samples", lt.retime, [[0.0], [2.0]], slow)
 
 
 BENCHMARKS = Path(__file__).parents[3] / "python" / "benchmarks"
@@ -516,7 +502,11 @@ def test_way_points_beside_a_line_are_passed_where_the_line_would_miss_them():
     assert off.max() < 2e-9
 
 
-def test_lines_without_a_limit_or_beyond_one_are_refused():
+def test_limits_that_are_missing_or_never_kept_are_refused():
+    limits = JointLimits(("j",), [-1.0], [1.0], [1.0], [1.0])
+    refused(r"(?s)jerk limits, got none.*\[joints\].*\"j\" =", lt.retime, [[0.0], [0.5]], limits)
+    slow = limits_of(1, velocity=1e-9)
+    refused("samples", lt.retime, [[0.0], [2.0]], slow)
     inf = np.inf
     free = JointLimits(("a", "b"), [-9, -9], [9, 9], [inf, 1], [inf, 1], [inf, 1])
     refused("finite limit", lt.retime, [[0.0, 0.0], [1.0, 0.0]], free)

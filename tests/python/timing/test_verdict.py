@@ -249,23 +249,17 @@ def test_positions_alone_are_judged_straight_at_the_receivers_rate(rate):
     assert report.acceleration.ratio > timing.check_limits(motion, LIMITS).acceleration.ratio
 
 
-@pytest.mark.parametrize("call", [timing.check_limits, timing.binding_limits])
-@pytest.mark.parametrize(
-    ("motion", "limits", "argument"),
-    [
+def test_wrong_arguments_are_named():
+    for motion, limits, argument in [
         (between([0, 0], [1, 1], 1.0), JointLimits(("elbow",), [-1], [1], [1]), "limits"),
         (between([0, 0], [1, 1], 1.0), replace(LIMITS, joint_names=("wrist", "elbow")), "limits"),
         (between([0, 0], [1, 1], 1.0), None, "limits"),
         (lt.Trajectory([0, 1], [[0.0, 0], [1, 1]]), LIMITS, "trajectory"),
         (None, LIMITS, "trajectory"),
-    ],
-)
-def test_wrong_arguments_are_named(call, motion, limits, argument):
-    with pytest.raises(InvalidInput, match=f"^{argument}: expected"):
-        call(motion, limits)
-
-
-def test_a_receivers_rate_is_positive():
+    ]:
+        for call in [timing.check_limits, timing.binding_limits]:
+            with pytest.raises(InvalidInput, match=f"^{argument}: expected"):
+                call(motion, limits)
     with pytest.raises(InvalidInput, match="linear_rate"):
         timing.check_limits(between([0, 0], [1, 1], 1.0), LIMITS, linear_rate=0.0)
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from motions import minimum_jerk
-from refusals import refused
+from refusals import raised, refused
 from scipy.integrate import solve_ivp
 
 import leadthrough as lt
@@ -359,9 +359,7 @@ def test_ends_in_an_obstacle_are_named():
         ("start_in_wall", {"start": (0.2, 0.05, 0.2)}),
         ("goal_in_wall", {"goal": (0.2, 0.05, 0.2)}),
     ):
-        with pytest.raises(NoPath) as caught:
-            BOWED.generate(obstacles=[WALL], **query)
-        assert caught.value.reason == reason
+        assert raised(NoPath, BOWED.generate, obstacles=[WALL], **query).reason == reason
 
 
 def test_tool_turns_as_shown_while_its_position_passes_an_obstacle():

@@ -92,9 +92,8 @@ def test_corrected_systems_follow_the_demonstrations_more_closely_than_quadratic
     assert near < 0.7 * farthest(kind("SEDS", components=4))
 
 
-@pytest.mark.parametrize(
-    ("family", "setting", "value"),
-    [
+def test_settings_out_of_range_and_queries_without_an_answer_are_refused():
+    for family, setting, value in [
         ("SEDS", "components", -1),
         ("SEDS", "objective", "likely"),
         ("LPVDS", "components", -1),
@@ -102,13 +101,8 @@ def test_corrected_systems_follow_the_demonstrations_more_closely_than_quadratic
         ("FSMDM", "units", -1),
         ("UMIC", "kernels", -1),
         ("ModifiedDS", "energy_units", 0),
-    ],
-)
-def test_settings_out_of_range_are_refused_by_name(family, setting, value):
-    refused(setting, kind(family, **{setting: value}).build)
-
-
-def test_queries_that_no_system_answers_are_refused():
+    ]:
+        refused(setting, kind(family, **{setting: value}).build)
     skill = fitted("LPV-DS")
     with pytest.raises(UnsupportedQuery, match="obstacles"):
         skill.generate(obstacles=[lt.Sphere(1.0, (0.0, 0.0, 0.0))])

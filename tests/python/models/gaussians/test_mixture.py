@@ -165,16 +165,6 @@ def test_singular_points_give_a_usable_mixture():
         assert (covariance > 0).all()
 
 
-def test_bad_arguments_are_refused_by_name():
-    mixture = random_mixture()
-    with pytest.raises(FitError, match="components"):
-        fit_mixture(np.zeros((3, 2)), 4)
-    refused("inputs", mixture.regress, [[0.0]], inputs=[7])
-    refused("outputs", mixture.regress, [[0.0]], inputs=[0], outputs=[0])
-    refused("weights", Mixture, [0.5, 0.6], np.zeros((2, 1)), np.ones((2, 1, 1)))
-    refused("covariances", Mixture, [1.0], np.zeros((1, 2)), np.ones((1, 2, 2)))
-
-
 def blobs(seed=0):
     rng = np.random.default_rng(seed)
     centres = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 10.0], [10.0, 10.0]])
@@ -220,7 +210,14 @@ def test_identical_points_are_no_trouble():
     assert kmeans(np.ones((5, 2)), 3, seed=0).inertia == 0.0
 
 
-def test_bad_arguments_of_kmeans_are_refused_by_name():
+def test_bad_arguments_are_refused_by_name():
+    mixture = random_mixture()
+    with pytest.raises(FitError, match="components"):
+        fit_mixture(np.zeros((3, 2)), 4)
+    refused("inputs", mixture.regress, [[0.0]], inputs=[7])
+    refused("outputs", mixture.regress, [[0.0]], inputs=[0], outputs=[0])
+    refused("weights", Mixture, [0.5, 0.6], np.zeros((2, 1)), np.ones((2, 1, 1)))
+    refused("covariances", Mixture, [1.0], np.zeros((1, 2)), np.ones((1, 2, 2)))
     for points, count, name in (
         ([[0.0]], 2, "count"),
         ([0.0], 1, "points"),

@@ -92,16 +92,13 @@ def test_poses_are_combined_between_the_two(turning):
     np.testing.assert_allclose(same[1], 0.5 * turning[0].distribution(times)[1], atol=1e-8)
 
 
-def test_poses_that_are_far_apart_are_not_combined(turning):
+def test_strangers_are_refused(turning, skills, family):
     turn = rotations.exp(np.tile([2.5, 0.0, 0.0], (150, 1)))
     away = [
         replace(each, orientations=rotations.compose(turn, each.orientations))
         for each in posed(0.1)
     ]
     refused("near", combine, [turning[0], lt.ProMP(weights=10).fit(away)])
-
-
-def test_strangers_are_refused(skills, family):
     refused("weights", combine, [skills[0], lt.ProMP(weights=12).fit(family(0.1))])
     joints = [lt.JointTrajectory(U, np.column_stack([U, U]))]
     refused("points", blend, [skills[0], lt.ProMP().fit(joints)], U, np.ones((150, 2)))

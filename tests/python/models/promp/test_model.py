@@ -48,23 +48,20 @@ def test_few_samples_are_enough():
     np.testing.assert_allclose(mean[:, 1], mean[:, 0], atol=0.02)
 
 
-def test_parts_are_refused_with_the_way_out(shown):
+def test_demonstrations_and_options_that_do_not_fit_are_refused(shown):
     demonstrations = shown(2)
     with pytest.raises(FitError, match="em"):
         lt.ProMP().fit(demonstrations, phases=[np.linspace(0, 1, 200), np.linspace(0.5, 1, 200)])
-
-
-@pytest.mark.parametrize("ends", [(-0.1, 1.0), (0.0, 1.1)])
-def test_phases_beyond_the_motion_are_refused(shown, ends):
-    with pytest.raises(InvalidInput, match=r"phases\[1\]: expected phases in \[0, 1\]"):
-        lt.ProMP().fit(shown(2), phases=[np.linspace(0, 1, 200), np.linspace(*ends, 200)])
-
-
-@pytest.mark.parametrize(
-    "options", [{"weights": 3}, {"basis": "sines"}, {"estimator": "x"}, {"regularization": 0.0}]
-)
-def test_bad_options_are_refused_by_name(options):
-    refused(next(iter(options)), lt.ProMP, **options)
+    for ends in [(-0.1, 1.0), (0.0, 1.1)]:
+        with pytest.raises(InvalidInput, match=r"phases\[1\]: expected phases in \[0, 1\]"):
+            lt.ProMP().fit(shown(2), phases=[np.linspace(0, 1, 200), np.linspace(*ends, 200)])
+    for options in [
+        {"weights": 3},
+        {"basis": "sines"},
+        {"estimator": "x"},
+        {"regularization": 0.0},
+    ]:
+        refused(next(iter(options)), lt.ProMP, **options)
 
 
 def test_velocity_and_acceleration_are_derivatives_of_the_mean(skill):
@@ -106,12 +103,6 @@ def test_samples_are_repeatable_and_of_the_type_shown(skill, shown):
         assert isinstance(a, lt.JointTrajectory)
         assert a.positions.tobytes() == b.positions.tobytes()
     assert skill.sample(1, seed=8)[0].positions.tobytes() != first[0].positions.tobytes()
-
-
-def test_samples_too_fast_for_floats_are_refused(skill):
-    huge = replace(skill.free, mean=1e307 * skill.free.mean)
-    with pytest.raises(InvalidInput, match="velocities: expected finite"):
-        skill.with_weights(huge).lasting(1e-6).sample(2, seed=0, dt=1e-7)
 
 
 def test_likelihood_is_that_of_the_normal_distribution(shown):
@@ -174,9 +165,11 @@ def test_skill_with_limits_and_joints_is_saved(skill, tmp_path):
         np.testing.assert_array_equal(a, b)
 
 
-@pytest.mark.parametrize(
-    ("call", "name"),
-    [
+def test_bad_arguments_are_refused_by_name(skill):
+    huge = replace(skill.free, mean=1e307 * skill.free.mean)
+    with pytest.raises(InvalidInput, match="velocities: expected finite"):
+        skill.with_weights(huge).lasting(1e-6).sample(2, seed=0, dt=1e-7)
+    for call, name in [
         (lambda s: s.distribution([0.1, 2.5]), "times: .* got 2.5 s"),
         (lambda s: s.distribution([0.0], order=3), "order"),
         (lambda s: s.condition(1.0, [1.0]), "position"),
@@ -191,10 +184,8 @@ def test_skill_with_limits_and_joints_is_saved(skill, tmp_path):
         (lambda s: s.log_likelihood(3), "trajectory: .* got int"),
         (lambda s: s.log_likelihood(lt.Trajectory([0], [[0]])), "trajectory: .* got one sample"),
         (lambda s: s.generate(obstacles=[lt.Sphere(0.1, (0, 0, 0))]), "obstacles"),
-    ],
-)
-def test_bad_arguments_are_refused_by_name(skill, call, name):
-    refused(name, call, skill)
+    ]:
+        refused(name, call, skill)
 
 
 U = np.linspace(0.0, 1.0, 100)
