@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "bind/cells.hpp"
-#include "learn/alignment.hpp"
-#include "learn/arc_length.hpp"
+#include "leadthrough/learn/alignment.hpp"
+#include "leadthrough/learn/arc_length.hpp"
 
 namespace py = pybind11;
 

@@ -3,10 +3,10 @@
 
 #include <map>
 
-#include "arm/urdf.hpp"
 #include "bind/parts.hpp"
-#include "ik/solve.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/arm/urdf.hpp"
+#include "leadthrough/ik/solve.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace py = pybind11;
 

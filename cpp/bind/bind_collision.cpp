@@ -6,10 +6,10 @@
 #include <utility>
 #include <variant>
 
-#include "arm/run_down.hpp"
 #include "bind/parts.hpp"
-#include "collision/clearance.hpp"
-#include "collision/shapes.hpp"
+#include "leadthrough/arm/run_down.hpp"
+#include "leadthrough/collision/clearance.hpp"
+#include "leadthrough/collision/shapes.hpp"
 
 namespace py = pybind11;
 

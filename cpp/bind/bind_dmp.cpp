@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "bind/parts.hpp"
-#include "dmp/avoidance.hpp"
-#include "dmp/orientation_curve.hpp"
-#include "dmp/primitive.hpp"
+#include "leadthrough/dmp/avoidance.hpp"
+#include "leadthrough/dmp/orientation_curve.hpp"
+#include "leadthrough/dmp/primitive.hpp"
 
 namespace py = pybind11;
 

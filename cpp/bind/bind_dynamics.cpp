@@ -1,7 +1,7 @@
 #include <pybind11/eigen.h>
 
-#include "arm/dynamics.hpp"
 #include "bind/parts.hpp"
+#include "leadthrough/arm/dynamics.hpp"
 
 namespace py = pybind11;
 

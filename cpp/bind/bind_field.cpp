@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "bind/cells.hpp"
-#include "field/arrival_field.hpp"
-#include "field/descent.hpp"
-#include "field/distance_transform.hpp"
-#include "field/eikonal.hpp"
-#include "field/nearest_source.hpp"
+#include "leadthrough/field/arrival_field.hpp"
+#include "leadthrough/field/descent.hpp"
+#include "leadthrough/field/distance_transform.hpp"
+#include "leadthrough/field/eikonal.hpp"
+#include "leadthrough/field/nearest_source.hpp"
 
 namespace py = pybind11;
 

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "base/finite.hpp"
 #include "bind/parts.hpp"
+#include "leadthrough/base/finite.hpp"
 
 namespace py = pybind11;
 

@@ -1,11 +1,11 @@
 #include <pybind11/eigen.h>
 
 #include "bind/parts.hpp"
-#include "learn/basis_functions.hpp"
-#include "learn/curves.hpp"
-#include "learn/dense.hpp"
-#include "learn/gaussian.hpp"
-#include "learn/sample_truncated_gaussian.hpp"
+#include "leadthrough/learn/basis_functions.hpp"
+#include "leadthrough/learn/curves.hpp"
+#include "leadthrough/learn/dense.hpp"
+#include "leadthrough/learn/gaussian.hpp"
+#include "leadthrough/learn/sample_truncated_gaussian.hpp"
 
 namespace py = pybind11;
 

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "bind/parts.hpp"
-#include "collision/shapes.hpp"
-#include "guard/brake.hpp"
-#include "guard/bridge.hpp"
-#include "guard/contact.hpp"
-#include "guard/pace.hpp"
+#include "leadthrough/collision/shapes.hpp"
+#include "leadthrough/guard/brake.hpp"
+#include "leadthrough/guard/bridge.hpp"
+#include "leadthrough/guard/contact.hpp"
+#include "leadthrough/guard/pace.hpp"
 
 namespace py = pybind11;
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "bind/parts.hpp"
-#include "ik/solve.hpp"
-#include "ik/yang.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/ik/solve.hpp"
+#include "leadthrough/ik/yang.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace py = pybind11;
 

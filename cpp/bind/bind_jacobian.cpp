@@ -1,7 +1,7 @@
 #include <pybind11/eigen.h>
 
-#include "arm/jacobian.hpp"
 #include "bind/parts.hpp"
+#include "leadthrough/arm/jacobian.hpp"
 
 namespace py = pybind11;
 

@@ -1,7 +1,7 @@
 #include <pybind11/eigen.h>
 
 #include "bind/parts.hpp"
-#include "time/jerk_filter.hpp"
+#include "leadthrough/time/jerk_filter.hpp"
 
 namespace py = pybind11;
 

@@ -2,8 +2,8 @@
 #include <pybind11/stl.h>
 
 #include "bind/parts.hpp"
-#include "collision/shapes.hpp"
-#include "path/clear_path.hpp"
+#include "leadthrough/collision/shapes.hpp"
+#include "leadthrough/path/clear_path.hpp"
 
 namespace py = pybind11;
 

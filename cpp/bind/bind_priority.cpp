@@ -2,9 +2,9 @@
 #include <pybind11/stl.h>
 
 #include "bind/parts.hpp"
-#include "ik/arm_tasks.hpp"
-#include "ik/differential_ik.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/ik/arm_tasks.hpp"
+#include "leadthrough/ik/differential_ik.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace py = pybind11;
 

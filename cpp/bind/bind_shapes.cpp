@@ -3,10 +3,10 @@
 
 #include <string>
 
-#include "base/matrix.hpp"
 #include "bind/parts.hpp"
-#include "collision/shapes.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/base/matrix.hpp"
+#include "leadthrough/collision/shapes.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace py = pybind11;
 

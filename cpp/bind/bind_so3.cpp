@@ -1,9 +1,9 @@
 #include <pybind11/eigen.h>
 
 #include "bind/parts.hpp"
-#include "rotation/curve.hpp"
-#include "rotation/mean.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/rotation/curve.hpp"
+#include "leadthrough/rotation/mean.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace py = pybind11;
 

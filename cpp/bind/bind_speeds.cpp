@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "bind/grids.hpp"
-#include "field/hindered_speeds.hpp"
-#include "field/quickest.hpp"
-#include "field/speed_map.hpp"
+#include "leadthrough/field/hindered_speeds.hpp"
+#include "leadthrough/field/quickest.hpp"
+#include "leadthrough/field/speed_map.hpp"
 
 namespace py = pybind11;
 

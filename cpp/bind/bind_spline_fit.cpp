@@ -1,9 +1,9 @@
 #include <pybind11/eigen.h>
 
 #include "bind/parts.hpp"
-#include "time/cubic_spline.hpp"
-#include "time/curve_values.hpp"
-#include "time/spline_fit.hpp"
+#include "leadthrough/time/cubic_spline.hpp"
+#include "leadthrough/time/curve_values.hpp"
+#include "leadthrough/time/spline_fit.hpp"
 
 namespace py = pybind11;
 

@@ -1,9 +1,9 @@
 #include <pybind11/eigen.h>
 
 #include "bind/parts.hpp"
-#include "time/line_law.hpp"
-#include "time/quintic_step.hpp"
-#include "time/time_law.hpp"
+#include "leadthrough/time/line_law.hpp"
+#include "leadthrough/time/quintic_step.hpp"
+#include "leadthrough/time/time_law.hpp"
 
 namespace py = pybind11;
 

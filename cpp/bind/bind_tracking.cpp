@@ -2,8 +2,8 @@
 #include <pybind11/stl.h>
 
 #include "bind/parts.hpp"
-#include "ik/tracking.hpp"
-#include "time/slowing.hpp"
+#include "leadthrough/ik/tracking.hpp"
+#include "leadthrough/time/slowing.hpp"
 
 namespace py = pybind11;
 

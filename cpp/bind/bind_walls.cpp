@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/matrix.hpp"
 #include "bind/grids.hpp"
-#include "collision/shapes.hpp"
+#include "leadthrough/base/matrix.hpp"
+#include "leadthrough/collision/shapes.hpp"
 
 namespace py = pybind11;
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bind/parts.hpp"
-#include "field/cell_set.hpp"
+#include "leadthrough/field/cell_set.hpp"
 
 namespace leadthrough {
 

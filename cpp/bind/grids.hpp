@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bind/cells.hpp"
-#include "field/blocks.hpp"
-#include "field/walls.hpp"
+#include "leadthrough/field/blocks.hpp"
+#include "leadthrough/field/walls.hpp"
 
 namespace leadthrough {
 

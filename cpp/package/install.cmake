@@ -10,7 +10,7 @@ set_target_properties(leadthrough_flags PROPERTIES EXPORT_NAME flags)
 install(TARGETS ${targets} EXPORT leadthrough ARCHIVE DESTINATION lib COMPONENT cpp)
 install(EXPORT leadthrough NAMESPACE leadthrough:: FILE leadthrough-targets.cmake
   DESTINATION ${package_folder} COMPONENT cpp)
-install(DIRECTORY base ${LEADTHROUGH_SUBJECTS} DESTINATION include/leadthrough COMPONENT cpp
+install(DIRECTORY leadthrough DESTINATION include COMPONENT cpp
   FILES_MATCHING PATTERN "*.hpp")
 
 write_basic_package_version_file(leadthrough-config-version.cmake COMPATIBILITY SameMinorVersion)

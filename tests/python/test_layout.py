@@ -3,6 +3,7 @@
 import re
 import tomllib
 from graphlib import TopologicalSorter
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,14 @@ from test_imports import FILES as MODULES
 from test_imports import PACKAGE, modules_imported
 
 # Every folder and module in these is shown, but for what a package needs and what is built.
-COMPLETE = ("cpp", "python", "python/leadthrough", "python/leadthrough/models", "tests")
+COMPLETE = (
+    "cpp",
+    "cpp/leadthrough",
+    "python",
+    "python/leadthrough",
+    "python/leadthrough/models",
+    "tests",
+)
 OF_EVERY_PACKAGE = {"__init__.py", "__init__.pyi", "_core.pyi", "__pycache__", "robots"}
 CODE = (".py", ".js", ".css", ".cpp", ".hpp", ".sh")
 MAX_LINES = 600
@@ -112,7 +120,7 @@ def test_how_to_add_lists_the_files_that_mention_its_example(title, example):
 
 ROOT = Path(__file__).parents[2]
 ROW = re.compile(r"^\| `(\w+)/` \|.*\| ([^|]*) \|$", re.MULTILINE)
-INCLUDE = re.compile(r'^#include "(\w+)/\w+\.hpp"$', re.MULTILINE)
+INCLUDE = re.compile(r'^#include "(?:leadthrough/)?(\w+)/\w+\.hpp"$', re.MULTILINE)
 ANY_INCLUDE = re.compile(r'^#include "', re.MULTILINE)
 
 
@@ -126,7 +134,8 @@ def allowed() -> dict[str, set[str]]:
 
 
 def sources(root: str) -> list[Path]:
-    return sorted((ROOT / root).glob("*/*.[ch]pp"))
+    folders = (ROOT / root).glob("*"), (ROOT / root / "leadthrough").glob("*")
+    return sorted(path for folder in chain(*folders) for path in folder.glob("*.[ch]pp"))
 
 
 def test_the_table_names_every_folder() -> None:
@@ -169,8 +178,8 @@ def test_every_source_is_listed_for_the_build() -> None:
 
 def test_other_libraries_stay_where_they_are_read() -> None:
     homes = {
-        "kdl/": {"arm/dynamics.cpp"},
-        "urdf_parser/": {"arm/urdf.cpp"},
+        "kdl/": {"leadthrough/arm/dynamics.cpp"},
+        "urdf_parser/": {"leadthrough/arm/urdf.cpp"},
         "pybind11/": {
             f"bind/{path.name}" for path in (ROOT / "cpp/bind").iterdir() if path.suffix != ".txt"
         },

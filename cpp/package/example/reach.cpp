@@ -6,12 +6,11 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <leadthrough/arm/chain.hpp>
+#include <leadthrough/ik/solve.hpp>
 #include <string>
 #include <utility>
 #include <variant>
-
-#include "arm/chain.hpp"
-#include "ik/solve.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include <kdl/chain.hpp>
 
-#include "arm/chain.hpp"
+#include "leadthrough/arm/chain.hpp"
 
 namespace leadthrough::test {
 

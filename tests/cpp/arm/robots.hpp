@@ -5,7 +5,7 @@
 #include <string>
 #include <variant>
 
-#include "arm/chain.hpp"
+#include "leadthrough/arm/chain.hpp"
 
 namespace leadthrough::test {
 

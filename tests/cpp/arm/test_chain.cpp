@@ -5,9 +5,9 @@
 #include <kdl/chainjnttojacsolver.hpp>
 #include <random>
 
-#include "arm/chain.hpp"
 #include "arm/kdl_chain.hpp"
 #include "arm/robots.hpp"
+#include "leadthrough/arm/chain.hpp"
 
 namespace leadthrough::chain_tests {
 

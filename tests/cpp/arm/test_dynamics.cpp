@@ -3,9 +3,9 @@
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
 #include <random>
 
-#include "arm/dynamics.hpp"
 #include "arm/kdl_chain.hpp"
 #include "arm/robots.hpp"
+#include "leadthrough/arm/dynamics.hpp"
 
 namespace leadthrough::dynamics_tests {
 

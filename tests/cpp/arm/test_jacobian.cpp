@@ -3,10 +3,10 @@
 #include <kdl/chainjnttojacdotsolver.hpp>
 #include <random>
 
-#include "arm/frame_kinematics.hpp"
-#include "arm/jacobian.hpp"
 #include "arm/kdl_chain.hpp"
 #include "arm/robots.hpp"
+#include "leadthrough/arm/frame_kinematics.hpp"
+#include "leadthrough/arm/jacobian.hpp"
 
 namespace leadthrough::jacobian_tests {
 

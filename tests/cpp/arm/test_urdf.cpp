@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "arm/robots.hpp"
-#include "arm/urdf.hpp"
+#include "leadthrough/arm/urdf.hpp"
 
 namespace leadthrough::urdf_tests {
 

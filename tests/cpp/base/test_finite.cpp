@@ -3,7 +3,7 @@
 #include <limits>
 #include <vector>
 
-#include "base/finite.hpp"
+#include "leadthrough/base/finite.hpp"
 
 namespace leadthrough::finite_tests {
 

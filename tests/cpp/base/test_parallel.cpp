@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "arm/robots.hpp"
-#include "base/parallel.hpp"
-#include "collision/check.hpp"
-#include "field/eikonal.hpp"
-#include "ik/arm_tasks.hpp"
-#include "ik/differential_ik.hpp"
-#include "ik/solve.hpp"
+#include "leadthrough/base/parallel.hpp"
+#include "leadthrough/collision/check.hpp"
+#include "leadthrough/field/eikonal.hpp"
+#include "leadthrough/ik/arm_tasks.hpp"
+#include "leadthrough/ik/differential_ik.hpp"
+#include "leadthrough/ik/solve.hpp"
 
 namespace leadthrough::parallel_tests {
 

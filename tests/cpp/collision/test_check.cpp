@@ -4,8 +4,8 @@
 #include <variant>
 
 #include "arm/robots.hpp"
-#include "base/constants.hpp"
-#include "collision/check.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/collision/check.hpp"
 
 namespace leadthrough::check_tests {
 

@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "arm/robots.hpp"
-#include "collision/clearance.hpp"
+#include "leadthrough/collision/clearance.hpp"
 
 namespace leadthrough::clearance_tests {
 

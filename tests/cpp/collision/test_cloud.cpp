@@ -6,8 +6,8 @@
 #include <random>
 
 #include "base/allocations.hpp"
-#include "collision/cloud.hpp"
-#include "collision/shapes.hpp"
+#include "leadthrough/collision/cloud.hpp"
+#include "leadthrough/collision/shapes.hpp"
 
 namespace leadthrough::cloud_tests {
 

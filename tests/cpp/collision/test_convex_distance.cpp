@@ -8,8 +8,8 @@
 
 #include "base/allocations.hpp"
 #include "base/cases.hpp"
-#include "base/constants.hpp"
-#include "collision/convex_distance.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/collision/convex_distance.hpp"
 
 namespace leadthrough::convex_distance_tests {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
-#include "collision/shapes.hpp"
+#include "leadthrough/collision/shapes.hpp"
 
 namespace leadthrough::signed_distance_tests {
 

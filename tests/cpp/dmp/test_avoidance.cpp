@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "dmp/avoidance.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/dmp/avoidance.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace leadthrough::dmp::avoidance_tests {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/constants.hpp"
-#include "dmp/orientation_curve.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/dmp/orientation_curve.hpp"
 
 namespace leadthrough::dmp::orientation_curve_tests {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "dmp/path.hpp"
+#include "leadthrough/dmp/path.hpp"
 
 namespace leadthrough::dmp::path_tests {
 

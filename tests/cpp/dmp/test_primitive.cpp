@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "dmp/primitive.hpp"
+#include "leadthrough/dmp/primitive.hpp"
 
 namespace leadthrough::dmp::primitive_tests {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/cases.hpp"
-#include "field/arrival_field.hpp"
-#include "field/eikonal.hpp"
+#include "leadthrough/field/arrival_field.hpp"
+#include "leadthrough/field/eikonal.hpp"
 
 namespace leadthrough::arrival_field_tests {
 

@@ -6,13 +6,13 @@
 #include <numeric>
 #include <random>
 
-#include "base/constants.hpp"
-#include "field/cell_set.hpp"
-#include "field/descent.hpp"
-#include "field/distance_transform.hpp"
-#include "field/path_distance.hpp"
-#include "field/sparse_distance.hpp"
-#include "field/sparse_march.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/field/cell_set.hpp"
+#include "leadthrough/field/descent.hpp"
+#include "leadthrough/field/distance_transform.hpp"
+#include "leadthrough/field/path_distance.hpp"
+#include "leadthrough/field/sparse_distance.hpp"
+#include "leadthrough/field/sparse_march.hpp"
 
 namespace leadthrough::cell_set_tests {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include "field/descent.hpp"
-#include "field/eikonal.hpp"
+#include "leadthrough/field/descent.hpp"
+#include "leadthrough/field/eikonal.hpp"
 
 namespace leadthrough::descent_tests {
 

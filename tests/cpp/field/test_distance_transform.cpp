@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "field/distance_transform.hpp"
+#include "leadthrough/field/distance_transform.hpp"
 
 namespace leadthrough::distance_transform_tests {
 

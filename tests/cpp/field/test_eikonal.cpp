@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/constants.hpp"
-#include "field/eikonal.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/field/eikonal.hpp"
 
 namespace leadthrough::eikonal_tests {
 

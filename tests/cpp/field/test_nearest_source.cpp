@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "field/eikonal.hpp"
-#include "field/nearest_source.hpp"
+#include "leadthrough/field/eikonal.hpp"
+#include "leadthrough/field/nearest_source.hpp"
 
 namespace leadthrough::nearest_source_tests {
 

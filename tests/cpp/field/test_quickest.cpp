@@ -5,9 +5,9 @@
 #include <set>
 #include <vector>
 
-#include "base/constants.hpp"
-#include "field/hindered_speeds.hpp"
-#include "field/quickest.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/field/hindered_speeds.hpp"
+#include "leadthrough/field/quickest.hpp"
 
 namespace leadthrough::quickest_tests {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "guard/brake.hpp"
+#include "leadthrough/guard/brake.hpp"
 
 namespace leadthrough::brake_tests {
 

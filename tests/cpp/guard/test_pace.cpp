@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "guard/bridge.hpp"
-#include "guard/pace.hpp"
-#include "guard/path_curve.hpp"
+#include "leadthrough/guard/bridge.hpp"
+#include "leadthrough/guard/pace.hpp"
+#include "leadthrough/guard/path_curve.hpp"
 
 namespace leadthrough::pace_tests {
 

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "arm/robots.hpp"
-#include "ik/axis_task.hpp"
+#include "leadthrough/ik/axis_task.hpp"
 
 namespace leadthrough::axis_task_tests {
 

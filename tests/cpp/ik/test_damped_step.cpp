@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "ik/damped_step.hpp"
+#include "leadthrough/ik/damped_step.hpp"
 
 namespace leadthrough::damped_step_tests {
 

@@ -8,8 +8,8 @@
 #include "arm/robots.hpp"
 #include "base/allocations.hpp"
 #include "base/cases.hpp"
-#include "ik/differential_ik.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/ik/differential_ik.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace leadthrough::differential_ik_tests {
 

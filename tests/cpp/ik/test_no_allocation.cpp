@@ -2,9 +2,9 @@
 
 #include "arm/robots.hpp"
 #include "base/allocations.hpp"
-#include "ik/tracking.hpp"
-#include "ik/yang.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/ik/tracking.hpp"
+#include "leadthrough/ik/yang.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace leadthrough::no_allocation_tests {
 

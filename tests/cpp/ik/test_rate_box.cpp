@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "ik/rate_box.hpp"
+#include "leadthrough/ik/rate_box.hpp"
 
 namespace leadthrough::rate_box_tests {
 

@@ -3,8 +3,8 @@
 #include <random>
 
 #include "arm/robots.hpp"
-#include "ik/solve.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/ik/solve.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace leadthrough::solve_tests {
 

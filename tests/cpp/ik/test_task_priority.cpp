@@ -6,10 +6,10 @@
 #include "arm/robots.hpp"
 #include "base/allocations.hpp"
 #include "base/cases.hpp"
-#include "base/constants.hpp"
 #include "base/dense.hpp"
-#include "ik/arm_tasks.hpp"
-#include "ik/task_priority.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/ik/arm_tasks.hpp"
+#include "leadthrough/ik/task_priority.hpp"
 
 namespace leadthrough::task_priority_tests {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "arm/robots.hpp"
-#include "ik/tracking.hpp"
+#include "leadthrough/ik/tracking.hpp"
 
 namespace leadthrough::tracking_tests {
 

@@ -2,11 +2,11 @@
 
 #include <random>
 
-#include "arm/jacobian.hpp"
 #include "arm/robots.hpp"
 #include "base/dense.hpp"
-#include "ik/yang.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/arm/jacobian.hpp"
+#include "leadthrough/ik/yang.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace leadthrough::yang_tests {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "learn/alignment.hpp"
+#include "leadthrough/learn/alignment.hpp"
 
 namespace leadthrough::alignment_tests {
 

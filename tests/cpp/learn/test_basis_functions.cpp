@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "learn/basis_functions.hpp"
+#include "leadthrough/learn/basis_functions.hpp"
 
 namespace leadthrough::basis_functions_tests {
 

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "learn/curves.hpp"
+#include "leadthrough/learn/curves.hpp"
 
 namespace leadthrough::curves_tests {
 

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "base/dense.hpp"
-#include "learn/gaussian.hpp"
+#include "leadthrough/learn/gaussian.hpp"
 
 namespace leadthrough::gaussian_tests {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include "base/constants.hpp"
-#include "learn/sample_truncated_gaussian.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/learn/sample_truncated_gaussian.hpp"
 
 namespace leadthrough::sample_truncated_gaussian_tests {
 

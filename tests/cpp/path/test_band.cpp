@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <random>
 
-#include "path/band.hpp"
+#include "leadthrough/path/band.hpp"
 
 namespace leadthrough::band_tests {
 

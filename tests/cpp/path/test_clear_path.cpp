@@ -4,9 +4,9 @@
 #include <variant>
 
 #include "arm/robots.hpp"
-#include "base/constants.hpp"
-#include "path/clear_path.hpp"
-#include "path/layers.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/path/clear_path.hpp"
+#include "leadthrough/path/layers.hpp"
 
 namespace leadthrough::clear_path_tests {
 

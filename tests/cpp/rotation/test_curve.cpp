@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "base/constants.hpp"
-#include "rotation/curve.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/rotation/curve.hpp"
 
 namespace leadthrough::curve_tests {
 

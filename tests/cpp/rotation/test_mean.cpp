@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "rotation/mean.hpp"
+#include "leadthrough/rotation/mean.hpp"
 
 namespace leadthrough::mean_tests {
 

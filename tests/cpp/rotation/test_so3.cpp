@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include "base/constants.hpp"
-#include "rotation/so3.hpp"
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace leadthrough::so3_tests {
 

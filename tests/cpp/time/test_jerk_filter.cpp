@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "time/jerk_filter.hpp"
+#include "leadthrough/time/jerk_filter.hpp"
 
 namespace leadthrough::jerk_filter_tests {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "time/slowing.hpp"
+#include "leadthrough/time/slowing.hpp"
 
 namespace leadthrough::slowing_tests {
 

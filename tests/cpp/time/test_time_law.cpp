@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "time/quintic_step.hpp"
-#include "time/time_law.hpp"
+#include "leadthrough/time/quintic_step.hpp"
+#include "leadthrough/time/time_law.hpp"
 
 namespace leadthrough::time_law_tests {
 

@@ -1,0 +1,94 @@
+#pragma once
+
+// Serial chains: the path of joints from a base link to a tip link, flattened so that every joint
+// moves about or along its own z axis and fixed transforms are folded between them.
+
+#include <array>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "leadthrough/arm/urdf.hpp"
+#include "leadthrough/base/matrix.hpp"
+
+namespace leadthrough {
+
+// Size of fixed workspaces; a chain with more moving joints is rejected.
+constexpr int kMaxJoints = 16;
+
+using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxJoints, 1>;  // no heap
+
+struct Pose {
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d position;
+};
+
+// Drive of a moving joint: its value is multiplier * q[joint] + offset.
+struct Drive {
+  int joint = 0;
+  double multiplier = 1.0;
+  double offset = 0.0;
+};
+
+// T_base_tip = fixed[0] moving(0) fixed[1] moving(1) ... fixed[moving]. Each joint of the chain
+// drives one moving joint, and more where some mimic it; without mimics the two are the same.
+struct Chain {
+  std::vector<std::string> joint_names;
+  // Infinite where there is none; rad or m, per second, N m or N. Those of joints that mimic
+  // narrow position and velocity of the joint that drives them.
+  JointVector lower, upper, velocity, effort;
+  // True if a full revolution of the joint leaves the arm's configuration unchanged.
+  std::array<bool, kMaxJoints> periodic{};
+
+  int moving = 0;
+  bool mimics = false;
+  std::array<bool, kMaxJoints> prismatic{};
+  std::array<Drive, kMaxJoints> drives{};
+  std::array<urdf::Transform, kMaxJoints + 1> fixed;
+  // The rigid body that a moving joint carries, loads included, in the joint's frame.
+  std::array<urdf::Inertia, kMaxJoints> bodies;
+  double mass = 0.0;  // of the bodies without loads, kg
+
+  int joints() const { return static_cast<int>(joint_names.size()); }
+};
+
+// The chain from base down to tip. Links on branches count as bodies if they are fixed to the
+// chain, but not if joints outside the chain move them. Errors: unknown links, a tip that does not
+// descend from the base, joints that mimic one outside the chain, planar and floating joints, no
+// joint at all, more than kMaxJoints.
+std::variant<Chain, urdf::Error> make_chain(const urdf::Robot& robot, const std::string& base,
+                                            const std::string& tip);
+
+// The joints from base down to tip, fixed ones as well.
+std::variant<std::vector<const urdf::Joint*>, urdf::Error> joints_between(const urdf::Robot& robot,
+                                                                          const std::string& base,
+                                                                          const std::string& tip);
+
+// The chain with another tip, given in the frame of the present one.
+Chain with_tool(const Chain& chain, const urdf::Transform& T_tip_tool);
+// The chain that carries a body, given in the frame of its tip.
+Chain with_load(const Chain& chain, const urdf::Inertia& load);
+
+// Upper bound on the tip's distance from the first joint, m.
+double reach(const Chain& chain);
+
+// Column i is the tip's velocity (linear first, base frame) for a unit velocity of joint i.
+using JacobianColumns = std::array<Vector6, kMaxJoints>;
+
+struct Kinematics {
+  Pose T_base_tip;
+  JacobianColumns jacobian;
+};
+
+// q: one value a joint, rad or m.
+Pose forward_kinematics(const Chain& chain, const double* q);
+void forward_kinematics(const Chain& chain, const double* q, Kinematics& kinematics);
+
+// Positions and orientations (w, x, y, z), one row a configuration.
+struct Poses {
+  Rows3 positions;
+  Rows4 orientations;
+};
+Poses forward_kinematics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q);
+
+}  // namespace leadthrough

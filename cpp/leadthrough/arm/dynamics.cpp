@@ -1,0 +1,106 @@
+#include "leadthrough/arm/dynamics.hpp"
+
+#include <algorithm>
+#include <kdl/chaindynparam.hpp>
+#include <kdl/chainidsolver_recursive_newton_euler.hpp>
+#include <stdexcept>
+
+#include "leadthrough/arm/rigid.hpp"
+#include "leadthrough/arm/run_down.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+KDL::Vector to_kdl(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+KDL::Frame to_kdl(const urdf::Transform& transform) {
+  const auto& r = transform.rotation;
+  return {KDL::Rotation(r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1),
+                        r(2, 2)),
+          to_kdl(transform.position)};
+}
+
+KDL::RigidBodyInertia to_kdl(const urdf::Inertia& inertia) {
+  const auto& m = inertia.moments;
+  return KDL::RigidBodyInertia(
+      inertia.mass, to_kdl(inertia.center),
+      KDL::RotationalInertia(m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)));
+}
+
+urdf::Transform inverse(const urdf::Transform& transform) {
+  const Eigen::Matrix3d turn = transform.rotation.transpose();
+  return {turn, -(turn * transform.position)};
+}
+
+// One segment a moving joint; KDL has a segment's joint at its start and its body at its end.
+KDL::Chain to_kdl(const Chain& chain) {
+  KDL::Chain result;
+  result.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::Fixed), to_kdl(chain.fixed[0])));
+  for (std::size_t k = 0; k < moving_count(chain); ++k) {
+    const KDL::Joint joint(chain.prismatic[k] ? KDL::Joint::TransZ : KDL::Joint::RotZ);
+    result.addSegment(KDL::Segment(joint, to_kdl(chain.fixed[k + 1]),
+                                   to_kdl(inverse(chain.fixed[k + 1]) * chain.bodies[k])));
+  }
+  return result;
+}
+
+// Only sizes that differ make KDL fail, and ours agree.
+void require_success(int code) {
+  if (code != KDL::SolverI::E_NOERROR) throw std::logic_error("KDL refused the chain");
+}
+
+KDL::JntArray joint_array(const Chain& chain) {
+  return KDL::JntArray(static_cast<unsigned>(chain.moving));
+}
+
+void copy(const double* values, KDL::JntArray& joints) {
+  std::copy_n(values, joints.data.size(), joints.data.data());
+}
+
+}  // namespace
+
+Rows inverse_dynamics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
+                            const Eigen::Ref<const Rows>& qd, const Eigen::Ref<const Rows>& qdd,
+                            const Eigen::Vector3d& gravity) {
+  const KDL::Chain bodies = to_kdl(chain);
+  KDL::ChainIdSolver_RNE solver(bodies, to_kdl(gravity));
+  const KDL::Wrenches none(bodies.getNrOfSegments(), KDL::Wrench::Zero());
+  KDL::JntArray values = joint_array(chain), rates = values, second_rates = values, forces = values;
+  MovingValues room;
+  Rows torques = Rows::Zero(q.rows(), chain.joints());
+  for (Eigen::Index row = 0; row < q.rows(); ++row) {
+    copy(moving_values(chain, q.row(row).data(), room), values);
+    copy(moving_rates(chain, qd.row(row).data(), room), rates);
+    copy(moving_rates(chain, qdd.row(row).data(), room), second_rates);
+    require_success(solver.CartToJnt(values, rates, second_rates, none, forces));
+    for (std::size_t k = 0; k < moving_count(chain); ++k)
+      torques(row, chain.drives[k].joint) +=
+          chain.drives[k].multiplier * forces(static_cast<unsigned>(k));
+  }
+  return torques;
+}
+
+Rows mass_matrix_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+  const Eigen::Index n = chain.joints();
+  const KDL::Chain bodies = to_kdl(chain);
+  KDL::ChainDynParam solver(bodies, KDL::Vector::Zero());
+  KDL::JntArray values = joint_array(chain);
+  KDL::JntSpaceInertiaMatrix mass(static_cast<unsigned>(chain.moving));
+  MovingValues room;
+  Rows matrices = Rows::Zero(q.rows(), n * n);
+  for (Eigen::Index row = 0; row < q.rows(); ++row) {
+    copy(moving_values(chain, q.row(row).data(), room), values);
+    require_success(solver.JntToMass(values, mass));
+    for (Eigen::Index k = 0; k < chain.moving; ++k) {
+      const Drive& a = chain.drives[static_cast<std::size_t>(k)];
+      for (Eigen::Index l = 0; l < chain.moving; ++l) {
+        const Drive& b = chain.drives[static_cast<std::size_t>(l)];
+        matrices(row, a.joint * n + b.joint) += a.multiplier * b.multiplier * mass.data(k, l);
+      }
+    }
+  }
+  return matrices;
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,264 @@
+#include "leadthrough/collision/check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/parallel.hpp"
+#include "leadthrough/collision/motion_bound.hpp"
+#include "leadthrough/collision/scene.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+using collision::Frames;
+
+constexpr Eigen::Index kBlock = 64;  // rows that one thread takes at a time
+
+// A scene at one configuration; made once for many.
+class Placement {
+ public:
+  explicit Placement(const CollisionScene& scene) : scene_(scene), balls_(scene.pairs.size()) {
+    for (const BodyShape& shape : scene.shapes) poses_.push_back(shape.T_frame_shape);
+  }
+
+  void move_to(const double* q) {
+    MovingValues room;
+    collision::joint_frames(scene_.chain, moving_values(scene_.chain, q, room), frames_);
+    collision::place(scene_.shapes, scene_.joints, frames_, poses_);
+    for (std::size_t i = 0; i < balls_.size(); ++i) {
+      const auto [a, b] = scene_.pairs[i];
+      balls_[i] = collision::ball_distance(shape(a), pose(a), shape(b), pose(b));
+    }
+  }
+
+  // The two nearest bodies. The pair with the nearest balls is tested first: it excludes most.
+  Nearest nearest() const {
+    Nearest best;
+    if (balls_.empty()) return best;
+    const auto first = std::min_element(balls_.begin(), balls_.end()) - balls_.begin();
+    measure(static_cast<std::size_t>(first), kInfinity, best);
+    for (std::size_t i = 0; i < balls_.size(); ++i)
+      if (balls_[i] < best.distance) measure(i, best.distance, best);
+    return best;
+  }
+
+  // Keeps the nearer of `best` and pair i, and returns the pair's distance, or a value from
+  // `cutoff` up to it.
+  double measure(std::size_t i, double cutoff, Nearest& best) const {
+    const auto [a, b] = scene_.pairs[i];
+    const Separation found = collision::separation(shape(a), pose(a), shape(b), pose(b), cutoff);
+    if (found.distance < best.distance)
+      best = {found.distance, shape(a).body, shape(b).body, found.on_a, found.on_b};
+    return found.distance;
+  }
+
+  double ball(std::size_t i) const { return balls_[i]; }
+
+ private:
+  const BodyShape& shape(int i) const { return scene_.shapes[static_cast<std::size_t>(i)]; }
+  const Pose& pose(int i) const { return poses_[static_cast<std::size_t>(i)]; }
+
+  const CollisionScene& scene_;
+  Frames frames_;
+  std::vector<Pose> poses_;
+  std::vector<double> balls_;
+};
+
+// Between two samples: the nearest approach and the first hit, if it is not at the first sample.
+struct Interval {
+  Approach closest;
+  std::optional<Approach> first;
+};
+
+// Conservative advancement (Mirtich 1996): from a configuration the arm advances by as much as the
+// distances allow before any could fall below a threshold.
+class Motion {
+ public:
+  Motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, const MotionOptions& options)
+      : scene_(scene),
+        q_(q),
+        options_(options),
+        reach_(collision::reaches(scene, extents(scene.chain, q))) {}
+
+  // The largest absolute value of each moving joint.
+  static MovingValues extents(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+    MovingValues extent{};
+    for (std::size_t k = 0; k < moving_count(chain); ++k) {
+      const Drive& drive = chain.drives[k];
+      extent[k] = std::abs(drive.multiplier) * q.col(drive.joint).cwiseAbs().maxCoeff() +
+                  std::abs(drive.offset);
+    }
+    return extent;
+  }
+
+  // least: the smallest distance of all samples; start, end: those of rows i and i + 1.
+  Interval between(Eigen::Index i, const Nearest& start, const Nearest& end, double least,
+                   Placement& placement, std::vector<double>& motion) const {
+    Interval found;
+    const double longest = pair_motions(i, motion);
+    double local = std::min(start.distance, end.distance);
+    bool hit = is_hit(start.distance);
+    double share = 0.0;
+    double here = start.distance;
+    while (true) {
+      // Distances already known to be lower, or no hit, need no second test.
+      const double threshold =
+          (hit ? local : std::max(options_.margin, std::min(least, local))) - options_.tolerance;
+      if (0.5 * (here + end.distance - longest * (1.0 - share)) >= threshold) return found;
+      const double step =
+          share == 0.0 ? (here - threshold) / longest : free_share(placement, motion, threshold);
+      share += step;
+      if (share >= 1.0) return found;
+      MovingValues q{};
+      interpolate(i, share, q);
+      placement.move_to(q.data());
+      const Nearest nearest = placement.nearest();
+      here = nearest.distance;
+      const Approach approach{nearest, static_cast<double>(i) + share};
+      if (here < found.closest.nearest.distance) found.closest = approach;
+      if (is_hit(here) && !found.first) found.first = approach;
+      hit = hit || is_hit(here);
+      local = std::min(local, here);
+    }
+  }
+
+  bool is_hit(double distance) const { return distance < options_.margin - kTouching; }
+
+  double pair_motions(Eigen::Index i, std::vector<double>& motion) const {
+    MovingValues change{};
+    for (std::size_t k = 0; k < moving_count(scene_.chain); ++k) {
+      const Drive& drive = scene_.chain.drives[k];
+      change[k] = std::abs(drive.multiplier * (q_(i + 1, drive.joint) - q_(i, drive.joint)));
+    }
+    double longest = 0.0;
+    for (std::size_t p = 0; p < scene_.pairs.size(); ++p) {
+      motion[p] = collision::pair_motion(scene_, reach_, scene_.pairs[p], change);
+      longest = std::max(longest, motion[p]);
+    }
+    return longest;
+  }
+
+ private:
+  void interpolate(Eigen::Index i, double share, MovingValues& q) const {
+    for (Eigen::Index k = 0; k < q_.cols(); ++k)
+      q[static_cast<std::size_t>(k)] = (1.0 - share) * q_(i, k) + share * q_(i + 1, k);
+  }
+
+  // Fraction of the interval before any distance can fall below the threshold.
+  static double free_share(const Placement& placement, const std::vector<double>& motion,
+                           double threshold) {
+    double share = 1.0;
+    Nearest ignored;
+    for (std::size_t p = 0; p < motion.size(); ++p) {
+      const double enough = threshold + share * motion[p];
+      if (placement.ball(p) >= enough) continue;
+      const double distance = placement.measure(p, enough, ignored);
+      if (distance < enough) share = (distance - threshold) / motion[p];
+    }
+    return share;
+  }
+
+  const CollisionScene& scene_;
+  const Eigen::Ref<const Rows>& q_;
+  const MotionOptions& options_;
+  std::vector<MovingValues> reach_;
+};
+
+// Calls work(first, end) for blocks of rows.
+template <typename Work>
+void for_each_block(Eigen::Index rows, int threads, const Work& work) {
+  const auto blocks = static_cast<std::size_t>((rows + kBlock - 1) / kBlock);
+  for_each_index(blocks, threads, [&](std::size_t block) {
+    const auto first = static_cast<Eigen::Index>(block) * kBlock;
+    work(first, std::min(first + kBlock, rows));
+  });
+}
+
+CollisionScene bodies_of(const CollisionModel& model) {
+  CollisionScene scene{model.chain, {}, model.shapes, {}, {}};
+  for (const Body& body : model.bodies) scene.names.push_back(body.name);
+  for (const BodyShape& shape : model.shapes)
+    scene.joints.push_back(model.bodies[static_cast<std::size_t>(shape.body)].joints);
+  return scene;
+}
+
+}  // namespace
+
+CollisionScene itself(const CollisionModel& model) {
+  CollisionScene scene = bodies_of(model);
+  scene.pairs = model.pairs;
+  return scene;
+}
+
+CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacles) {
+  CollisionScene scene = bodies_of(model);
+  const int own = static_cast<int>(scene.shapes.size());
+  int things = 0;
+  for (const PlacedShape& placed : obstacles) {
+    const int obstacle = static_cast<int>(scene.shapes.size());
+    for (int i = 0; i < own; ++i)
+      if (scene.joints[static_cast<std::size_t>(i)] > 0) scene.pairs.push_back({obstacle, i});
+    if (!placed.piece) scene.names.push_back("obstacle " + std::to_string(things++));
+    const int body = static_cast<int>(scene.names.size()) - 1;
+    const double radius =
+        placed.cloud ? placed.cloud->bounding_radius() : bounding_radius(placed.convex);
+    scene.shapes.push_back({placed.convex, placed.pose, body, radius, placed.cloud});
+    scene.joints.push_back(0);
+  }
+  return scene;
+}
+
+std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+                                   int threads) {
+  std::vector<Nearest> found(static_cast<std::size_t>(q.rows()));
+  for_each_block(q.rows(), threads, [&](Eigen::Index first, Eigen::Index end) {
+    Placement placement(scene);
+    for (Eigen::Index i = first; i < end; ++i) {
+      placement.move_to(q.row(i).data());
+      found[static_cast<std::size_t>(i)] = placement.nearest();
+    }
+  });
+  return found;
+}
+
+MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+                          const MotionOptions& options) {
+  MotionReport report;
+  report.samples = nearest_batch(scene, q, options.threads);
+  const auto& samples = report.samples;
+  double least = kInfinity;
+  for (const Nearest& sample : samples) least = std::min(least, sample.distance);
+  const Motion motion(scene, q, options);
+  std::vector<Interval> intervals(samples.size());  // the last one stays empty
+  for_each_block(q.rows() - 1, options.threads, [&](Eigen::Index first, Eigen::Index end) {
+    Placement placement(scene);
+    std::vector<double> room(scene.pairs.size());
+    for (Eigen::Index i = first; i < end; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      intervals[at] = motion.between(i, samples[at], samples[at + 1], least, placement, room);
+    }
+  });
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Approach sample{samples[i], static_cast<double>(i)};
+    if (!report.first && motion.is_hit(sample.nearest.distance)) report.first = sample;
+    if (!report.first) report.first = intervals[i].first;
+    for (const Approach& approach : {sample, intervals[i].closest})
+      if (approach.nearest.distance < report.closest.nearest.distance) report.closest = approach;
+  }
+  return report;
+}
+
+double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q) {
+  const MotionOptions options;
+  const Motion motion(scene, q, options);
+  std::vector<double> room(scene.pairs.size());
+  double longest = 0.0;
+  for (Eigen::Index i = 0; i + 1 < q.rows(); ++i)
+    longest = std::max(longest, motion.pair_motions(i, room));
+  return longest;
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,127 @@
+#pragma once
+
+// Collision of a whole arm: every shape of every link, against obstacles and against each other,
+// at single configurations and along a motion without a gap between its samples.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/collision/shapes.hpp"
+
+namespace leadthrough {
+
+// Bodies that overlap by less count as touching, m: distances are exact to a tenth of it.
+constexpr double kTouching = 1e-6;
+
+// A link, a thing that is attached to the tip, or an obstacle. joints: how many of the chain's
+// joints move it; none move the base, what is fixed to it, and obstacles.
+struct Body {
+  std::string name;
+  int joints;
+};
+
+// T_frame_shape: in the frame that moves with the body's last joint; the base for 0 joints.
+struct BodyShape {
+  Convex convex;
+  Pose T_frame_shape;
+  int body;
+  double radius;  // of a ball about the shape's origin that holds it, m
+  std::shared_ptr<const Cloud> cloud = nullptr;  // of an obstacle, in place of a convex body
+};
+
+// Shapes that are checked against each other; more joints move b than a.
+struct ShapePair {
+  int a, b;
+};
+
+// Bodies that are not checked against each other, and why.
+enum class LeftOut { kAdjacent, kAlways, kNever };
+struct BodyPair {
+  int a, b;
+  LeftOut why;
+};
+
+struct CollisionModel {
+  Chain chain;
+  std::vector<Body> bodies;
+  std::vector<BodyShape> shapes;
+  std::vector<ShapePair> pairs;
+  std::vector<bool> meet;  // pairs that touch and never overlap: their URDF makes them meet
+  std::vector<BodyPair> left_out;
+};
+// The model without the pairs that meet: no margin can hold between them.
+CollisionModel without_meeting_pairs(const CollisionModel& model);
+
+// Pairs are sampled at configurations spread evenly inside the limits: pairs that never come within
+// `margin` and pairs that always touch are left out, as are adjacent links.
+struct PairOptions {
+  int samples = 4000;
+  double margin = 0.05;  // m
+};
+
+// The model of the robot that `chain` is the arm of, from the links `base` to `tip`. Joints outside
+// the chain stay at zero or at the limit next to it. hulls: the vertices of all meshes, in the
+// order of links and their collisions; attached: in the frame of the tip link, without clouds.
+CollisionModel make_collision_model(const urdf::Robot& robot, const Chain& chain,
+                                    const std::string& base, const std::string& tip,
+                                    const std::vector<Eigen::Matrix3Xd>& hulls,
+                                    const PlacedShapes& attached, const PairOptions& options = {});
+
+// Pairs to check: the arm's own, or its moving bodies against obstacles. Obstacles are bodies like
+// the arm's own, after them and in their order, named "obstacle 0" and so on.
+struct CollisionScene {
+  Chain chain;
+  std::vector<std::string> names;  // of the bodies
+  std::vector<BodyShape> shapes;
+  std::vector<int> joints;  // that move each shape
+  std::vector<ShapePair> pairs;
+};
+CollisionScene itself(const CollisionModel& model);
+CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacles);
+
+// The closest pair of bodies; the distance is infinite if no pair is checked. Points in the base
+// frame.
+struct Nearest {
+  double distance = kInfinity;
+  int a = -1;
+  int b = -1;
+  Eigen::Vector3d on_a = Eigen::Vector3d::Zero();
+  Eigen::Vector3d on_b = Eigen::Vector3d::Zero();
+};
+
+// One answer a row of q; the same for any number of threads.
+std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+                                   int threads);
+
+// sample: index of a row of q plus the fraction of the step to the next.
+struct Approach {
+  Nearest nearest;
+  double sample = 0.0;
+};
+
+struct MotionOptions {
+  double margin = 0.0;      // m; a distance below it is a hit, contact alone is none
+  double tolerance = 1e-3;  // m
+  int threads = 1;
+};
+
+// closest: the smallest distance of the whole motion, to the tolerance. first: the first hit; no
+// earlier one is deeper than the tolerance.
+struct MotionReport {
+  std::vector<Nearest> samples;
+  Approach closest;
+  std::optional<Approach> first;
+};
+
+// Between rows the joints move straight and in proportion.
+MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+                          const MotionOptions& options = {});
+
+// Upper bound on the displacement of any point of the arm between two rows, m; the work of
+// check_motion grows with its ratio to the tolerance.
+double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q);
+
+}  // namespace leadthrough

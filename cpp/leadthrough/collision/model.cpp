@@ -1,0 +1,298 @@
+// Shapes of an arm, the joints that move them, and the pairs of them to check.
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "leadthrough/collision/scene.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+using collision::compose;
+using collision::Frames;
+using collision::inverse;
+using urdf::Robot;
+
+Pose to_pose(const urdf::Transform& transform) { return {transform.rotation, transform.position}; }
+
+Pose moved(const urdf::Joint& joint, double value) {
+  const Pose at_zero = to_pose(joint.T_parent_child);
+  if (joint.type == urdf::JointType::kFixed || joint.type == urdf::JointType::kPlanar ||
+      joint.type == urdf::JointType::kFloating)
+    return at_zero;
+  if (joint.type == urdf::JointType::kPrismatic)
+    return compose(at_zero, {Eigen::Matrix3d::Identity(), value * joint.axis});
+  return compose(
+      at_zero, {Eigen::AngleAxisd(value, joint.axis).toRotationMatrix(), Eigen::Vector3d::Zero()});
+}
+
+// Placement of a link: the number of the chain's joints that move it, and its pose at zero.
+struct Place {
+  int joints = 0;
+  Pose T_root_link{Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()};
+};
+
+int find_link(const Robot& robot, const std::string& name) {
+  const auto found = std::find_if(robot.links.begin(), robot.links.end(),
+                                  [&](const urdf::Link& link) { return link.name == name; });
+  return static_cast<int>(found - robot.links.begin());
+}
+
+// Joints that move, from the base to the tip, as marks on the robot's joints.
+std::vector<bool> joints_of_chain(const Robot& robot, int base, int tip) {
+  std::vector<bool> among(robot.joints.size(), false);
+  for (int link = tip; link != base;) {
+    const auto joint =
+        static_cast<std::size_t>(robot.links[static_cast<std::size_t>(link)].parent_joint);
+    among[joint] = robot.joints[joint].type != urdf::JointType::kFixed;
+    link = robot.joints[joint].parent;
+  }
+  return among;
+}
+
+// Joints precede those below their child.
+std::vector<Place> places(const Robot& robot, const std::vector<bool>& among) {
+  std::vector<Place> result(robot.links.size());
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const urdf::Joint& joint = robot.joints[i];
+    const double held = std::clamp(0.0, joint.lower, joint.upper);
+    const Place& parent = result[static_cast<std::size_t>(joint.parent)];
+    result[static_cast<std::size_t>(joint.child)] = {
+        parent.joints + (among[i] ? 1 : 0),
+        compose(parent.T_root_link, moved(joint, among[i] ? 0.0 : held))};
+  }
+  return result;
+}
+
+Convex to_convex(const urdf::Geometry& collision) {
+  switch (collision.type) {
+    case urdf::GeometryType::kBox:
+      return box(collision.size);
+    case urdf::GeometryType::kCylinder:
+      return cylinder(collision.radius, collision.length);
+    case urdf::GeometryType::kCapsule:
+      return capsule(collision.radius, collision.length);
+    case urdf::GeometryType::kSphere:
+      return sphere(collision.radius);
+    case urdf::GeometryType::kMesh:
+      break;  // its hull is given
+  }
+  return {};
+}
+
+void add_shape(CollisionModel& model, const Convex& convex, const Pose& T_frame_shape) {
+  const int body = static_cast<int>(model.bodies.size()) - 1;
+  model.shapes.push_back({convex, T_frame_shape, body, bounding_radius(convex)});
+}
+
+// A mesh's frame may lie far from it: the bounding ball needs the middle as origin.
+void add_hull(CollisionModel& model, const Eigen::Matrix3Xd& vertices, const Pose& T_frame_mesh) {
+  const Eigen::Vector3d middle =
+      0.5 * (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff());
+  add_shape(model, hull(vertices.colwise() - middle),
+            compose(T_frame_mesh, {Eigen::Matrix3d::Identity(), middle}));
+}
+
+// The nearest link towards the root that has shapes is a link's neighbour, as one of bodies.
+std::vector<int> neighbours(const Robot& robot, const std::vector<int>& body_of_link) {
+  std::vector<int> above(robot.links.size(), -1);
+  for (const urdf::Joint& joint : robot.joints) {
+    const auto parent = static_cast<std::size_t>(joint.parent);
+    above[static_cast<std::size_t>(joint.child)] =
+        body_of_link[parent] >= 0 ? body_of_link[parent] : above[parent];
+  }
+  return above;
+}
+
+// Points that cover a unit cube evenly: multiples of powers of the root of x^(d + 1) = x + 1,
+// modulo one (Roberts 2018).
+JointVector sample(const Chain& chain, int index) {
+  const int joints = chain.joints();
+  double root = 2.0;
+  for (int i = 0; i < 60; ++i) root = std::pow(1.0 + root, 1.0 / (joints + 1));
+  JointVector q(joints);
+  double step = 1.0;
+  for (int i = 0; i < joints; ++i) {
+    constexpr double kFar = kPi;  // rad or m, where there is no limit
+    const bool from = std::isfinite(chain.lower[i]), to = std::isfinite(chain.upper[i]);
+    const double lower = from ? chain.lower[i] : to ? chain.upper[i] - 2.0 * kFar : -kFar;
+    const double upper = to ? chain.upper[i] : from ? chain.lower[i] + 2.0 * kFar : kFar;
+    step /= root;
+    q[i] = lower + std::fmod(0.5 + step * (index + 1), 1.0) * (upper - lower);
+  }
+  return q;
+}
+
+// Two bodies, their shapes, and the statistics of their samples.
+struct Candidate {
+  int a, b;
+  std::vector<ShapePair> pairs;
+  bool near = false;
+  bool apart = false;
+
+  bool decided() const { return near && apart; }
+};
+
+void look(const CollisionModel& model, const std::vector<Pose>& poses, double margin,
+          Candidate& candidate) {
+  double distance = margin;
+  for (const ShapePair& pair : candidate.pairs) {
+    const auto a = static_cast<std::size_t>(pair.a);
+    const auto b = static_cast<std::size_t>(pair.b);
+    const BodyShape& one = model.shapes[a];
+    const BodyShape& other = model.shapes[b];
+    if (collision::ball_distance(one, poses[a], other, poses[b]) >= distance) continue;
+    const double found =
+        separation(one.convex, poses[a], other.convex, poses[b], distance).distance;
+    distance = std::min(distance, found);
+  }
+  candidate.near = candidate.near || distance < margin;
+  candidate.apart = candidate.apart || distance > 0.0;
+}
+
+// All pairs of bodies that can move against each other and are no neighbours.
+std::vector<Candidate> candidates(CollisionModel& model, const std::vector<int>& neighbour) {
+  std::vector<Candidate> result;
+  const int count = static_cast<int>(model.bodies.size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a + 1; b < count; ++b) {
+      const int joints_a = model.bodies[static_cast<std::size_t>(a)].joints;
+      const int joints_b = model.bodies[static_cast<std::size_t>(b)].joints;
+      if (joints_a == joints_b) continue;
+      if (neighbour[static_cast<std::size_t>(a)] == b ||
+          neighbour[static_cast<std::size_t>(b)] == a)
+        model.left_out.push_back({a, b, LeftOut::kAdjacent});
+      else
+        result.push_back(joints_a < joints_b ? Candidate{a, b, {}} : Candidate{b, a, {}});
+    }
+  }
+  for (Candidate& candidate : result)
+    for (std::size_t i = 0; i < model.shapes.size(); ++i)
+      for (std::size_t j = 0; j < model.shapes.size(); ++j)
+        if (model.shapes[i].body == candidate.a && model.shapes[j].body == candidate.b)
+          candidate.pairs.push_back({static_cast<int>(i), static_cast<int>(j)});
+  return result;
+}
+
+// Number of samples in which two shapes of bodies that can collide touch exactly, and overlap.
+struct Contacts {
+  int touching = 0;
+  int overlapping = 0;
+};
+
+// Marks pairs that touch and never overlap.
+void find_meeting_pairs(CollisionModel& model, const std::vector<int>& joints) {
+  constexpr int kFew = 64, kMany = 2000;  // configurations: to find contacts; to exclude overlaps
+  constexpr double kTouching = 1e-6;      // m
+  std::vector<Contacts> seen(model.pairs.size());
+  std::vector<Pose> poses(model.shapes.size());
+  Frames frames;
+  MovingValues room;
+  for (int i = 0; i < kMany; ++i) {
+    const JointVector q = sample(model.chain, i);
+    collision::joint_frames(model.chain, moving_values(model.chain, q.data(), room), frames);
+    collision::place(model.shapes, joints, frames, poses);
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      if (seen[k].overlapping > 0 || (i >= kFew && seen[k].touching == 0)) continue;
+      const auto a = static_cast<std::size_t>(model.pairs[k].a);
+      const auto b = static_cast<std::size_t>(model.pairs[k].b);
+      const double distance = separation(model.shapes[a].convex, poses[a], model.shapes[b].convex,
+                                         poses[b], 2.0 * kTouching)
+                                  .distance;
+      if (distance < -kTouching) ++seen[k].overlapping;
+      if (std::abs(distance) <= kTouching) ++seen[k].touching;
+    }
+  }
+  for (const Contacts& each : seen)
+    model.meet.push_back(each.overlapping == 0 && each.touching > 0);
+}
+
+void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
+                  const PairOptions& options) {
+  std::vector<Candidate> open = candidates(model, neighbour);
+  std::vector<Pose> poses;
+  std::vector<int> joints;
+  for (const BodyShape& shape : model.shapes) {
+    poses.push_back(shape.T_frame_shape);
+    joints.push_back(model.bodies[static_cast<std::size_t>(shape.body)].joints);
+  }
+  Frames frames;
+  MovingValues room;
+  for (int i = 0; i < options.samples; ++i) {
+    const JointVector q = sample(model.chain, i);
+    collision::joint_frames(model.chain, moving_values(model.chain, q.data(), room), frames);
+    collision::place(model.shapes, joints, frames, poses);
+    for (Candidate& candidate : open)
+      if (!candidate.decided()) look(model, poses, options.margin, candidate);
+  }
+  for (const Candidate& candidate : open) {
+    if (candidate.decided())
+      model.pairs.insert(model.pairs.end(), candidate.pairs.begin(), candidate.pairs.end());
+    else
+      model.left_out.push_back(
+          {candidate.a, candidate.b, candidate.apart ? LeftOut::kNever : LeftOut::kAlways});
+  }
+  find_meeting_pairs(model, joints);
+}
+
+}  // namespace
+
+CollisionModel make_collision_model(const Robot& robot, const Chain& chain, const std::string& base,
+                                    const std::string& tip,
+                                    const std::vector<Eigen::Matrix3Xd>& hulls,
+                                    const PlacedShapes& attached, const PairOptions& options) {
+  const auto first = static_cast<std::size_t>(find_link(robot, base));
+  const auto last = static_cast<std::size_t>(find_link(robot, tip));
+  const std::vector<Place> links =
+      places(robot, joints_of_chain(robot, static_cast<int>(first), static_cast<int>(last)));
+  CollisionModel model{chain, {}, {}, {}, {}, {}};
+  Frames frames;
+  collision::joint_frames(chain, MovingValues{}.data(), frames);
+  // Links beside or above the base in the tree do not move either.
+  const auto joints_of = [&](std::size_t link) { return links[link].joints; };
+  const auto in_frame = [&](std::size_t link) {
+    const Pose T_base_link = compose(inverse(links[first].T_root_link), links[link].T_root_link);
+    return compose(inverse(frames[static_cast<std::size_t>(joints_of(link))]), T_base_link);
+  };
+  std::vector<int> body_of_link(robot.links.size(), -1);
+  std::size_t hull_index = 0;
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    const urdf::Link& link = robot.links[i];
+    if (link.collisions.empty()) continue;
+    body_of_link[i] = static_cast<int>(model.bodies.size());
+    model.bodies.push_back({link.name, joints_of(i)});
+    for (const urdf::Geometry& collision : link.collisions) {
+      const Pose pose = compose(in_frame(i), to_pose(collision.T_link_shape));
+      if (collision.type == urdf::GeometryType::kMesh)
+        add_hull(model, hulls[hull_index++], pose);
+      else
+        add_shape(model, to_convex(collision), pose);
+    }
+  }
+  const std::vector<int> above = neighbours(robot, body_of_link);
+  std::vector<int> neighbour(model.bodies.size());
+  for (std::size_t i = 0; i < robot.links.size(); ++i)
+    if (body_of_link[i] >= 0) neighbour[static_cast<std::size_t>(body_of_link[i])] = above[i];
+  if (!attached.empty()) {
+    neighbour.push_back(body_of_link[last] >= 0 ? body_of_link[last] : above[last]);
+    model.bodies.push_back({"attached", joints_of(last)});
+    for (const PlacedShape& held : attached)
+      add_shape(model, held.convex, compose(in_frame(last), held.pose));
+  }
+  choose_pairs(model, neighbour, options);
+  return model;
+}
+
+CollisionModel without_meeting_pairs(const CollisionModel& model) {
+  CollisionModel result = model;
+  result.pairs.clear();
+  for (std::size_t i = 0; i < model.pairs.size(); ++i)
+    if (!model.meet[i]) result.pairs.push_back(model.pairs[i]);
+  result.meet.assign(result.pairs.size(), false);
+  return result;
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,158 @@
+#include "leadthrough/guard/pace.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/guard/path_curve.hpp"
+
+namespace leadthrough::guard {
+
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+
+// Rounds in which the pace falls where it is too high; then it falls everywhere.
+constexpr int kLocalRounds = 8, kRounds = 24;
+// Each round aims slightly below the limit, so that one round usually suffices.
+constexpr double kSpare = 1.002;
+// A stop takes longer with each attempt by this fraction.
+constexpr Index kStopFractions = 8;
+
+// Periods in which the fastest joint of the path can stop: the time scale of changes of pace.
+Index gentle(const StepLimits& limits, const RowsRef& path) {
+  double periods = 1.0;
+  for (Index j = 0; j < path.cols(); ++j) {
+    double fastest = 0.0;
+    for (Index i = 1; i < path.rows(); ++i)
+      fastest = std::max(fastest, std::abs(path(i, j) - path(i - 1, j)));
+    fastest = std::min(fastest, limits.step[j]);
+    periods = std::max(periods, fastest / limits.bend[j] + limits.bend[j] / limits.twist[j]);
+  }
+  return static_cast<Index>(std::min(std::ceil(periods), static_cast<double>(path.rows()))) + 1;
+}
+
+// Periods per row, as their logarithm, raised to `needed` at row i and smoothly less around it.
+void raise(ArrayXd& delay, Index i, double needed, Index width) {
+  if (needed <= delay[i]) return;
+  const Index first = std::max<Index>(0, i - width), end = std::min(delay.size(), i + width + 1);
+  for (Index k = first; k < end; ++k) {
+    const double off = static_cast<double>(k - i) / static_cast<double>(width + 1);
+    delay[k] = std::max(delay[k], needed * 0.5 * (1.0 + std::cos(kPi * off)));
+  }
+}
+
+// Parameters of samples, a period apart, on a path with these periods per row.
+ArrayXd places_for(const ArrayXd& delay, Index most) {
+  const Index rows = delay.size();
+  ArrayXd time(rows);
+  time[0] = 0.0;
+  for (Index i = 1; i < rows; ++i)
+    time[i] = time[i - 1] + std::exp(0.5 * (delay[i] + delay[i - 1]));
+  const double whole = std::max(1.0, std::ceil(time[rows - 1] - 1e-9));
+  time *= whole / time[rows - 1];
+  const Index count = std::min(static_cast<Index>(std::min(whole, 1e9)) + 1, most);
+  ArrayXd places(count);
+  Index i = 1;
+  for (Index k = 0; k < count; ++k) {
+    const double t = static_cast<double>(k);
+    while (i < rows - 1 && time[i] < t) ++i;
+    places[k] =
+        static_cast<double>(i - 1) + std::min(1.0, (t - time[i - 1]) / (time[i] - time[i - 1]));
+  }
+  return places;
+}
+
+void run_along(const PathCurve& curve, const ArrayXd& places, Rows& samples) {
+  samples.resize(places.size(), samples.cols());
+  for (Index k = 0; k < places.size(); ++k) curve.at(places[k], samples.row(k));
+}
+
+class Pacing {
+ public:
+  Pacing(const StepLimits& limits, const RowsRef& path, Index most_samples)
+      : limits_(limits),
+        path_(path),
+        most_samples_(most_samples),
+        curve_(path),
+        width_(gentle(limits, path)) {}
+
+  // The pace falls where a limit is exceeded for so many rounds, and then everywhere.
+  std::optional<Paced> settled(int local_rounds) const {
+    ArrayXd delay = ArrayXd::Zero(path_.rows());
+    Rows samples(0, path_.cols());
+    for (int round = 0; round < kRounds; ++round) {
+      const ArrayXd places = places_for(delay, most_samples_);
+      run_along(curve_, places, samples);
+      const Eigen::VectorXd needed = slowdowns(limits_, samples);
+      const double worst = needed.maxCoeff();
+      if (!std::isfinite(worst)) return std::nullopt;
+      if (worst <= 1.0) return Paced{samples, places};
+      if (round < local_rounds)
+        slow_down(needed, places, delay);
+      else
+        delay += std::log(worst * kSpare);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void slow_down(const Eigen::VectorXd& needed, const ArrayXd& places, ArrayXd& delay) const {
+    const ArrayXd now = delay;
+    for (Index k = 0; k < needed.size(); ++k) {
+      if (needed[k] <= 1.0) continue;
+      const auto i = static_cast<Index>(std::lround(places[k]));
+      raise(delay, i, now[i] + std::log(needed[k] * kSpare), width_);
+    }
+  }
+
+  const StepLimits& limits_;
+  const RowsRef& path_;
+  Index most_samples_;
+  PathCurve curve_;
+  Index width_;
+};
+
+}  // namespace
+
+std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path, Index most_samples) {
+  const Pacing pacing(limits, path, most_samples);
+  std::optional<Paced> local = pacing.settled(kLocalRounds);
+  if (local && local->places.size() == path.rows()) return local;
+  std::optional<Paced> even = pacing.settled(0);
+  if (!local || (even && even->places.size() < local->places.size())) return even;
+  return local;
+}
+
+std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& history,
+                             const RowsRef& path) {
+  Rows rows(kHistory + path.rows(), path.cols());
+  rows << history, path;
+  const PathCurve curve(rows);
+  Rows stream(2 * path.rows() + 2 + 2 * kHistory, path.cols());
+  stream.topRows(rows.rows()) = rows;
+  ArrayXd places(stream.rows());
+  for (Index stop = 2; stop / 2 < path.rows(); stop += 1 + stop / kStopFractions) {
+    // The pace falls from 1 to 0 as 1 - 3 s^2 + 2 s^3, in half as many rows as periods. Rest
+    // afterwards is part of the stop. Attempts that are too short end within a few
+    // rows, and those after them begin at the same row or before.
+    const Index first = path.rows() - 1 - stop / 2;
+    bool satisfied = true;
+    for (Index k = 1; satisfied && k <= stop + kHistory; ++k) {
+      const double s = static_cast<double>(std::min(k, stop)) / static_cast<double>(stop);
+      const double gone = static_cast<double>(stop) * s * (1.0 - s * s * (1.0 - 0.5 * s));
+      const Index row = kHistory + first + k - 1;
+      places[first + k - 1] = static_cast<double>(first - 1) + gone;
+      curve.at(static_cast<double>(kHistory) + places[first + k - 1], stream.row(row));
+      satisfied = keeps(limits, stream, row);
+    }
+    if (!satisfied) continue;
+    for (Index k = 0; k < first; ++k) places[k] = static_cast<double>(k);
+    const Index count = first + stop;
+    return Paced{stream.middleRows(kHistory, count), places.head(count).matrix()};
+  }
+  return std::nullopt;
+}
+
+}  // namespace leadthrough::guard

@@ -1,0 +1,62 @@
+#pragma once
+
+// The ranges of joints: values inside them, joints that wrap, and random
+// configurations.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/ik/task.hpp"
+
+namespace leadthrough {
+
+// SplitMix64, Steele, Lea and Flood 2014: the standard library's distributions differ by vendor.
+class RandomStream {
+ public:
+  RandomStream(std::uint64_t seed, std::uint64_t stream) : state_(seed) {
+    state_ = next() ^ (stream * 0xd1342543de82ef95U);
+  }
+
+  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
+
+ private:
+  std::uint64_t next() {
+    state_ += 0x9e3779b97f4a7c15U;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    return z ^ (z >> 31);
+  }
+
+  std::uint64_t state_;
+};
+
+// A joint with a range of a full revolution wraps instead of stopping at its limits.
+inline bool wraps(const Chain& chain, int i) {
+  return chain.periodic[static_cast<std::size_t>(i)] && chain.upper[i] - chain.lower[i] >= kTurn;
+}
+
+// The multiple of 2 pi that brings an angle nearest to another one inside the limits.
+inline double wrapped(double angle, double near, double lower, double upper) {
+  angle += kTurn * std::round((near - angle) / kTurn);
+  if (angle < lower) angle += kTurn * std::ceil((lower - angle) / kTurn);
+  if (angle > upper) angle -= kTurn * std::ceil((angle - upper) / kTurn);
+  return std::clamp(angle, lower, upper);
+}
+
+inline JointArray random_configuration(const Chain& chain, RandomStream& random) {
+  JointArray q{};
+  for (int i = 0; i < chain.joints(); ++i) {
+    // A joint without bounds is sampled over one revolution, or a metre to both sides.
+    const double reach = chain.periodic[static_cast<std::size_t>(i)] ? kPi : 1.0;
+    const bool from = std::isfinite(chain.lower[i]), to = std::isfinite(chain.upper[i]);
+    const double lower = from ? chain.lower[i] : to ? chain.upper[i] - 2.0 * reach : -reach;
+    const double upper = to ? chain.upper[i] : from ? chain.lower[i] + 2.0 * reach : reach;
+    q[static_cast<std::size_t>(i)] = lower + random.uniform() * (upper - lower);
+  }
+  return q;
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,109 @@
+#include "leadthrough/ik/solve.hpp"
+
+#include "leadthrough/base/parallel.hpp"
+#include "leadthrough/ik/axis_task.hpp"
+#include "leadthrough/ik/pose_search.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+// The search's best configuration, moved in the null space if requested.
+template <int M, typename Target>
+IkResult finish(PoseSearch<M, Target>& search, const Chain& chain, const IkOptions& options,
+                const JointVector& start) {
+  std::array<bool, kMaxJoints> limiting{};
+  const IkStatus status = search.found() ? IkStatus::kConverged : search.come_close(limiting);
+  const bool met = status == IkStatus::kConverged;
+  if (met && options.posture) {
+    search.take_turns_near(*options.posture);
+    search.approach(towards(*options.posture), 1.0);
+  } else if (met && options.nullspace_gain > 0.0 && chain.joints() > M) {
+    search.take_turns_near(middle(chain));
+    search.approach(towards_middle(chain), std::min(options.nullspace_gain, 1.0));
+  } else {
+    search.take_turns_near(start);
+  }
+  IkResult result = search.result(status);
+  result.limiting = limiting;
+  return result;
+}
+
+template <int M, typename Target>
+IkResult solve_fastest(const Chain& chain, const Target& target, const IkOptions& options,
+                       const JointVector& start, std::uint64_t stream) {
+  PoseSearch<M, Target> search(chain, target, options, start, stream);
+  while (search.attempt() && !search.found()) {
+  }
+  return finish(search, chain, options, start);
+}
+
+template <int M, typename Target>
+IkResult solve_closest(const Chain& chain, const Target& target, const IkOptions& options,
+                       const JointVector& start, std::uint64_t stream) {
+  const JointVector reference = options.reference.value_or(start);
+  PoseSearch<M, Target> search(chain, target, options, start, stream);
+  IkResult best;
+  double least = kInfinity;
+  while (search.attempt()) {
+    if (!search.found()) continue;
+    search.take_turns_near(reference);
+    search.approach(towards(reference), 1.0);
+    const IkResult result = search.result(IkStatus::kConverged);
+    const double distance = (result.q - reference).squaredNorm();
+    if (distance >= least) continue;
+    least = distance;
+    best = result;
+  }
+  if (least == kInfinity) return finish(search, chain, options, start);
+  best.iterations = search.iterations();
+  return best;
+}
+
+}  // namespace
+
+JointVector project(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q) {
+  JointVector inside(chain.joints());
+  for (int i = 0; i < chain.joints(); ++i)
+    inside[i] = wraps(chain, i) ? wrapped(q[i], q[i], chain.lower[i], chain.upper[i])
+                                : std::clamp(q[i], chain.lower[i], chain.upper[i]);
+  return inside;
+}
+
+JointVector middle(const Chain& chain) {
+  JointVector centre(chain.joints());
+  for (int i = 0; i < chain.joints(); ++i) {
+    const double sum = 0.5 * chain.lower[i] + 0.5 * chain.upper[i];
+    centre[i] = std::isfinite(sum) ? sum : std::clamp(0.0, chain.lower[i], chain.upper[i]);
+  }
+  return centre;
+}
+
+IkResult solve_ik(const Chain& chain, const IkTarget& target,
+                  const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
+                  std::uint64_t stream) {
+  const JointVector start = project(chain, q0);
+  return visit_target(target, options.axes, [&](auto dimension, const auto& seen) {
+    constexpr int M = decltype(dimension)::value;
+    using Target = std::decay_t<decltype(seen)>;
+    return options.mode == IkMode::kClosest
+               ? solve_closest<M, Target>(chain, seen, options, start, stream)
+               : solve_fastest<M, Target>(chain, seen, options, start, stream);
+  });
+}
+
+std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
+                                     const Eigen::Ref<const Rows4>& orientations,
+                                     const Eigen::Ref<const Rows>& starts, const IkOptions& options,
+                                     int threads) {
+  const auto count = static_cast<std::size_t>(positions.rows());
+  std::vector<IkResult> results(count);
+  for_each_index(count, threads, [&](std::size_t i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const JointVector q0 = starts.row(row);
+    results[i] = solve_ik(chain, target_in_row(positions, orientations, row), q0, options, i);
+  });
+  return results;
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,87 @@
+#include "leadthrough/ik/tracking.hpp"
+
+#include "leadthrough/ik/axis_task.hpp"
+#include "leadthrough/ik/pose_descent.hpp"
+
+namespace leadthrough {
+
+namespace {
+
+struct Preference {
+  JointArray posture;
+  double share;  // of the distance to the posture
+};
+
+// The limits, narrowed to the joints' largest step from `q`.
+DescentBounds reachable(const Chain& chain, const JointArray& q, double max_step) {
+  DescentBounds bounds{};
+  for (int i = 0; i < chain.joints(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    bounds.lower[k] = std::max(chain.lower[i], q[k] - max_step);
+    bounds.upper[k] = std::min(chain.upper[i], q[k] + max_step);
+  }
+  return bounds;
+}
+
+bool reached(const DescentEnd& end, const IkTolerance& tolerance) {
+  return end.position_error <= tolerance.position && end.orientation_error <= tolerance.orientation;
+}
+
+template <int M, typename Target>
+DescentEnd follow_sample(const Chain& chain, const Target& target, const Preference& preferred,
+                         const TrackOptions& options, JointArray& q) {
+  // Near a singularity the last digits cost most: they are attempted, not required.
+  constexpr double kAim = 0.1;
+  const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
+  const DescentBounds bounds = reachable(chain, q, options.max_step);
+  const bool pulls = chain.joints() > M && preferred.share > 0.0;
+  DescentEnd end;
+  for (const bool pulled : {true, false}) {  // without the pull if it prevents convergence
+    if (pulled && !pulls) continue;
+    PoseDescent<M, Target> descent(chain, target, bounds, q);
+    if (pulled) descent.pull(pull_to(preferred.posture, chain.joints(), q, preferred.share));
+    end = descent.run(aim, options.max_iterations);
+    if (pulled && !reached(end, options.tolerance)) continue;
+    q = descent.q();
+    break;
+  }
+  return end;
+}
+
+}  // namespace
+
+void Track::keep(Eigen::Index samples) {
+  q.conservativeResize(samples, Eigen::NoChange);
+  position_errors.conservativeResize(samples);
+  orientation_errors.conservativeResize(samples);
+}
+
+Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
+            const Eigen::Ref<const Rows4>& orientations,
+            const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
+            const TrackOptions& options) {
+  const Eigen::Index samples = positions.rows();
+  Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples)};
+  const JointVector inside = project(chain, start);
+  JointArray q{};
+  std::copy(inside.data(), inside.data() + inside.size(), q.begin());
+  for (Eigen::Index k = 0; k < samples; ++k) {
+    Preference preferred{{}, pull.shares[k]};
+    std::copy_n(pull.postures.row(k).data(), chain.joints(), preferred.posture.begin());
+    const IkTarget pose = target_in_row(positions, orientations, k);
+    const DescentEnd end =
+        visit_target(pose, options.axes, [&](auto dimension, const auto& target) {
+          return follow_sample<decltype(dimension)::value>(chain, target, preferred, options, q);
+        });
+    std::copy(q.begin(), q.begin() + chain.joints(), result.q.row(k).data());
+    result.position_errors[k] = end.position_error;
+    result.orientation_errors[k] = end.orientation_error;
+    if (!reached(end, options.tolerance)) {
+      result.keep(k + 1);
+      break;
+    }
+  }
+  return result;
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,16 @@
+#pragma once
+
+// Products and solutions of dense systems in one thread: the rounding of BLAS libraries depends on
+// the number of threads.
+
+#include "leadthrough/base/matrix.hpp"
+
+namespace leadthrough {
+
+Rows product(const Eigen::Ref<const Rows>& left, const Eigen::Ref<const Rows>& right);
+
+// The X with matrix * X = right, for a symmetric matrix of which the lower half is read; empty if
+// it is not positive definite.
+Rows solve_definite(const Eigen::Ref<const Rows>& matrix, const Eigen::Ref<const Rows>& right);
+
+}  // namespace leadthrough

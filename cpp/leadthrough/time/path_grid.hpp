@@ -1,0 +1,56 @@
+#pragma once
+
+// A path's points for the time law, over a parameter that grows with the motion: where the path's
+// own parameter runs through a stretch without moving much, this one hardly grows.
+
+#include "leadthrough/time/polynomial_path.hpp"
+
+namespace leadthrough {
+
+struct PathGrid {
+  Eigen::VectorXd scale;          // (joints,) see make_path_grid
+  Eigen::VectorXd length;         // (n,) from 0
+  Eigen::VectorXd s;              // (n,) the path's parameter there
+  Eigen::VectorXd slope, bend;    // (n,) first and second derivative of s by length
+  Rows positions, first, second;  // (n, joints) with derivatives by length
+
+  Eigen::Index points() const { return length.size(); }
+  double end() const { return length[points() - 1]; }
+};
+
+// `points` points, closer to each other where the path turns. scale: for each joint, what counts
+// as one unit of motion: the fastest that it could be, 0 for a joint that does not count. The path
+// must move.
+PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const Eigen::VectorXd>& scale,
+                        Eigen::Index points);
+
+// s with two derivatives by the length.
+struct Parameter {
+  double s, slope, bend;
+};
+
+// s at a length: the quintic through s, slope and bend of the points on both sides, so that the
+// second derivative is continuous. Beyond the ends s continues in a straight line. `cell` is
+// where the search starts and what it found.
+Parameter parameter_at(const PathGrid& grid, double length, Eigen::Index& cell);
+
+// Joint states along the path, for lengths that change little from one to the next.
+class PathStates {
+ public:
+  PathStates(const PolynomialPath& path, const PathGrid& grid);
+
+  // With the length's derivatives in time.
+  void move_to(double length, double speed, double push);
+
+  const Eigen::VectorXd& position() const { return position_; }
+  const Eigen::VectorXd& velocity() const { return velocity_; }
+  const Eigen::VectorXd& acceleration() const { return acceleration_; }
+
+ private:
+  const PolynomialPath& path_;
+  const PathGrid& grid_;
+  Eigen::Index cell_ = 0, piece_ = 0;
+  Eigen::VectorXd position_, velocity_, acceleration_;
+};
+
+}  // namespace leadthrough

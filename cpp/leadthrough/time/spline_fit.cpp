@@ -1,0 +1,228 @@
+// The normal equations of B-splines have a narrow band. They lose half of the digits, which one
+// step of refinement by the residuals brings back.
+
+#include "leadthrough/time/spline_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace leadthrough {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr Index kDegree = 5, kOrder = kDegree + 1;
+constexpr Index kFirstSpans = 4;
+// A span needs a few more samples than coefficients of its own, or it swings between them.
+constexpr Index kLeastSamples = 3;
+// Each end weighs as much as the square of this many samples.
+constexpr double kWeightOfEnds = 1e4;
+
+class Fit {
+ public:
+  Fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
+      const std::vector<Index>& breaks)
+      : parameters_(parameters),
+        q_(q),
+        breaks_(breaks),
+        spans_(static_cast<Index>(breaks.size()) - 1),
+        knots_(spans_ + 2 * kDegree + 1),
+        basis_(parameters.size(), kOrder),
+        span_(static_cast<std::size_t>(parameters.size())) {
+    for (Index k = 0; k < knots_.size(); ++k) {
+      const Index at = std::clamp<Index>(k - kDegree, 0, spans_);
+      knots_[k] = parameters[breaks[static_cast<std::size_t>(at)]];
+    }
+    Index span = 0;
+    for (Index i = 0; i < parameters.size(); ++i) {
+      while (span + 1 < spans_ && i >= breaks[static_cast<std::size_t>(span + 1)]) ++span;
+      span_[static_cast<std::size_t>(i)] = span;
+      set_basis(i, span);
+    }
+  }
+
+  // Whether the equations have a solution.
+  bool solve() {
+    if (!factorize()) return false;
+    residuals_ = q_;
+    coefficients_ = Rows::Zero(spans_ + kDegree, q_.cols());
+    for (int pass = 0; pass < 2; ++pass) {
+      coefficients_ += correction();
+      measure_residuals();
+    }
+    return true;
+  }
+
+  // Whether some sample of each span is missed by more than the tolerance.
+  std::vector<bool> misses(double tolerance) const {
+    std::vector<bool> result(static_cast<std::size_t>(spans_), false);
+    for (Index i = 0; i < q_.rows(); ++i)
+      if (residuals_.row(i).cwiseAbs().maxCoeff() > tolerance)
+        result[static_cast<std::size_t>(span_[static_cast<std::size_t>(i)])] = true;
+    return result;
+  }
+
+  Rows pieces() const {
+    Rows table(spans_ * kOrder, q_.cols());
+    for (Index span = 0; span < spans_; ++span) {
+      Rows local = coefficients_.middleRows(span, kOrder);
+      double factorial = 1.0;
+      for (Index order = 0; order < kOrder; ++order) {
+        if (order > 0) {
+          differentiate(local, span, order);
+          factorial *= static_cast<double>(order);
+        }
+        table.row(span * kOrder + order) = at_start(local, span, order) / factorial;
+      }
+    }
+    return table;
+  }
+
+ private:
+  // Values of the basis functions that do not vanish (The NURBS Book, algorithm A2.2).
+  void set_basis(Index i, Index span) {
+    const double x = parameters_[i], *t = knots_.data() + span + kDegree;
+    double* value = basis_.row(i).data();
+    std::array<double, kOrder> left{}, right{};
+    value[0] = 1.0;
+    for (Index degree = 1; degree <= kDegree; ++degree) {
+      left[static_cast<std::size_t>(degree)] = x - t[1 - degree];
+      right[static_cast<std::size_t>(degree)] = t[degree] - x;
+      double saved = 0.0;
+      for (Index k = 0; k < degree; ++k) {
+        const double r = right[static_cast<std::size_t>(k + 1)];
+        const double l = left[static_cast<std::size_t>(degree - k)];
+        const double part = value[k] / (r + l);
+        value[k] = saved + r * part;
+        saved = l * part;
+      }
+      value[degree] = saved;
+    }
+  }
+
+  double weight(Index i) const {
+    return i == 0 || i + 1 == q_.rows() ? kWeightOfEnds * kWeightOfEnds : 1.0;
+  }
+
+  // The band of the normal matrix as L D L^T: row i holds D, then the column of L below it.
+  bool factorize() {
+    const Index size = spans_ + kDegree;
+    band_ = Rows::Zero(size, kOrder);
+    for (Index i = 0; i < q_.rows(); ++i) {
+      const Index first = span_[static_cast<std::size_t>(i)];
+      for (Index k = 0; k < kOrder; ++k)
+        for (Index m = k; m < kOrder; ++m)
+          band_(first + k, m - k) += weight(i) * basis_(i, k) * basis_(i, m);
+    }
+    for (Index i = 0; i < size; ++i) {
+      const double pivot = band_(i, 0);
+      if (!(pivot > 0.0)) return false;
+      const Index reach = std::min(kDegree, size - 1 - i);
+      for (Index k = 1; k <= reach; ++k) {
+        const double factor = band_(i, k) / pivot;
+        for (Index m = k; m <= reach; ++m) band_(i + k, m - k) -= factor * band_(i, m);
+      }
+      for (Index k = 1; k <= reach; ++k) band_(i, k) /= pivot;
+    }
+    return true;
+  }
+
+  // Coefficients that fit the residuals.
+  Rows correction() const {
+    const Index size = spans_ + kDegree;
+    Rows x = Rows::Zero(size, q_.cols());
+    for (Index i = 0; i < q_.rows(); ++i) {
+      const Index first = span_[static_cast<std::size_t>(i)];
+      for (Index k = 0; k < kOrder; ++k)
+        x.row(first + k) += weight(i) * basis_(i, k) * residuals_.row(i);
+    }
+    for (Index i = 0; i < size; ++i)
+      for (Index k = 1; k <= std::min(kDegree, size - 1 - i); ++k)
+        x.row(i + k) -= band_(i, k) * x.row(i);
+    for (Index i = size - 1; i >= 0; --i) {
+      x.row(i) /= band_(i, 0);
+      for (Index k = 1; k <= std::min(kDegree, size - 1 - i); ++k)
+        x.row(i) -= band_(i, k) * x.row(i + k);
+    }
+    return x;
+  }
+
+  void measure_residuals() {
+    residuals_ = q_;
+    for (Index i = 0; i < q_.rows(); ++i)
+      for (Index k = 0; k < kOrder; ++k)
+        residuals_.row(i) -=
+            basis_(i, k) * coefficients_.row(span_[static_cast<std::size_t>(i)] + k);
+  }
+
+  // Coefficients of the derivative of `order` from those of the one before.
+  void differentiate(Rows& local, Index span, Index order) const {
+    const Index degree = kDegree - order + 1;
+    for (Index j = kDegree; j >= order; --j) {
+      const double width = knots_[span + j + degree] - knots_[span + j];
+      local.row(j) = static_cast<double>(degree) / width * (local.row(j) - local.row(j - 1));
+    }
+  }
+
+  // The derivative of `order` where the span begins, by de Boor's recursion.
+  Eigen::RowVectorXd at_start(const Rows& local, Index span, Index order) const {
+    const Index degree = kDegree - order;
+    const double x = knots_[span + kDegree];
+    Rows point = local.bottomRows(degree + 1);
+    for (Index level = 1; level <= degree; ++level)
+      for (Index j = degree; j >= level; --j) {
+        const double* t = knots_.data() + span + order + j;
+        const double share = (x - t[0]) / (t[degree - level + 1] - t[0]);
+        point.row(j) = (1.0 - share) * point.row(j - 1) + share * point.row(j);
+      }
+    return point.row(degree);
+  }
+
+  const Eigen::Ref<const VectorXd> parameters_;
+  const Eigen::Ref<const Rows> q_;
+  const std::vector<Index>& breaks_;
+  const Index spans_;
+  VectorXd knots_;
+  Rows basis_;               // (samples, order)
+  std::vector<Index> span_;  // of each sample
+  Rows band_, coefficients_, residuals_;
+};
+
+bool wide_enough(const std::vector<Index>& breaks) {
+  for (std::size_t k = 1; k < breaks.size(); ++k)
+    if (breaks[k] - breaks[k - 1] < kLeastSamples) return false;
+  return true;
+}
+
+}  // namespace
+
+SplineFit fit_spline(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
+                     double tolerance) {
+  std::vector<Index> breaks;
+  for (Index k = 0; k <= kFirstSpans; ++k) breaks.push_back(k * (q.rows() - 1) / kFirstSpans);
+  while (wide_enough(breaks)) {
+    Fit fit(parameters, q, breaks);
+    if (!fit.solve()) break;
+    const std::vector<bool> misses = fit.misses(tolerance);
+    std::vector<Index> finer{breaks[0]};
+    for (std::size_t span = 0; span < misses.size(); ++span) {
+      if (misses[span]) finer.push_back((breaks[span] + breaks[span + 1]) / 2);
+      finer.push_back(breaks[span + 1]);
+    }
+    if (finer.size() == breaks.size()) return {breaks, fit.pieces()};
+    breaks.swap(finer);
+  }
+  return {};
+}
+
+std::vector<Index> rows_apart(const Eigen::Ref<const Rows>& q, double tolerance) {
+  std::vector<Index> found{0};
+  for (Index i = 1; i < q.rows(); ++i)
+    if ((q.row(i) - q.row(found.back())).cwiseAbs().maxCoeff() > tolerance) found.push_back(i);
+  return found;
+}
+
+}  // namespace leadthrough

@@ -1,0 +1,28 @@
+#pragma once
+
+// Smooth paths through samples, within a tolerance.
+
+#include <vector>
+
+#include "leadthrough/base/matrix.hpp"
+
+namespace leadthrough {
+
+// Pieces of degree 5 with four continuous derivatives; see PolynomialPath. No breaks if there are
+// too few samples for the tolerance.
+struct SplineFit {
+  std::vector<Eigen::Index> breaks;  // samples at which pieces begin and end
+  Rows coefficients;
+};
+
+// A least-squares fit with as few pieces as the tolerance allows: those that miss a sample by more
+// are halved. parameters: increasing, more than six, of the rows of q. The ends are met as if they
+// were interpolated.
+SplineFit fit_spline(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                     const Eigen::Ref<const Rows>& q, double tolerance);
+
+// The first row, and every row that differs from the last one found by more than the tolerance in
+// some column.
+std::vector<Eigen::Index> rows_apart(const Eigen::Ref<const Rows>& q, double tolerance);
+
+}  // namespace leadthrough
