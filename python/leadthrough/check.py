@@ -219,6 +219,18 @@ def names(value: Sequence[str], name: str, *, count: int) -> tuple[str, ...]:
     return tuple(value)
 
 
+def column_order(given: Sequence[str], wanted: Sequence[str], name: str) -> list[int]:
+    """Indices of the columns `wanted` among those `given`: the same names, in any order."""
+    # LeRobot's names of motors end in ".pos".
+    own = [each.removesuffix(".pos") for each in given]
+    if not set(wanted) <= set(given) and sorted(own) == sorted(wanted):
+        return [own.index(each) for each in wanted]
+    if sorted(given) != sorted(wanted):
+        wanted_text, given_text = (", ".join(each) or "without names" for each in (wanted, given))
+        raise refused(name, f"the joints {wanted_text}", given_text)
+    return [given.index(each) for each in wanted]
+
+
 def refused(name: str, expected: str, got: object, value: object = None) -> InvalidInput:
     """The error of an argument: the expected value and the given one."""
     message = f"{name}: expected {expected}, got {got}"

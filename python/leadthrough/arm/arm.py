@@ -24,7 +24,7 @@ from leadthrough.arm.model import ArmModel
 from leadthrough.arm.path_report import PathReport, path_report
 from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, in_order
 from leadthrough.shapes import SceneLike, as_scene
 
 if TYPE_CHECKING:
@@ -398,9 +398,19 @@ class Arm(ArmModel):
     @overload
     def is_clear(self, q: Sequence[float], scene: SceneLike = ...) -> bool: ...
     @overload
-    def is_clear(self, q: ArrayLike, scene: SceneLike = ...) -> bool | NDArray[np.bool_]: ...
-    def is_clear(self, q: ArrayLike, scene: SceneLike = ()) -> bool | NDArray[np.bool_]:
-        """Whether the whole arm keeps the margins of a scene; quicker than distances."""
+    def is_clear(
+        self, q: JointTrajectory | ArrayLike, scene: SceneLike = ...
+    ) -> bool | NDArray[np.bool_]: ...
+    def is_clear(
+        self, q: JointTrajectory | ArrayLike, scene: SceneLike = ()
+    ) -> bool | NDArray[np.bool_]:
+        """Whether the whole arm keeps the margins of a scene; quicker than distances.
+
+        Args:
+            q: one configuration (joints,), several (m, joints), or the samples of a motion.
+        """
+        if isinstance(q, JointTrajectory):
+            q = in_order(q, self.joint_names, "q").positions
         batch, (rows,) = joint_rows(self._chain, q=q)
         clear = CollisionTest(self._collision, as_scene(scene)).clear_rows(rows)
         return np.array(clear) if batch else clear[0]

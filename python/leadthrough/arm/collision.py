@@ -20,7 +20,7 @@ from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing import Drawn, Line, Panel, palette
 from leadthrough.errors import InvalidRobot
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Box, SceneLike, Shape, as_scene, compiled
 
@@ -108,20 +108,13 @@ def _configurations(
     trajectory: JointTrajectory | ArrayLike, joint_names: tuple[str, ...]
 ) -> tuple[Float64Array, Float64Array | None]:
     """Checked configurations (m, joints), m > 0, and their times where they have some."""
-    times = None
-    values: ArrayLike
     if isinstance(trajectory, JointTrajectory):
-        if trajectory.joint_names and trajectory.joint_names != joint_names:
-            raise InvalidInput(
-                f"trajectory: expected the joints {joint_names}, got {trajectory.joint_names}"
-            )
-        values, times = trajectory.positions, trajectory.times
-    else:
-        values = trajectory
-    q = check.array(values, "trajectory", shape=("m", len(joint_names)))
+        own = in_order(trajectory, joint_names, "trajectory")
+        return own.positions, own.times
+    q = check.array(trajectory, "trajectory", shape=("m", len(joint_names)))
     if len(q) == 0:
         raise InvalidInput("trajectory: expected at least one configuration, got none")
-    return q, times
+    return q, None
 
 
 def _require_short_steps(

@@ -39,6 +39,7 @@ from leadthrough.motion import (
     Motion,
     PoseTrajectory,
     Trajectory,
+    in_order,
     moved_events,
     normalised_times,
     with_derivatives,
@@ -253,13 +254,7 @@ def _postures(
         else:
             preferred = check.array(posture, "posture", shape=(joints,))
         return np.repeat(preferred[None], len(times), axis=0)
-    names = posture.joint_names
-    if posture.positions.shape[1] != joints or names not in ((), tuple(chain.joint_names)):
-        what = list(names) or posture.positions.shape[1]
-        raise InvalidInput(
-            f"posture: expected the joints {list(chain.joint_names)}, got {what}; "
-            "in Python, Arm.joints_of picks the arm's joints of a recording"
-        )
+    posture = in_order(posture, chain.joint_names, "posture")
     at = posture.times[0] + normalised_times(times) * posture.duration
     return np.column_stack([np.interp(at, posture.times, column) for column in posture.positions.T])
 

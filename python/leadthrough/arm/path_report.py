@@ -11,9 +11,9 @@ from leadthrough import check, rotations
 from leadthrough.arm import kinematics
 from leadthrough.arm.limits import JointLimits, margins
 from leadthrough.arm.tip_path import TipPath
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array
 from leadthrough.drawing import Drawn, Panel, over
-from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, in_order
 
 # A ratio above 1 by less is rounding of the samples.
 _ROUNDING = 1e-6
@@ -152,16 +152,10 @@ def _read_only(values: Float64Array) -> Float64Array:
 
 
 def _joints(trajectory: JointTrajectory, path: TipPath, limits: JointLimits) -> Float64Array:
-    if not isinstance(trajectory, JointTrajectory):
-        what = type(trajectory).__name__
-        raise InvalidInput(f"trajectory: expected a JointTrajectory, got {what}")
-    expected = (len(path), len(limits.joint_names))
-    if trajectory.positions.shape != expected:
-        raise InvalidInput(
-            f"trajectory: expected one sample for each of the motion's, shape {expected}, "
-            f"got {trajectory.positions.shape}"
-        )
-    return trajectory.positions
+    own = in_order(trajectory, limits.joint_names, "trajectory")
+    if len(own) != len(path):
+        raise check.refused("trajectory", f"{len(path)} samples as of the motion", len(own))
+    return own.positions
 
 
 def _velocity_ratio(times: Float64Array, q: Float64Array, limit: Float64Array) -> Float64Array:

@@ -14,6 +14,8 @@ from leadthrough.motion import (
     Motion,
     PoseTrajectory,
     Trajectory,
+    columns_of,
+    in_order,
     joints_with,
 )
 
@@ -67,21 +69,22 @@ def _outside(chain: core.Chain, own: JointTrajectory) -> str | None:
 
 def _own(chain: core.Chain, trajectory: Motion) -> JointTrajectory:
     names = tuple(chain.joint_names)
-    if not isinstance(trajectory, JointTrajectory):
-        got = type(trajectory).__name__
-        raise InvalidInput(f"trajectory: expected a JointTrajectory, got {got}")
-    columns = _columns(trajectory, names)
-    velocities, accelerations = (
-        None if rows is None else rows[:, columns]
-        for rows in (trajectory.velocities, trajectory.accelerations)
-    )
-    return replace(
-        trajectory,
-        positions=_unwrapped(chain, trajectory.positions[:, columns]),
-        velocities=velocities,
-        accelerations=accelerations,
-        joint_names=names,
-    )
+    own = in_order(_without_others(trajectory, names), names, "trajectory")
+    return replace(own, positions=_unwrapped(chain, own.positions))
+
+
+def _without_others(trajectory: Motion, names: tuple[str, ...]) -> Motion:
+    """The recording without joints that are not the arm's, such as a gripper's."""
+    recorded: tuple[str, ...] = getattr(trajectory, "joint_names", ())
+    own = [i for i, each in enumerate(recorded) if _is_one_of(each, names)]
+    if not isinstance(trajectory, JointTrajectory) or len(own) != len(names):
+        return trajectory
+    return columns_of(trajectory, own, tuple(recorded[i] for i in own))
+
+
+def _is_one_of(name: str, names: tuple[str, ...]) -> bool:
+    """Whether a name, or that of LeRobot's motor, is one of a few."""
+    return name in names or name.removesuffix(".pos") in names
 
 
 def demonstrated_joints(chain: core.Chain, motion: Motion) -> JointTrajectory | None:
@@ -102,27 +105,6 @@ def _unwrapped(chain: core.Chain, positions: Float64Array) -> Float64Array:
     if not leaps.any():
         return positions
     return np.where(leaps, np.unwrap(positions, axis=0), positions)
-
-
-def _columns(trajectory: JointTrajectory, names: tuple[str, ...]) -> list[int]:
-    """Indices of the joints' columns in the recording."""
-    recorded = trajectory.joint_names
-    if not recorded:
-        count = trajectory.positions.shape[1]
-        if count != len(names):
-            raise InvalidInput(
-                f"trajectory: expected {len(names)} joints where it names none, got {count}"
-            )
-        return list(range(count))
-    if not set(names) <= set(recorded):
-        # LeRobot's names of motors.
-        recorded = tuple(name.removesuffix(".pos") for name in recorded)
-    if not set(names) <= set(recorded):
-        raise InvalidInput(
-            f"trajectory: expected at least the joints {', '.join(names)}, "
-            f"got {', '.join(trajectory.joint_names)}"
-        )
-    return [recorded.index(name) for name in names]
 
 
 def poses(chain: core.Chain, trajectory: Motion) -> PoseTrajectory:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -29,6 +30,8 @@ UNITS = {
 }
 # A start this far from the demonstrated one, rad or m, is another posture to a person beside it.
 _ELSEWHERE = 0.3
+# Names of columns that number the joints.
+_NUMBERED = re.compile(r"((?:q|j|joint|axis|a|theta|position)_?)(\d+)", re.IGNORECASE)
 
 
 def load(name: str, details: ArmDetails) -> lt.Arm:
@@ -81,7 +84,7 @@ def joints_in(arm: lt.Arm, file: Path) -> lt.JointTrajectory:
 
 
 def own_joints(arm: lt.Arm, motion: Motion, name: str) -> lt.JointTrajectory:
-    """The arm's joints of a motion, by their names; by their order if no name is the arm's."""
+    """The arm's joints of a motion, by their names; by their order if these are numbers only."""
     if not isinstance(motion, lt.JointTrajectory):
         raise lt.errors.InvalidInput(
             f"{name}: expected a joint motion, got a {type(motion).__name__}; "
@@ -95,13 +98,23 @@ def own_joints(arm: lt.Arm, motion: Motion, name: str) -> lt.JointTrajectory:
             f"{len(arm.joint_names)}: {', '.join(arm.joint_names)}; if it ends in a gripper, give "
             "the last link before it as --tip (`leadthrough info` lists the links)"
         )
-    if recorded and strangers and len(recorded) == len(arm.joint_names):
-        print(
-            f"{name}: using joints {', '.join(recorded)} as {', '.join(arm.joint_names)}",
-            file=sys.stderr,
+    if strangers and len(recorded) == len(arm.joint_names):
+        motion = _numbered(motion, arm.joint_names, name)
+    with errors.naming(trajectory=name):
+        return arm.joints_of(motion)
+
+
+def _numbered(motion: lt.JointTrajectory, names: Sequence[str], name: str) -> lt.JointTrajectory:
+    """The motion without the names of its joints, if these only number them."""
+    recorded = motion.joint_names
+    found = [(each[1], int(each[2])) for each in map(_NUMBERED.fullmatch, recorded) if each]
+    if not found or found != [(found[0][0], found[0][1] + i) for i in range(len(recorded))]:
+        raise lt.errors.InvalidInput(
+            f"{name}: expected the joints {', '.join(names)}, got {', '.join(recorded)}; if these "
+            "are the same joints in this order, name its columns q1, q2, ..."
         )
-        motion = replace(motion, joint_names=arm.joint_names)
-    return arm.joints_of(motion)
+    print(f"{name}: using joints {', '.join(recorded)} as {', '.join(names)}", file=sys.stderr)
+    return replace(motion, joint_names=())
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.motion import Event, JointTrajectory, computed_joints
+from leadthrough.motion import Event, JointTrajectory, computed_joints, in_order
 from leadthrough.repr import ShortRepr
 
 Verdict = Literal["allowed", "changed", "braking"]
@@ -158,7 +158,7 @@ def chunk_of(value: JointTrajectory | ArrayLike, arm: Arm, period: float) -> Chu
         if not len(rows):
             raise InvalidInput("chunk: expected at least one sample, got none")
         return Chunk(np.array(rows), period)
-    own = _own(value, arm)
+    own = in_order(value, arm.joint_names, "chunk")
     start = float(own.times[0])
     steps = np.diff(own.times)
     if (np.abs(steps - period) <= _SAME_PERIOD * period + 1e-12 * np.abs(own.times[1:])).all():
@@ -166,14 +166,6 @@ def chunk_of(value: JointTrajectory | ArrayLike, arm: Arm, period: float) -> Chu
     count = 1 + int(np.floor((own.times[-1] - start) / period * (1.0 + 1e-9)))
     at = np.minimum(start + period * np.arange(count), own.times[-1])
     return Chunk(_interpolated(own, at), start, None, own.events, resampled=True)
-
-
-def _own(value: JointTrajectory, arm: Arm) -> JointTrajectory:
-    if value.joint_names in ((), arm.joint_names) and value.positions.shape[1] == len(
-        arm.joint_names
-    ):
-        return value
-    return arm.joints_of(value)
 
 
 def _interpolated(own: JointTrajectory, at: Float64Array) -> Float64Array:

@@ -14,7 +14,7 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible, NoPath
 from leadthrough.guard.admission import CommandedState, chunk_of, from_state
 from leadthrough.guard.rules import HISTORY, Contact, Rules, history_of, rules_for
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.shapes import SceneLike, as_scene
 
 _TURN = 2.0 * np.pi  # rad
@@ -52,10 +52,7 @@ def connect(
         LimitsInfeasible: if no bridge inside the limits leads onto the trajectory, or to rest.
         NoPath: if the bridge would come too near something; `reason` is "ease_in" or "ease_out".
     """
-    if not isinstance(trajectory, JointTrajectory):
-        raise InvalidInput(
-            f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
-        )
+    trajectory = in_order(trajectory, arm.joint_names, "trajectory")
     if len(trajectory.times) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")
     period = float(np.diff(trajectory.times).min())

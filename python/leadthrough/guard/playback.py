@@ -15,7 +15,7 @@ import numpy as np
 from leadthrough import check
 from leadthrough.arm import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.filters import FilterState, JerkFilter
 
@@ -50,13 +50,9 @@ class Playback(ShortRepr):
         from scipy.interpolate import CubicSpline
 
         self._period = 1.0 / check.number(rate, "rate", at_least=_MIN_RATE, at_most=_MAX_RATE)
-        if not isinstance(motion, JointTrajectory) or len(motion.times) < 2:
-            raise InvalidInput("motion: expected a JointTrajectory of at least two samples")
-        if motion.positions.shape[1] != len(limits.joint_names):
-            raise InvalidInput(
-                f"motion: expected {len(limits.joint_names)} joints, "
-                f"got {motion.positions.shape[1]}"
-            )
+        motion = in_order(motion, limits.joint_names, "motion")
+        if len(motion) < 2:
+            raise InvalidInput("motion: expected at least two samples, got one")
         self._times = motion.times
         self._curve = CubicSpline(motion.times, motion.positions, bc_type="clamped")
         bend, jerk = _phase_limits(motion, limits)

@@ -31,6 +31,7 @@ from leadthrough.motion import (
     agreed_events,
     events_by_round,
     events_of_plain,
+    in_order,
     moved_events,
     plain_events,
     with_derivatives,
@@ -72,7 +73,9 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
             raise InvalidInput(
                 f"{name}: expected {self.kind} of {self.size} columns, got {_described(motion)}"
             )
-        if not isinstance(motion, PoseTrajectory):
+        if isinstance(motion, JointTrajectory):
+            return in_order(motion, self.joint_names, name).positions
+        if isinstance(motion, Trajectory):
             return motion.positions
         return np.hstack([motion.positions, self.tangent(motion.orientations, phases)])
 

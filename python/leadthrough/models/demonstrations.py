@@ -17,6 +17,7 @@ from leadthrough.motion import (
     MotionT,
     PoseTrajectory,
     Trajectory,
+    alike,
 )
 from leadthrough.preprocess.align import lateness
 
@@ -52,6 +53,7 @@ def motions_of(
         )
     motions: list[Any] = [_motion(each, i, kinds) for i, each in enumerate(demonstrations)]
     _refuse_mixed(motions)
+    motions = alike(motions, "demonstrations")
     for i, motion in enumerate(motions):
         _refuse_unfit(motion, f"demonstrations[{i}]")
         sanity.clock(motion.times, f"demonstrations[{i}]")
@@ -79,7 +81,6 @@ def _refuse_mixed(motions: Sequence[Motion]) -> None:
     for what, values in (
         ("one type of motion", {type(motion).__name__ for motion in motions}),
         ("the same number of columns", {motion.positions.shape[1] for motion in motions}),
-        ("the same joint names", {getattr(motion, "joint_names", ()) for motion in motions}),
     ):
         if len(values) > 1:
             got = " and ".join(str(value) for value in sorted(values))

@@ -30,6 +30,7 @@ from leadthrough.motion import (
     PoseTrajectory,
     Trajectory,
     agreed_events,
+    alike,
     moved_events,
     normalised_times,
 )
@@ -285,6 +286,7 @@ def _in_simplex(targets: Float64Array, point: Float64Array) -> Float64Array:
 
 def _mean(motions: Sequence[Motion], weights: Float64Array) -> Motion:
     """The weighted mean of motions of one type over normalised time."""
+    motions = alike(motions, "skills")
     first = motions[0]
     positions = np.average([motion.positions for motion in motions], axis=0, weights=weights)
     duration = float(np.average([motion.duration for motion in motions], weights=weights))

@@ -47,6 +47,12 @@ class Posture:
         positions = within.positions + np.outer(number, turns)
         return JointTrajectory(times, positions, joint_names=self.names)
 
+    def in_order(self, names: tuple[str, ...]) -> Float64Array:
+        """The rows with their columns in the order of `names`."""
+        if self.names == names:
+            return self.rows
+        return self.rows[:, check.column_order(self.names, names, "joints")]
+
     def reversed(self) -> Posture:
         """The joints from the end to the start."""
         return Posture(self.names, self.rows[::-1].copy())
@@ -86,10 +92,9 @@ def agreed(postures: Sequence[Posture | None], weights: ArrayLike | None = None)
     if not known:
         return None
     first = known[0][1]
-    if any(each.names != first.names or each.rows.shape != first.rows.shape for _, each in known):
-        got = " and ".join(sorted({str(list(each.names)) for _, each in known}))
-        raise InvalidInput(f"joints: expected the same joints in all demonstrations, got {got}")
-    layers = np.array([each.rows for _, each in known])
+    if len({each.rows.shape for _, each in known}) > 1:
+        raise InvalidInput("joints: expected as many in all demonstrations")
+    layers = np.array([each.in_order(first.names) for _, each in known])
     own_weights = np.array([own for own, _ in known])
     around = [_unwound_to(layers, middle) for middle in layers]
     near = [np.abs(a - m).max(axis=(1, 2)) <= _APART for a, m in zip(around, layers, strict=True)]

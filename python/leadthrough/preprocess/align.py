@@ -26,6 +26,7 @@ from leadthrough.motion import (
     Motion,
     MotionT,
     PoseTrajectory,
+    alike,
     as_demonstration,
     moved_events,
     normalised_times,
@@ -144,7 +145,11 @@ def _comparable(
         raise InvalidInput(
             "demonstrations: expected one type of motion and the same number of columns in all"
         )
-    return compared
+    ordered = alike([each.motion for each in compared], "demonstrations")
+    return [
+        each if motion is each.motion else Demonstration(motion, each.name)
+        for each, motion in zip(compared, ordered, strict=True)
+    ]
 
 
 def _retimed(motion: MotionT, fractions: Float64Array, times: Float64Array) -> MotionT:

@@ -16,6 +16,7 @@ from leadthrough.motion import (
     Motion,
     MotionT,
     PoseTrajectory,
+    alike,
     as_demonstration,
     checked_motion,
     fields_of,
@@ -93,13 +94,14 @@ def join(motions: Sequence[MotionT]) -> MotionT:
     and accelerations of joints are kept if all motions have them.
 
     Args:
-        motions: at least one, all of one type and size, joints with the same names.
+        motions: at least one, all of one type and size, joints with the same names in any order;
+            the first one's order counts.
 
     Raises:
         InvalidInput: if they differ in type, size or joints, or one does not start where the one
             before ended.
     """
-    _check(motions)
+    motions = _checked(motions)
     times, joined_events = [motions[0].times], list(motions[0].events)
     for motion in motions[1:]:
         shift = float(times[-1][-1]) - float(motion.times[0])
@@ -117,24 +119,22 @@ def join(motions: Sequence[MotionT]) -> MotionT:
     return replace(motions[0], times=np.concatenate(times), events=tuple(joined_events), **rows)
 
 
-def _check(motions: Sequence[Motion]) -> None:
+def _checked(motions: Sequence[MotionT]) -> list[MotionT]:
     if not isinstance(motions, Sequence) or not motions:
         raise InvalidInput("motions: expected a sequence of at least one motion")
     for i, motion in enumerate(motions):
         checked_motion(motion, f"motions[{i}]")
-    kinds = {
-        (type(motion), motion.positions.shape[1], getattr(motion, "joint_names", ()))
-        for motion in motions
-    }
-    if len(kinds) > 1:
-        raise InvalidInput("motions: expected all of one type and size, with the same joint names")
+    if len({(type(motion), motion.positions.shape[1]) for motion in motions}) > 1:
+        raise InvalidInput("motions: expected all of one type and size")
+    ordered = alike(motions, "motions")
     for i in range(1, len(motions)):
-        gap = _gap(motions[i - 1], motions[i])
+        gap = _gap(ordered[i - 1], ordered[i])
         if gap > _GAP:
             raise InvalidInput(
                 f"motions[{i}]: expected it to start where motions[{i - 1}] ended, got a start "
                 f"{gap:.3g} away"
             )
+    return ordered
 
 
 def _gap(before: Motion, after: Motion) -> float:

@@ -12,9 +12,9 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.arm import Arm
 from leadthrough.arm.link_poses import link_poses
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array
 from leadthrough.drawing.palette import Colour
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes.surface import Surface
 from leadthrough.show.surfaces import creased
@@ -99,20 +99,13 @@ def sampled(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:
     """A motion at no more samples than a screen shows."""
     if joints is None:
         return JointTrajectory(np.zeros(1), _middle(arm)[None], joint_names=arm.joint_names)
-    if not isinstance(joints, JointTrajectory):
-        raise InvalidInput(f"joints: expected a JointTrajectory, got {type(joints).__name__}")
-    names, count = joints.joint_names, joints.positions.shape[1]
-    if (names and names != arm.joint_names) or count != len(arm.joint_names):
-        raise InvalidInput(
-            f"joints: expected {', '.join(arm.joint_names)}, "
-            f"got {', '.join(names) or f'{count} without names'}"
-        )
+    joints = in_order(joints, arm.joint_names, "joints")
     wanted = min(int(joints.duration * _FRAME_RATE) + 2, _MAX_FRAMES)
     if len(joints.times) <= wanted:
         return joints
     times = np.linspace(joints.times[0], joints.times[-1], wanted)
     columns = [np.interp(times, joints.times, column) for column in joints.positions.T]
-    return JointTrajectory(times, np.column_stack(columns), joint_names=names)
+    return JointTrajectory(times, np.column_stack(columns), joint_names=arm.joint_names)
 
 
 def link_motion(arm: Arm, q: Float64Array) -> tuple[tuple[str, ...], Float64Array, Float64Array]:

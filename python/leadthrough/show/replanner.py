@@ -19,7 +19,14 @@ from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.errors import IkFailure
 from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill, Target
-from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion import (
+    Demonstration,
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    Trajectory,
+    in_order,
+)
 from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene
@@ -194,7 +201,7 @@ class Replanner:
 
     def _followed(self, motion: Trajectory | PoseTrajectory | JointTrajectory) -> JointTrajectory:
         if isinstance(motion, JointTrajectory):
-            return motion
+            return in_order(motion, self.arm.joint_names, "skill")
         joints = self._next_to_the_last(motion) or self._searched(motion)
         self._first, self._last = joints.positions[0], joints
         self._may_search = True

@@ -15,7 +15,7 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible, NoPath
 from leadthrough.guard import CommandedState, connect
 from leadthrough.guard.admission import chunk_of
-from leadthrough.motion import Event, JointTrajectory
+from leadthrough.motion import Event, JointTrajectory, in_order
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import Controller, Motion
 from leadthrough.simulation.report import Run, SimulationReport, findings, summed_contacts
@@ -149,13 +149,9 @@ def _plan(
     state: CommandedState | ArrayLike | None,
     period: float,
 ) -> _Plan:
-    if not isinstance(trajectory, JointTrajectory):
-        raise InvalidInput(
-            f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
-        )
-    if len(trajectory.times) < 2:
+    own = in_order(trajectory, arm.joint_names, "trajectory")
+    if len(own) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")
-    own = trajectory if trajectory.joint_names == arm.joint_names else arm.joints_of(trajectory)
     whole, offset, way_found = _connected(arm, own, state)
     rows = chunk_of(whole, arm, period).rows
     begins_at_rest = offset is not None or (_rates_known(arm) and _at_rest(arm, own, 0))

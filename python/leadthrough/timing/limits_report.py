@@ -26,7 +26,7 @@ from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing import Drawn, Panel, bars
 from leadthrough.errors import LimitsInfeasible
-from leadthrough.motion import JointTrajectory, computed_joints, with_derivatives
+from leadthrough.motion import JointTrajectory, computed_joints, in_order, with_derivatives
 from leadthrough.repr import ShortRepr
 from leadthrough.timing.request import POSITION_ROUNDING
 
@@ -148,7 +148,7 @@ def check_limits(
             the next, such as a script of servoj commands. By default the quintics are judged that
             a controller runs which reads velocities and accelerations too.
     """
-    _joint_names(trajectory, limits)
+    trajectory = _ordered(trajectory, limits)
     if linear_rate is None:
         return judged(with_derivatives(trajectory), limits)
     rate = check.number(linear_rate, "linear_rate", above=0.0)
@@ -167,7 +167,7 @@ def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Bin
 
     A stretch in which the nearest limit binds is separate from one in which it does not.
     """
-    joints = _joint_names(trajectory, limits)
+    trajectory, joints = _ordered(trajectory, limits), limits.joint_names
     if len(trajectory.times) == 1:
         return []
     used = _used_in_steps(with_derivatives(trajectory))
@@ -189,14 +189,6 @@ def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Bin
         )
         for first, last in pairwise([0, *changes, len(nearest)])
     ]
-
-
-def check_type(trajectory: JointTrajectory) -> None:
-    """Raises InvalidInput unless `trajectory` is a JointTrajectory."""
-    if not isinstance(trajectory, JointTrajectory):
-        raise InvalidInput(
-            f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
-        )
 
 
 def check_positions(positions: Float64Array, limits: JointLimits) -> None:
@@ -225,19 +217,10 @@ class _Extremes:
 _LOWEST, _HIGHEST, _RATES = 0, 1, {"velocity": 2, "acceleration": 3, "jerk": 4}
 
 
-def _joint_names(trajectory: JointTrajectory, limits: JointLimits) -> tuple[str, ...]:
-    check_type(trajectory)
+def _ordered(trajectory: JointTrajectory, limits: JointLimits) -> JointTrajectory:
     if not isinstance(limits, JointLimits):
         raise InvalidInput(f"limits: expected JointLimits, got {type(limits).__name__}")
-    joints = trajectory.positions.shape[1]
-    wanted = limits.joint_names
-    if len(wanted) != joints:
-        raise InvalidInput(f"limits: expected limits of {joints} joints, got {len(wanted)}")
-    if trajectory.joint_names and trajectory.joint_names != wanted:
-        raise InvalidInput(
-            f"limits: expected limits of {list(trajectory.joint_names)}, got {list(wanted)}"
-        )
-    return wanted
+    return in_order(trajectory, limits.joint_names, "trajectory")
 
 
 def _arrays(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float64Array]:

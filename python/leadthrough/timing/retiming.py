@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +21,7 @@ from leadthrough import check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible
-from leadthrough.motion import JointTrajectory, computed_joints, moved_events
+from leadthrough.motion import JointTrajectory, computed_joints, in_order, moved_events
 from leadthrough.timing import request as checks
 from leadthrough.timing.limits_report import KINDS, ROUNDING, Kind, Peak, check_positions, judged
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed
@@ -33,6 +33,7 @@ from leadthrough.trajectories import Curve
 # Short sections lose digits: where that shows, the path is timed again, slightly slower.
 _MAX_ATTEMPTS = 4
 _TIGHTER = 0.999
+PathT = TypeVar("PathT")
 
 
 def retime(
@@ -81,6 +82,7 @@ def retime(
 
     Source: Pham and Pham 2018.
     """
+    path = _named(path, limits, "path")
     route = _route(path, limits)
     request = Request(
         rate=check.number(rate, "rate", above=0.0),
@@ -127,6 +129,7 @@ def keep_timing(
         raise InvalidInput(
             f"motion: expected a JointTrajectory or a curve, got {type(motion).__name__}"
         )
+    motion = _named(motion, limits, "motion")
     route = _route(motion, limits)
     request = Request(
         rate=check.number(rate, "rate", above=0.0),
@@ -141,10 +144,18 @@ def keep_timing(
     return _timed(route, motion, limits, request)
 
 
-def _route(path: JointTrajectory | Curve | ArrayLike, limits: JointLimits) -> Path:
-    """The path, if the limits are those of its joints."""
+def _named(path: PathT, limits: JointLimits, argument: str) -> PathT:
+    """The path with its joints in the order of the limits, where it names them."""
     if not isinstance(limits, JointLimits):
         raise InvalidInput(f"limits: expected JointLimits, got {type(limits).__name__}")
+    if not isinstance(path, JointTrajectory):
+        return path
+    ordered: Any = in_order(path, limits.joint_names, argument)  # of the same type
+    return ordered
+
+
+def _route(path: JointTrajectory | Curve | ArrayLike, limits: JointLimits) -> Path:
+    """The path, if the limits are as many as its joints."""
     missing = [name for name in ("acceleration", "jerk") if getattr(limits, name) is None]
     if missing:
         raise InvalidInput(

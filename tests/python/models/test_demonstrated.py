@@ -67,7 +67,7 @@ def test_different_numbers_of_columns_are_refused(case):
 def test_different_joints_are_refused(family):
     model = kind(family, "joints").build()
     renamed = lt.JointTrajectory(T, LINE, joint_names=("a", "b", "d"))
-    refused("same joint names", model.fit, [JOINTS, renamed])
+    refused("expected the joints a, b, c, got a, b, d", model.fit, [JOINTS, renamed])
 
 
 def test_a_type_that_the_model_does_not_learn_is_refused_by_name():

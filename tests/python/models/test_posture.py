@@ -137,7 +137,7 @@ def test_a_rhythm_goes_on_turning_where_it_was_shown_to():
 
 def test_joints_of_different_arms_are_refused():
     a, b = Posture(("a",), np.zeros((201, 1))), Posture(("b",), np.zeros((201, 1)))
-    refused("joints: expected the same joints", agreed, [a, None, b])
+    refused("joints: expected the joints a, got b", agreed, [a, None, b])
     assert agreed([None, None]) is None
 
 

@@ -251,8 +251,8 @@ def test_positions_alone_are_judged_straight_at_the_receivers_rate(rate):
 
 def test_wrong_arguments_are_named():
     for motion, limits, argument in [
-        (between([0, 0], [1, 1], 1.0), JointLimits(("elbow",), [-1], [1], [1]), "limits"),
-        (between([0, 0], [1, 1], 1.0), replace(LIMITS, joint_names=("wrist", "elbow")), "limits"),
+        (between([0, 0], [1, 1], 1.0), JointLimits(("elbow",), [-1], [1], [1]), "trajectory"),
+        (between([0, 0], [1, 1], 1.0), replace(LIMITS, joint_names=("x", "elbow")), "trajectory"),
         (between([0, 0], [1, 1], 1.0), None, "limits"),
         (lt.Trajectory([0, 1], [[0.0, 0], [1, 1]]), LIMITS, "trajectory"),
         (None, LIMITS, "trajectory"),
