@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -150,8 +150,7 @@ def _named(path: PathT, limits: JointLimits, argument: str) -> PathT:
         raise InvalidInput(f"limits: expected JointLimits, got {type(limits).__name__}")
     if not isinstance(path, JointTrajectory):
         return path
-    ordered: Any = in_order(path, limits.joint_names, argument)  # of the same type
-    return ordered
+    return cast(PathT, in_order(path, limits.joint_names, argument))  # of the same type
 
 
 def _route(path: JointTrajectory | Curve | ArrayLike, limits: JointLimits) -> Path:

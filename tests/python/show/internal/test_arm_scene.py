@@ -108,7 +108,7 @@ def test_spread_of_joints_is_brought_to_the_tip(panda):
     ("arguments", "said"),
     [
         ({"joints": 3}, "joints: expected a JointTrajectory"),
-        ({"joints": lt.JointTrajectory([0, 1], np.zeros((2, 3)))}, "joints: expected panda_joint1"),
+        ({"joints": lt.JointTrajectory([0, 1], np.zeros((2, 3)))}, "joints: expected 7 joints"),
         ({"goal": (1, 2)}, "goal: expected shape"),
         ({"path": np.full((3, 3), np.nan)}, "path: expected finite"),
         ({"demonstrations": [1]}, r"demonstrations\[0\]: expected a Demonstration"),
