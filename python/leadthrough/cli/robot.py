@@ -111,8 +111,8 @@ def _numbered(motion: lt.JointTrajectory, names: Sequence[str], name: str) -> lt
     if not found or found != [(found[0][0], found[0][1] + i) for i in range(len(recorded))]:
         raise lt.errors.InvalidInput(
             f"{name}: expected the joints {', '.join(names)}, got {', '.join(recorded)}; if these "
-            f"are the same joints in this order, learn with --column joints={','.join(recorded)}, or "
-            "name the columns q1, q2, ..."
+            "are the same joints in this order, learn with --column "
+            f"joints={','.join(recorded)}, or name the columns q1, q2, ..."
         )
     print(f"{name}: using joints {', '.join(recorded)} as {', '.join(names)}", file=sys.stderr)
     return replace(motion, joint_names=())

@@ -186,7 +186,8 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
     own = tuple(headers.joint(name) for name in columns)
     if request.joints and set(own) <= set(request.joints):
         return own
-    if request.columns.get("joints") and len(own) == len(request.joints):
+    strangers = not set(own) & set(request.joints)
+    if request.columns.get("joints") and strangers and len(own) == len(request.joints):
         return tuple(request.joints)  # as the user stated
     return tuple(headers.unit(name, "joints")[0] for name in columns)
 

@@ -64,7 +64,8 @@ def read_demonstrations(
         topic: topic of a bag, where several have motions.
         frames: frame and child frame of a transform in a bag.
         joints: an arm's joints by name, with their lower and upper limits in rad (m). Columns of
-            these names are its joints, whatever else the file has; percent refer to the limits.
+            these names are its joints, whatever else the file has; as many in `columns` of other
+            names are its joints in this order. Percent refer to the limits.
         rest: s of standing still to keep before and after, >= 0; `math.inf` keeps all of it.
 
     Raises:
