@@ -20,7 +20,8 @@ from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing import Drawn, Line, Panel, palette
 from leadthrough.errors import InvalidRobot
-from leadthrough.motion import JointTrajectory, in_order
+from leadthrough.joint_names import in_order
+from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Box, SceneLike, Shape, as_scene, compiled
 

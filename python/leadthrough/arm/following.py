@@ -34,12 +34,12 @@ from leadthrough.arm.tracking import (
 )
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible
+from leadthrough.joint_names import in_order
 from leadthrough.motion import (
     JointTrajectory,
     Motion,
     PoseTrajectory,
     Trajectory,
-    in_order,
     moved_events,
     normalised_times,
     with_derivatives,

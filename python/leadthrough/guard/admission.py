@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.motion import Event, JointTrajectory, computed_joints, in_order
+from leadthrough.joint_names import in_order
+from leadthrough.motion import Event, JointTrajectory, computed_joints
 from leadthrough.repr import ShortRepr
 
 Verdict = Literal["allowed", "changed", "braking"]

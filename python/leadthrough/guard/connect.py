@@ -14,7 +14,8 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible, NoPath
 from leadthrough.guard.admission import CommandedState, chunk_of, from_state
 from leadthrough.guard.rules import HISTORY, Contact, Rules, history_of, rules_for
-from leadthrough.motion import JointTrajectory, in_order
+from leadthrough.joint_names import in_order
+from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import SceneLike, as_scene
 
 _TURN = 2.0 * np.pi  # rad

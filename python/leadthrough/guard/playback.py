@@ -15,7 +15,8 @@ import numpy as np
 from leadthrough import check
 from leadthrough.arm import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.motion import JointTrajectory, in_order
+from leadthrough.joint_names import in_order
+from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.filters import FilterState, JerkFilter
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.joint_names import in_order
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.posture import Posture, arrays_of, demonstrated_posture, settings_of
 from leadthrough.models.targets import Target
@@ -31,7 +32,6 @@ from leadthrough.motion import (
     agreed_events,
     events_by_round,
     events_of_plain,
-    in_order,
     moved_events,
     plain_events,
     with_derivatives,

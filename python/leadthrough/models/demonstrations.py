@@ -10,6 +10,7 @@ import numpy as np
 from leadthrough import sanity
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import FitError
+from leadthrough.joint_names import alike
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,
@@ -17,7 +18,6 @@ from leadthrough.motion import (
     MotionT,
     PoseTrajectory,
     Trajectory,
-    alike,
 )
 from leadthrough.preprocess.align import lateness
 

@@ -20,6 +20,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import FitError, UnsupportedQuery
 from leadthrough.io.files import StrPath
+from leadthrough.joint_names import alike
 from leadthrough.models import archive
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.posture import demonstrated_posture
@@ -30,7 +31,6 @@ from leadthrough.motion import (
     PoseTrajectory,
     Trajectory,
     agreed_events,
-    alike,
     moved_events,
     normalised_times,
 )

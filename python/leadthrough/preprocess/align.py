@@ -20,13 +20,13 @@ from numpy.typing import ArrayLike, NDArray
 import leadthrough._core as core
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.joint_names import alike
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,
     Motion,
     MotionT,
     PoseTrajectory,
-    alike,
     as_demonstration,
     moved_events,
     normalised_times,

@@ -15,7 +15,7 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing import palette
 from leadthrough.drawing.palette import Colour
 from leadthrough.models.protocol import Distributed, Skill
-from leadthrough.motion import Demonstration, JointTrajectory, Motion, in_order
+from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.shapes.surface import Surface, merged, sphere
 from leadthrough.show.animation import (
@@ -74,8 +74,7 @@ def arm_scene(
 def tip_path(arm: Arm, motion: Motion) -> Float64Array:
     """The tip's path (n, 3) along a motion; a two-dimensional drawing lies at z = 0."""
     if isinstance(motion, JointTrajectory):
-        own = in_order(motion, arm.joint_names, "motion")
-        return arm.forward_kinematics(own.positions)[0]
+        return arm.forward_kinematics(arm.joints_of(motion).positions)[0]
     width = motion.positions.shape[1]
     if width not in (2, 3):
         raise InvalidInput(f"motion: expected points in 2-D or 3-D, got {width}-D")

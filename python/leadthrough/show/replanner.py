@@ -18,15 +18,9 @@ from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.errors import IkFailure
+from leadthrough.joint_names import in_order
 from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill, Target
-from leadthrough.motion import (
-    Demonstration,
-    JointTrajectory,
-    Motion,
-    PoseTrajectory,
-    Trajectory,
-    in_order,
-)
+from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene

@@ -15,7 +15,8 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible, NoPath
 from leadthrough.guard import CommandedState, connect
 from leadthrough.guard.admission import chunk_of
-from leadthrough.motion import Event, JointTrajectory, in_order
+from leadthrough.joint_names import in_order
+from leadthrough.motion import Event, JointTrajectory
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import Controller, Motion
 from leadthrough.simulation.report import Run, SimulationReport, findings, summed_contacts

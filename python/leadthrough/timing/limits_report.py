@@ -26,7 +26,8 @@ from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.drawing import Drawn, Panel, bars
 from leadthrough.errors import LimitsInfeasible
-from leadthrough.motion import JointTrajectory, computed_joints, in_order, with_derivatives
+from leadthrough.joint_names import in_order
+from leadthrough.motion import JointTrajectory, computed_joints, with_derivatives
 from leadthrough.repr import ShortRepr
 from leadthrough.timing.request import POSITION_ROUNDING
 

@@ -21,7 +21,8 @@ from leadthrough import check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible
-from leadthrough.motion import JointTrajectory, computed_joints, in_order, moved_events
+from leadthrough.joint_names import in_order
+from leadthrough.motion import JointTrajectory, computed_joints, moved_events
 from leadthrough.timing import request as checks
 from leadthrough.timing.limits_report import KINDS, ROUNDING, Kind, Peak, check_positions, judged
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed
