@@ -11,16 +11,13 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 import leadthrough as lt
 from leadthrough.cli import completion, options, output
 from leadthrough.models.registry import MODELS
-
-if TYPE_CHECKING:
-    from leadthrough.models import Model
 
 _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
 
@@ -29,7 +26,7 @@ def learn(
     *,
     ctx: typer.Context,
     files: options.Recordings,
-    out: Annotated[Path, typer.Option("--out", "-o", autocompletion=completion.files(".npz"))],
+    out: options.SkillOutput,
     model: Annotated[
         str | None,
         typer.Option(
@@ -38,9 +35,7 @@ def learn(
             autocompletion=completion.models,
         ),
     ] = None,
-    parameter: Annotated[
-        list[str] | None, typer.Option("--set", autocompletion=completion.parameters)
-    ] = None,
+    parameter: options.Parameters = None,
     robot: options.MaybeRobotName = None,
     details: options.ArmDetails,
     clean: bool = False,
@@ -128,7 +123,7 @@ def _streamed(
     ]
 
 
-def model_of(name: str, parameters: dict[str, Any]) -> Model:
+def model_of(name: str, parameters: dict[str, Any]) -> lt.models.Model:
     """A model by its name on the command line; no other family is loaded."""
     from leadthrough import check
 
@@ -136,7 +131,7 @@ def model_of(name: str, parameters: dict[str, Any]) -> Model:
     for key in parameters:
         check.choice(key, "--set", kind.__dataclass_fields__)
     try:
-        made: Model = kind(**parameters)
+        made: lt.models.Model = kind(**parameters)
     except lt.errors.InvalidInput as error:
         raise lt.errors.InvalidInput(f"--set {error}") from None
     return made

@@ -18,6 +18,7 @@ import typer
 from leadthrough.cli import completion
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
 
+EXAMPLES = ("reach",)
 _ROBOT = typer.Option(
     "--robot",
     help="Robot: panda, tiago, ur3, the path of a URDF, or, where these packages are installed, a "
@@ -46,6 +47,19 @@ SkillFile = Annotated[
     ),
 ]
 _Link = Annotated[str | None, typer.Option(autocompletion=completion.links)]
+SkillOutput = Annotated[Path, typer.Option("--out", "-o", autocompletion=completion.files(".npz"))]
+StudyName = Annotated[
+    str | None, typer.Argument(autocompletion=completion.one_of(*completion.STUDIES))
+]
+Model = Annotated[str | None, typer.Option(autocompletion=completion.models)]
+Parameters = Annotated[
+    list[str] | None, typer.Option("--set", autocompletion=completion.parameters)
+]
+AnyFiles = Annotated[list[Path], typer.Argument(autocompletion=completion.anything)]
+MaybeMotion = Annotated[Path | None, typer.Argument(autocompletion=completion.recordings)]
+Demonstrations = Annotated[list[Path] | None, typer.Option(autocompletion=completion.recordings)]
+ExampleName = Annotated[str, typer.Argument(autocompletion=completion.one_of(*EXAMPLES))]
+Recorded = Annotated[str | None, typer.Option(autocompletion=completion.recordings)]
 SkillPath = Annotated[Path | None, typer.Option(autocompletion=completion.files(".npz"))]
 PagePath = Annotated[Path | None, typer.Option(autocompletion=completion.files(".html"))]
 RobotName = Annotated[str, _ROBOT]

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 import leadthrough as lt
-from leadthrough.cli import completion, options, output
+from leadthrough.cli import options, output
 
 if TYPE_CHECKING:
-    from leadthrough.models.protocol import Target
     from leadthrough.motion import Motion
 
 # Standard deviations of the demonstrated ends from which on an end is new.
@@ -40,7 +39,7 @@ def plan(
     obstacle: options.Obstacles = None,
     robot: options.MaybeRobotName = None,
     details: options.ArmDetails,
-    posture: Annotated[str | None, typer.Option(autocompletion=completion.recordings)] = None,
+    posture: options.Recorded = None,
     tolerance: str | None = None,
     free_axis: list[str] | None = None,
     margin: float | None = None,
@@ -184,7 +183,7 @@ def _write(motion: Motion, out: Path, format: str | None, *, moves_arm: bool) ->
 
 def _end(
     learned: lt.models.Skill, given: str | None, moved: str | None, name: str, index: int
-) -> Target | None:
+) -> lt.models.Target | None:
     from leadthrough.cli import parse
 
     if given is not None and moved is not None:
@@ -225,7 +224,7 @@ def _certified(learned: lt.models.Skill, asked: dict[str, Any], arm: lt.Arm | No
     motion = learned.generate()
     ends = {}
     for name, index in (("start", 0), ("goal", -1)):
-        place: Target = motion.positions[index]
+        place: lt.models.Target = motion.positions[index]
         if isinstance(motion, lt.PoseTrajectory):
             place = (motion.positions[index], motion.orientations[index])
         ends[name] = asked.get(name, place)

@@ -12,7 +12,7 @@ import typer
 from rich.console import Console
 
 import leadthrough as lt
-from leadthrough.cli import completion, options, output
+from leadthrough.cli import options, output
 from leadthrough.cli.command import OF_THE_ROBOT, read_profile
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ _URDF = (".urdf", ".xml")
 def info(
     *,
     ctx: typer.Context,
-    files: Annotated[list[Path], typer.Argument(autocompletion=completion.anything)],
+    files: options.AnyFiles,
     layout: options.ReadOptions,
     details: options.ArmDetails,
     write_limits: Path | None = None,
@@ -234,7 +234,7 @@ def clean(
 def judge(
     *,
     files: options.Recordings,
-    model: Annotated[str | None, typer.Option(autocompletion=completion.models)] = None,
+    model: options.Model = None,
     parameter: Annotated[list[str] | None, typer.Option("--set")] = None,
     goals: str | None = None,
     resting: options.RestOptions,

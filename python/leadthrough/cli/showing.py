@@ -14,7 +14,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 import leadthrough as lt
-from leadthrough.cli import completion, options, output
+from leadthrough.cli import options, output
 from leadthrough.cli.command import PROFILE
 
 if TYPE_CHECKING:
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from leadthrough_studies.handwriting.demo import Handwriting
 
 SCENES = ("handwriting", "pouring", "harvesting")
-NAMES = ("reach",)
 _PROFILE = """\
 # Options that every command takes in this folder; an option on the command line wins.
 robot = "{robot}.urdf"
@@ -33,12 +32,10 @@ limits = "{robot}.toml"
 
 def view(
     *,
-    motion: Annotated[Path | None, typer.Argument(autocompletion=completion.recordings)] = None,
+    motion: options.MaybeMotion = None,
     robot: options.RobotName = "panda",
     details: options.ArmDetails,
-    demonstrations: Annotated[
-        list[Path] | None, typer.Option(autocompletion=completion.recordings)
-    ] = None,
+    demonstrations: options.Demonstrations = None,
     skill: options.SkillPath = None,
     goal: str | None = None,
     obstacle: options.Obstacles = None,
@@ -63,7 +60,6 @@ def view(
     from leadthrough import check
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
-    from leadthrough.show import viewing
 
     check.integer(port, "port", at_least=0, at_most=65535)
     arm = robots.load(robot, details)
@@ -79,7 +75,7 @@ def view(
             files, **layout.arguments(), joints=known, rest=math.inf
         )
     with errors.naming(path="--html"):
-        viewing.view(
+        lt.show.view(
             arm,
             asked,
             demonstrations=recordings,
@@ -160,7 +156,7 @@ def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
 
 def example(
     ctx: typer.Context,
-    name: Annotated[str, typer.Argument(autocompletion=completion.one_of(*NAMES))],
+    name: options.ExampleName,
     folder: Annotated[Path, typer.Argument()],
     seed: options.Seed = 0,
     as_json: options.AsJson = False,
@@ -177,7 +173,7 @@ def example(
     """
     from leadthrough import check
 
-    check.choice(name, "NAME", NAMES)
+    check.choice(name, "NAME", options.EXAMPLES)
     files = _reach(check.integer(seed, "seed", at_least=0))
     for path in files:
         if (folder / path).exists():

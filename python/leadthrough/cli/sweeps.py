@@ -3,22 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
 import leadthrough as lt
-from leadthrough.cli import completion, options, output
-
-if TYPE_CHECKING:
-    from leadthrough.models.targets import TargetRegion
-
-_FORM = (
-    "the distances DX,DY,DZ to both sides of the demonstrated one, or two corners X,Y,Z:X,Y,Z (m, "
-    "rad); /ANGLE appended turns poses by up to so many rad."
-)
-_CORNERS = "two corners X,Y,Z:X,Y,Z, in m"
+from leadthrough.cli import options, output
 
 
 def validate(
@@ -26,7 +16,7 @@ def validate(
     skill: options.SkillFile,
     robot: options.RobotName,
     details: options.ArmDetails,
-    goals: Annotated[str | None, typer.Option(help=f"Region of the goals: {_FORM}")] = None,
+    goals: str | None = None,
     starts: str | None = None,
     obstacle: options.Obstacles = None,
     random_obstacle: list[str] | None = None,
@@ -50,6 +40,8 @@ def validate(
     leadthrough validate pour.npz --robot panda --goals 0.1,0.1,0.05 --runs 5000 --on local:4
 
     Options:
+        goals: Region of the goals: the distances DX,DY,DZ to both sides of the demonstrated one, or
+            two corners X,Y,Z:X,Y,Z (m, rad); /ANGLE appended turns poses by up to so many rad.
         starts: Region of the starts, in the form of --goals.
         random_obstacle: Obstacle at a random position: one as of --obstacle, then ~DX,DY,DZ, how
             far it may be from there, in m. May be repeated.
@@ -111,7 +103,7 @@ def _facts(found: lt.validation.Validation, folder: Path) -> dict[str, object]:
 
 def _places(
     learned: lt.models.Skill, text: str | None, index: int, name: str
-) -> TargetRegion | None:
+) -> lt.models.TargetRegion | None:
     """The region that an option states; None where it is left out."""
     from leadthrough.cli import parse
 
@@ -123,23 +115,14 @@ def _places(
 def reach(
     *,
     robot: options.RobotName,
-    out: Annotated[Path, typer.Option("--out", "-o", autocompletion=completion.files(".npz"))],
+    out: options.SkillOutput,
     details: options.ArmDetails,
-    volume: Annotated[
-        str | None,
-        typer.Option(help=f"Where the tip is to reach: {_CORNERS}; by default the whole reach."),
-    ] = None,
+    volume: str | None = None,
     spacing: float = 0.1,
     orientations: int = 12,
     obstacle: options.Obstacles = None,
     skill: options.SkillPath = None,
-    area: Annotated[
-        str | None,
-        typer.Option(
-            help="With --skill, where the base may stand in the frame of the skill's motion: "
-            f"{_CORNERS}."
-        ),
-    ] = None,
+    area: str | None = None,
     yaws: int = 8,
     seed: options.Seed = 0,
     folder: Path | None = None,
@@ -155,9 +138,13 @@ def reach(
 
     Options:
         out: File to write, an .npz; a picture .png is written beside it.
+        volume: Region that the tip is to reach: two corners X,Y,Z:X,Y,Z, in m; by default the whole
+            reach.
         spacing: Distance between neighbouring places, in m.
         orientations: Number of orientations that are tried at each place.
         skill: Skill of poses that the arm is to run; finds where it must stand.
+        area: With --skill, where the base may stand in the frame of the skill's motion: two corners
+            X,Y,Z:X,Y,Z, in m.
         yaws: With --skill, number of directions that the base may face.
         folder: Folder that keeps what is computed, to go on there.
     """
@@ -214,7 +201,7 @@ def _place(  # an option each
     if skill is None or area is None:
         missing, given = ("--area", "--skill") if area is None else ("--skill", "--area")
         raise lt.errors.InvalidInput(f"{missing}: needed with {given}")
-    corners: TargetRegion = parse.corners(area, "--area")
+    corners: lt.models.TargetRegion = parse.corners(area, "--area")
     learned = reading.saved_skill(skill)
     found = lt.reachability.place_base(
         learned, arm, area=corners, spacing=spacing, yaws=yaws, seed=seed
@@ -244,9 +231,7 @@ def _place(  # an option each
 
 
 def experiment(
-    name: Annotated[
-        str | None, typer.Argument(autocompletion=completion.one_of(*completion.STUDIES))
-    ] = None,
+    name: options.StudyName = None,
     quick: bool = False,
     out: Path | None = None,
     seed: options.Seed = 0,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ from leadthrough.shapes import Scene
 _TRIES = (4, 28)
 _AT_ENDS = (64, 448)  # without them the motion cannot be
 _ITERATIONS = 60
+_SIX = 6  # joints, with which an arm can have any position and orientation
 # Distance between the samples of a path that are tested, m.
 _SPACING = 0.02
 
@@ -28,7 +29,7 @@ class CollisionFreeIk:
 
     arm: Arm
     scene: Scene  # with the margins to keep
-    free: Sequence[Axis]  # axes of the tip's poses left free
+    free: Collection[Axis] | None  # axes of the tip's poses left free, as `Arm.follow` takes them
 
     def exists(
         self,
@@ -52,7 +53,7 @@ class CollisionFreeIk:
                 None if orientations is None else orientations[each],
                 q0=np.tile(some, (len(open_), 1)),
                 options=IkOptions(
-                    free=self.free,
+                    free=self._free(),
                     position_tolerance=1e-4,
                     orientation_tolerance=1e-3,
                     max_iterations=_ITERATIONS,
@@ -65,6 +66,12 @@ class CollisionFreeIk:
             clear = self.arm.is_clear(batch.q[reached], self.scene.for_planning())
             found[each[reached[clear]]] = True
         return found
+
+    def _free(self) -> tuple[Axis, ...]:
+        """The axes free where the arm stands: of fewer than six joints, it turns as it has to."""
+        if self.free is None and len(self.arm.joint_names) < _SIX:
+            return ("rx", "ry", "rz")
+        return tuple(self.free or ())
 
     def _limits(self) -> tuple[Float64Array, Float64Array]:
         return self.arm.limits.lower, self.arm.limits.upper

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm, FollowOptions, check_arm
-from leadthrough.arm.inverse_kinematics import Axis
 from leadthrough.check import InvalidInput
 from leadthrough.errors import IkFailure
 from leadthrough.models.protocol import Distributed, Skill
@@ -26,7 +25,6 @@ LastResort = Literal["joint_space"]
 
 # Failures to follow that another path of the tip may cure.
 _NO_ROOM = ("blocked", "jump")
-_SIX = 6  # joints, with which an arm can have any position and orientation
 
 
 def plan_motion(
@@ -87,7 +85,7 @@ def plan_motion(
     allowed = allowed_deviation(skill, deviation, standard_deviations)
     chosen = FollowOptions() if options is None else options
     following: dict[str, Any] = {"q0": q0, "options": chosen, "scene": around}
-    ik = CollisionFreeIk(arm, Scene() if around is None else around, _free_of(arm, chosen.free))
+    ik = CollisionFreeIk(arm, Scene() if around is None else around, chosen.free)
     paths = TipPaths(skill, Query() if query is None else query, ik)
     path = learned = paths.first()
     failures: list[IkFailure] = []
@@ -126,13 +124,6 @@ def _another(paths: TipPaths, path: TipMotion, failures: list[IkFailure], most: 
     if len(failures) >= most:
         raise failures[-1]
     return paths.another(path, failures[-1])
-
-
-def _free_of(arm: Arm, free: Collection[Axis] | None) -> tuple[Axis, ...]:
-    """The axes free where the arm stands: of fewer than six joints, it turns as it has to."""
-    if free is None and len(arm.joint_names) < _SIX:
-        return ("rx", "ry", "rz")
-    return tuple(free or ())
 
 
 def _farthest(path: TipMotion, learned: TipMotion) -> float:

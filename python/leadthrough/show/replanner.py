@@ -10,7 +10,7 @@ from typing import Any, TypedDict
 
 from numpy.typing import ArrayLike
 
-from leadthrough import check
+from leadthrough import check, motion_planning
 from leadthrough.arm import Arm, FollowOptions
 from leadthrough.arm.following import follow
 from leadthrough.arm.ik_failure import limiting_joints_text
@@ -21,7 +21,6 @@ from leadthrough.errors import IkFailure
 from leadthrough.joint_names import in_order
 from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill, Target
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
-from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show.arm_scene import tip_path
@@ -161,13 +160,15 @@ class Replanner:
 
     def _planned(self, dt: float) -> tuple[Float64Array, JointTrajectory]:
         """The path of the tip and the joints, the whole arm clear of the obstacles."""
-        query = Query(**self._query(dt))
+        query = motion_planning.Query(**self._query(dt))
         try:
-            planned = plan_motion(self.skill, self.arm, self.scene, query, q0=self._first)
+            planned = motion_planning.plan_motion(
+                self.skill, self.arm, self.scene, query, q0=self._first
+            )
         except IkFailure:
             if self._first is None:
                 raise
-            planned = plan_motion(self.skill, self.arm, self.scene, query)
+            planned = motion_planning.plan_motion(self.skill, self.arm, self.scene, query)
         self._first, self._last = planned.joints.positions[0], planned.joints
         self._may_search = True
         return planned.tip.positions, planned.joints

@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, optional, rotations
+from leadthrough import check, rotations
 from leadthrough.arm import Arm, check_arm
 from leadthrough.arm.limits import known_acceleration
 from leadthrough.arm.model import GRAVITY
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible, NoPath
-from leadthrough.guard import CommandedState, connect
-from leadthrough.guard.admission import chunk_of
+from leadthrough.guard.admission import CommandedState, chunk_of
+from leadthrough.guard.connect import connect
 from leadthrough.joint_names import in_order
 from leadthrough.motion import Event, JointTrajectory
 from leadthrough.shapes import SceneLike, as_scene
@@ -71,7 +71,6 @@ def simulate(
         InvalidRobot: if the URDF states no masses, or no bodies have its inertias.
         MissingDependency: if the extra `simulation` is not installed.
     """
-    optional.load("mujoco", extra="simulation")
     check_arm(arm)
     period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
     most = tip_tolerance

@@ -10,15 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import check, optional
+from leadthrough import check, motion_planning, optional, simulation
 from leadthrough.arm import Arm, check_arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import IkFailure, LimitsInfeasible, NoPath
 from leadthrough.models import Skill, Target, TargetRegion, load_skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
-from leadthrough.motion_planning import Query, plan_motion
 from leadthrough.shapes import Scene, SceneLike, as_scene
-from leadthrough.simulation import Controller, simulate
 from leadthrough.tasks import Row
 from leadthrough.timing import check_limits, retime
 
@@ -35,7 +33,7 @@ class Setup:
     starts: TargetRegion  # of the queries
     scene: Scene  # with the obstacles whose position is drawn
     rate: float  # of the motion that is checked, Hz
-    controller: Controller | None  # of the simulated arm; None for no simulation
+    controller: simulation.Controller | None  # of the simulated arm; None for no simulation
 
     @classmethod
     def of(
@@ -46,7 +44,7 @@ class Setup:
         regions: tuple[TargetRegion | None, TargetRegion | None],
         *,
         rate: float,
-        controller: Controller | None,
+        controller: simulation.Controller | None,
     ) -> Setup:
         """The setup, checked, with regions of the starts and goals."""
         check_arm(arm)
@@ -86,11 +84,11 @@ def _region(
     return TargetRegion(region.lower, region.upper, region.turn, middle)
 
 
-def draw_query(setup: Setup, seed: int, number: int) -> tuple[Query, Scene]:
+def draw_query(setup: Setup, seed: int, number: int) -> tuple[motion_planning.Query, Scene]:
     """A query of a validation and its scene, the same wherever and whenever they are drawn."""
     rng = np.random.default_rng([seed, number])
     start, goal = setup.starts.draw(rng), setup.goals.draw(rng)
-    return Query(start, goal), setup.scene.draw(rng)
+    return motion_planning.Query(start, goal), setup.scene.draw(rng)
 
 
 def answers(*, first: int, count: int, seed: int, skill: Path, setup: Path) -> list[Row]:
@@ -108,10 +106,12 @@ def answers(*, first: int, count: int, seed: int, skill: Path, setup: Path) -> l
     return rows
 
 
-def answer(skill: Skill[Motion], setup: Setup, asked: Query, scene: Scene) -> tuple[str, str]:
+def answer(
+    skill: Skill[Motion], setup: Setup, asked: motion_planning.Query, scene: Scene
+) -> tuple[str, str]:
     """Why the arm cannot run the skill's motion, in a word and in a sentence; empty if it can."""
     try:
-        joints = plan_motion(skill, setup.arm, scene, asked).joints
+        joints = motion_planning.plan_motion(skill, setup.arm, scene, asked).joints
         timed = retime(joints, setup.arm.limits, rate=setup.rate, path_tolerance=_PATH)
     except NoPath as error:
         return f"no path: {error.reason}", str(error)
@@ -134,13 +134,13 @@ def _judged(setup: Setup, timed: JointTrajectory, scene: Scene) -> tuple[str, st
     if not report.ok:
         return "collision", str(report)
     if setup.controller is not None:
-        seen = simulate(arm, timed, scene, controller=setup.controller)
+        seen = simulation.simulate(arm, timed, scene, controller=setup.controller)
         if not seen.ok:
             return f"simulation: {seen.findings[0].kind}", str(seen)
     return "", ""
 
 
-def _told(asked: Query) -> dict[str, Any]:
+def _told(asked: motion_planning.Query) -> dict[str, Any]:
     assert asked.start is not None
     assert asked.goal is not None
     return {"start": _numbers(asked.start), "goal": _numbers(asked.goal)}
