@@ -97,7 +97,8 @@ def learn(
     kind = model or "dmp"
     chosen = model_of(kind, parse.parameters(parameter or []))
     _refuse_other_kinds(kind, demonstrations)
-    words = options.of_model(chosen) | _as_names(demonstrations)
+    words = {f"demonstrations[{i}]": each.name for i, each in enumerate(demonstrations)}
+    words |= options.of_model(chosen)
     with output.busy("learning"), errors.naming(**words, path="--out"), _told(demonstrations):
         skill = chosen.fit(demonstrations)
         skill.save(out)
@@ -135,11 +136,6 @@ def model_of(name: str, parameters: dict[str, Any]) -> lt.models.Model:
     except lt.errors.InvalidInput as error:
         raise lt.errors.InvalidInput(f"--set {error}") from None
     return made
-
-
-def _as_names(demonstrations: list[lt.Demonstration]) -> dict[str, str]:
-    """The recordings' names of the demonstrations that errors name by index."""
-    return {f"demonstrations[{i}]": each.name for i, each in enumerate(demonstrations)}
 
 
 def _refuse_other_kinds(model: str, demonstrations: list[lt.Demonstration]) -> None:

@@ -103,9 +103,12 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
             found["positions"].append(tuple(axes[axis] for axis in "xyz" if axis in axes))
         elif last_word in _ORIENTATION and len(axes) == 4:
             found["orientations"].append(tuple(axes[axis] for axis in "wxyz"))
-    found["joints"] += [*_numbered_joints(names), *_named_joints(names)]
+    named = tuple(name for name in names if unit(name, "joints")[0].lower().endswith("_joint"))
+    found["joints"] += [*_numbered_joints(names), *([named] if named else [])]
     if not found["joints"] and not found["positions"]:
-        found["joints"] += _moving_joints(names)
+        suffix = JOINT_SUFFIXES["velocities"]
+        moving = tuple(name for name in names if name + suffix in names)
+        found["joints"] += [moving] if moving else []
     return found
 
 
@@ -146,15 +149,3 @@ def _numbered_joints(names: Sequence[str]) -> Iterator[Columns]:
         numbers = sorted(joints)
         if numbers[0] in (0, 1) and numbers == list(range(numbers[0], numbers[0] + len(numbers))):
             yield tuple(joints[number] for number in numbers)
-
-
-def _named_joints(names: Sequence[str]) -> Iterator[Columns]:
-    joints = tuple(name for name in names if unit(name, "joints")[0].lower().endswith("_joint"))
-    if joints:
-        yield joints
-
-
-def _moving_joints(names: Sequence[str]) -> Iterator[Columns]:
-    suffix = JOINT_SUFFIXES["velocities"]
-    if joints := tuple(name for name in names if name + suffix in names):
-        yield joints

@@ -12,7 +12,7 @@ Source: Kuffner and LaValle 2000; Sucan, Moll and Kavraki 2012 (OMPL).
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -128,7 +128,8 @@ def _ways(
         planner = geometric.RRTConnect(space)
         planner.setProblemDefinition(problem)
         planner.setup()
-        planner.solve(base.PlannerTerminationCondition(_after(steps)))
+        left = iter(range(steps))
+        planner.solve(base.PlannerTerminationCondition(lambda: next(left, None) is None))
         if not problem.hasExactSolution():
             return []
         path = problem.getSolutionPath()
@@ -171,12 +172,6 @@ def _rows(path: Any, joints: int) -> Float64Array:
 
 def _values(state: Any, joints: int) -> Float64Array:
     return np.array([state[i] for i in range(joints)])
-
-
-def _after(steps: int) -> Callable[[], bool]:
-    """True from the given number of calls on."""
-    left = iter(range(steps))
-    return lambda: next(left, None) is None
 
 
 @contextmanager

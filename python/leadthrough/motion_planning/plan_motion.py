@@ -106,7 +106,9 @@ def plan_motion(
             except IkFailure as failure:
                 failures[-1] = failure
         try:
-            path = _another(paths, path, failures, most)
+            if len(failures) >= most:
+                raise failures[-1]
+            path = paths.another(path, failures[-1])
         except IkFailure:
             if last_resort is None:
                 raise
@@ -117,13 +119,6 @@ def plan_motion(
         clearance = arm.check(joints, ik.scene).obstacles.minimum_distance
     reasons = tuple(str(failure) for failure in failures)
     return PlannedMotion(joints, path, _farthest(path, learned), clearance, reasons, connected)
-
-
-def _another(paths: TipPaths, path: TipMotion, failures: list[IkFailure], most: int) -> TipMotion:
-    """Another path than the one that failed last, if one may be made."""
-    if len(failures) >= most:
-        raise failures[-1]
-    return paths.another(path, failures[-1])
 
 
 def _farthest(path: TipMotion, learned: TipMotion) -> float:

@@ -24,7 +24,6 @@ ATTACHED = "attached"  # as collision reports call it
 LINK = "link "  # before the names of links, of which one may be "world", as MuJoCo calls its own
 # MuJoCo refuses moving bodies without a mass, kg and kg m^2: too little to be felt.
 _MIN_INERTIA = 1e-13
-# Entries of a URDF's inertia tensor, and the value of an origin that is not stated.
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +60,14 @@ def plant(
     mujoco = optional.load("mujoco", extra="simulation")
     if arm._chain.mass == 0.0:
         raise InvalidRobot("robot", "no link that the arm moves has a mass, so nothing resists")
-    stated = _dynamics(arm)
-    dry, viscous = friction + stated[0], damping + stated[1]
+    stated = {joint.name: joint for joint in arm.robot.tree}
+    dry = friction + [stated[name].friction for name in arm.joint_names]
+    viscous = damping + [stated[name].damping for name in arm.joint_names]
     spec = mujoco.MjSpec()
     _set_options(mujoco, spec, gravity, period)
     _add_links(mujoco, spec, arm, link_inertias(arm, payload=payload))
     for i, shape in enumerate(obstacles):
-        _add_solids(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
+        _add_parts(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
     for a, b in _never_touching(arm):
         spec.add_exclude(bodyname1=_body_name(a), bodyname2=_body_name(b))
     own = core.Chain(arm._robot, arm.base, arm.tip)
@@ -142,11 +142,11 @@ def _add_links(mujoco: Any, spec: Any, arm: Arm, bodies: Mapping[str, Load]) -> 
         else:
             turned, placed = (part[0] for part in still[name])
             body = spec.worldbody.add_body(name=LINK + name, pos=placed, quat=_quaternion(turned))
-        _add_solids(spec, body, solids.get(name, ()))
+        _add_parts(spec, body, solids.get(name, ()))
         if name == arm.tip and arm.attached:
             held = body.add_body(name=ATTACHED)
             for shape in arm.attached:
-                _add_solids(spec, held, shape.convex_parts())
+                _add_parts(spec, held, shape.convex_parts())
 
 
 def _at_rest(arm: Arm, joint: core.Joint, driven: set[str]) -> tuple[Float64Array, Float64Array]:
@@ -174,25 +174,18 @@ def _set_inertia(body: Any, load: Load | None, driven: bool) -> None:
     body.fullinertia = [*np.diag(moments), moments[0, 1], moments[0, 2], moments[1, 2]]
 
 
-def _add_solids(spec: Any, body: Any, solids: Any) -> None:
-    for solid in solids:
-        _add_part(solid, spec, body)
-
-
-def _add_part(part: ConvexPart, spec: Any, body: Any) -> None:
-    """Adds a convex part to a body of a MuJoCo model that is being specified."""
+def _add_parts(spec: Any, body: Any, parts: Iterable[ConvexPart]) -> None:
+    """Adds convex parts to a body of a MuJoCo model that is being specified."""
     mujoco = optional.load("mujoco", extra="simulation")
-    geom = body.add_geom(
-        type=getattr(mujoco.mjtGeom, f"mjGEOM_{part.kind.upper()}"),
-        pos=part.position,
-        quat=part.orientation,
-    )
-    geom.size[: len(part.half_sizes)] = part.half_sizes
-    if part.vertices is not None:
-        mesh = spec.add_mesh(name=f"mesh {len(spec.meshes)}")
-        mesh.uservert = part.vertices.ravel()
-        mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
-        geom.meshname = mesh.name
+    for part in parts:
+        kind = getattr(mujoco.mjtGeom, f"mjGEOM_{part.kind.upper()}")
+        geom = body.add_geom(type=kind, pos=part.position, quat=part.orientation)
+        geom.size[: len(part.half_sizes)] = part.half_sizes
+        if part.vertices is not None:
+            mesh = spec.add_mesh(name=f"mesh {len(spec.meshes)}")
+            mesh.uservert = part.vertices.ravel()
+            mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+            geom.meshname = mesh.name
 
 
 def _add_joints(
@@ -249,13 +242,6 @@ def _never_touching(arm: Arm) -> list[tuple[str, str]]:
         return [pair for pair, why in arm.collision_pairs.left_out.items() if why != "never"]
     except InvalidRobot:
         return []  # no geometry, so no contacts
-
-
-def _dynamics(arm: Arm) -> tuple[Float64Array, Float64Array]:
-    """Friction (joints,), N m (N), and damping, N m s/rad (N s/m), that the URDF states."""
-    stated = {joint.name: joint for joint in arm.robot.tree}
-    joints = [stated[name] for name in arm.joint_names]
-    return np.array([each.friction for each in joints]), np.array([each.damping for each in joints])
 
 
 def _quaternion(rotation: Float64Array) -> Float64Array:

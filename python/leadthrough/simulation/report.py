@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.drawing import Drawn, Line, Panel, over, palette
+from leadthrough.guard import CommandedState
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
@@ -172,6 +173,24 @@ _IMPLAUSIBLE = 2.0  # times the velocity that a URDF states
 
 
 @dataclass(frozen=True, eq=False)
+class Plan:
+    """Commands (n, joints) a period apart, and where the given motion is in them, s."""
+
+    start: CommandedState
+    q: Float64Array
+    qd: Float64Array
+    qdd: Float64Array
+    progress: Float64Array
+    span: tuple[float, float]
+    way_found: bool
+
+    def first(self, count: int) -> Plan:
+        """The first commands alone."""
+        rows = {name: vars(self)[name][:count] for name in ("q", "qd", "qdd", "progress")}
+        return replace(self, **rows)
+
+
+@dataclass(frozen=True, eq=False)
 class Run:
     """Recorded arrays, (n, joints) each; the torques are those of the period that follows."""
 
@@ -188,13 +207,11 @@ class Run:
 def findings(
     real: SimulatedArm,
     run: Run,
-    q: Float64Array,
-    qd: Float64Array,
+    plan: Plan,
     *,
     allowed: Float64Array,
     contacts: Sequence[Contact],
     tip: tuple[Float64Array, float | None],
-    way_found: bool,
 ) -> tuple[Finding, ...]:
     """Faults of a motion, one of each kind: the start and the worst value."""
     names, plant = real.arm.joint_names, real.plant
@@ -208,14 +225,14 @@ def findings(
             yield Finding(kind, period * first, names[joint], ratio=float(ratios[:, joint].max()))
 
     def found() -> Iterator[Finding]:
-        if not way_found:
+        if not plan.way_found:
             yield Finding("no approach motion", 0.0)
         yield from _wrong_limits(real)
-        yield from worst("velocity", np.abs(qd) / plant.velocity)
+        yield from worst("velocity", np.abs(plan.qd) / plant.velocity)
         yield from worst("torque", np.abs(run.demanded) / plant.effort)
         for each in contacts:
             yield Finding("contact", each.start, bodies=each.bodies, ratio=each.force)
-        yield from worst("tracking", np.abs(q - run.q) / allowed)
+        yield from worst("tracking", np.abs(plan.q - run.q) / allowed)
         errors, most = tip
         if most is not None and errors.max() > most:
             first = int(np.argmax(errors > most))

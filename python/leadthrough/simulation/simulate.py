@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +19,7 @@ from leadthrough.joint_names import in_order
 from leadthrough.motion import Event, JointTrajectory
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import Controller, Motion
-from leadthrough.simulation.report import Run, SimulationReport, findings, summed_contacts
+from leadthrough.simulation.report import Plan, Run, SimulationReport, findings, summed_contacts
 from leadthrough.simulation.simulated_arm import Disturbances, SimulatedArm
 
 _SETTLING = 0.2  # s that the arm is held after the end
@@ -88,23 +88,16 @@ def simulate(
         rate=rate,
     )
     run = _run(real, plan)
-    count = len(run.q)
-    expected, dry = expected_errors(
-        real,
-        plan.q[:count],
-        plan.qd[:count],
-        plan.qdd[:count],
-        plan.progress[:count],
-    )
+    plan = plan.first(len(run.q))
+    expected, dry = expected_errors(real, plan)
     allowed = allowed_errors(expected, dry, encoder=real.disturbances.encoder)
-    tip_errors, tip_turns = _tip_errors(arm, plan.q[:count], run.q)
+    (at, turned), (there, done) = (arm.forward_kinematics(q) for q in (plan.q, run.q))
+    tip_errors = np.linalg.norm(at - there, axis=1)
     contacts = summed_contacts(run.touches, period)
-    times = period * np.arange(count)
+    times = period * np.arange(len(run.q))
     return SimulationReport(
         arm=arm,
-        planned=JointTrajectory(
-            times, plan.q[:count], plan.qd[:count], plan.qdd[:count], arm.joint_names
-        ),
+        planned=JointTrajectory(times, plan.q, plan.qd, plan.qdd, arm.joint_names),
         simulated=JointTrajectory(times, run.q, run.qd, run.qdd, arm.joint_names),
         span=plan.span,
         torques=run.torques,
@@ -112,35 +105,15 @@ def simulate(
         expected=expected,
         allowed=allowed,
         tip_errors=tip_errors,
-        tip_turns=tip_turns,
+        tip_turns=rotations.distance(turned, done),
         contacts=contacts,
         energy=np.maximum(run.work, 0.0).sum(axis=0),
         work=run.work.sum(axis=0),
         findings=findings(
-            real,
-            run,
-            plan.q[:count],
-            plan.qd[:count],
-            allowed=allowed,
-            contacts=contacts,
-            tip=(tip_errors, most),
-            way_found=plan.way_found,
+            real, run, plan, allowed=allowed, contacts=contacts, tip=(tip_errors, most)
         ),
         obstacles=around.shapes,
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Plan:
-    """Commands (n, joints) a period apart, and where the given motion is in them, s."""
-
-    start: CommandedState
-    q: Float64Array
-    qd: Float64Array
-    qdd: Float64Array
-    progress: Float64Array
-    span: tuple[float, float]
-    way_found: bool
 
 
 def _plan(
@@ -148,7 +121,7 @@ def _plan(
     trajectory: JointTrajectory,
     state: CommandedState | ArrayLike | None,
     period: float,
-) -> _Plan:
+) -> Plan:
     own = in_order(trajectory, arm.joint_names, "trajectory")
     if len(own) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")
@@ -164,7 +137,7 @@ def _plan(
     span = (float(own.times[0] + shift), float(own.times[-1] + shift))
     begun = state if isinstance(state, CommandedState) else None
     start = begun or CommandedState(q[0], first, np.zeros_like(first))
-    return _Plan(start, q, qd, qdd, _progress(arm, q, span, period), span, way_found)
+    return Plan(start, q, qd, qdd, _progress(arm, q, span, period), span, way_found)
 
 
 def _connected(
@@ -205,7 +178,7 @@ def _progress(arm: Arm, q: Float64Array, span: tuple[float, float], period: floa
     return np.asarray(np.clip((gone - first) / (last - first), 0.0, 1.0))
 
 
-def _run(real: SimulatedArm, plan: _Plan) -> Run:
+def _run(real: SimulatedArm, plan: Plan) -> Run:
     """All steps, or as many as the arm does not run away in."""
     count, joints = plan.q.shape
     rows = {name: np.zeros((count, joints)) for name in ("q", "qd", "qdd", "torques", "work")}
@@ -233,13 +206,6 @@ def _run(real: SimulatedArm, plan: _Plan) -> Run:
     return Run(**kept, touches=touches, whole=whole)
 
 
-def _tip_errors(
-    arm: Arm, planned: Float64Array, simulated: Float64Array
-) -> tuple[Float64Array, Float64Array]:
-    (at, turned), (there, done) = (arm.forward_kinematics(q) for q in (planned, simulated))
-    return np.linalg.norm(at - there, axis=1), rotations.distance(turned, done)
-
-
 _EVERY = 10  # samples that share a mass matrix and gains
 # The model is linear: products of errors are not in it, by which joints disturb each other too.
 _SLACK, _COUPLED = 1.3, 0.1
@@ -250,21 +216,18 @@ _MOVING = 1e-6  # rad/s (m/s): slower, dry friction is that of the last way
 _DIVERGED = 1e3  # rad (m)
 
 
-def expected_errors(
-    real: SimulatedArm,
-    q: Float64Array,
-    qd: Float64Array,
-    qdd: Float64Array,
-    progress: Float64Array,
-) -> tuple[Float64Array, Float64Array]:
+def expected_errors(real: SimulatedArm, plan: Plan) -> tuple[Float64Array, Float64Array]:
     """Tracking errors that the linear model gives, and the part of them that is by dry friction."""
     law, plant, late = real.law, real.plant, real.late
+    q, qd = plan.q, plan.qd
     left = plant.damping * qd + _pushed(real, q)
-    torques = law.arm.inverse_dynamics(q, qd, qdd, gravity=law.gravity)
+    torques = law.arm.inverse_dynamics(q, qd, plan.qdd, gravity=law.gravity)
     weight = law.arm.gravity_torques(q, gravity=law.gravity)
     coarse = slice(None, None, _EVERY)
     mass = law.arm.mass_matrix(q[coarse])
-    gains = law.gains(Motion(q[coarse], mass, torques[coarse], weight[coarse], progress[coarse]))
+    gains = law.gains(
+        Motion(q[coarse], mass, torques[coarse], weight[coarse], plan.progress[coarse])
+    )
     # Dampers in the joints and their drives act at once, and at the end of a period.
     dampers = plant.damping + law.drive_damping
     ease = np.asarray(np.linalg.inv(mass + real.period * np.diag(dampers)))

@@ -130,7 +130,7 @@ class Cluster:
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", "Sending large graph")  # once, and by content
                 future = self._client.submit(
-                    _handed_on, Path(path).read_bytes(), key=f"leadthrough-file-{content}"
+                    bytes, Path(path).read_bytes(), key=f"leadthrough-file-{content}"
                 )
             self._contents[content] = future
         return future
@@ -161,10 +161,6 @@ def _other_code(worker: str, module: str) -> str:
         "leadthrough, NumPy, SciPy and Python there, and the module with the tasks, or leave the "
         "worker out"
     )
-
-
-def _handed_on(data: bytes) -> bytes:
-    return data
 
 
 def _do(job: Job, files: dict[str, bytes]) -> Report:

@@ -129,7 +129,8 @@ class Findings:
 
     def largest_part(self, required: float) -> TargetRegion | None:
         """The largest part of the goals, about their middle, in which enough queries succeed."""
-        each = 1.0 - (1.0 - self._confidence) / len(_PARTS)
+        # For the lower of the two bounds alone, in all parts at once.
+        each = 1.0 - 2.0 * (1.0 - self._confidence) / len(_PARTS)
         positions = _stacked(self._places)[:, : len(self._goals.lower)]
         if not positions.size:
             return None  # no query was answered
@@ -138,7 +139,7 @@ class Findings:
             part = self._goals.shrunk(float(factor))
             inside = ((positions >= part.lower) & (positions <= part.upper)).all(axis=1)
             good, runs = int(succeeded[inside].sum()), int(inside.sum())
-            if runs and lower_bound(good, runs, confidence=each) >= required:
+            if runs and clopper_pearson(good, runs, confidence=each)[0] >= required:
                 return part
         return None
 
@@ -190,11 +191,6 @@ def clopper_pearson(successes: int, runs: int, *, confidence: float = 0.95) -> t
     low = 0.0 if count == 0 else float(betaincinv(count, total - count + 1, rest))
     high = 1.0 if count == total else float(betaincinv(count + 1, total - count, 1.0 - rest))
     return low, high
-
-
-def lower_bound(successes: int, runs: int, *, confidence: float) -> float:
-    """The lower of Clopper and Pearson's bounds alone, which then is higher."""
-    return clopper_pearson(successes, runs, confidence=2.0 * confidence - 1.0)[0]
 
 
 def confidence_sequence(
