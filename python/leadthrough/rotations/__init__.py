@@ -6,9 +6,20 @@ further. q and -q are the same rotation everywhere.
 Source: Sola, Deray and Atchuthan 2018, "A micro Lie theory for state estimation in robotics".
 """
 
-from leadthrough.rotations.averaging import mean
-from leadthrough.rotations.conversions import from_euler, from_matrix, to_euler, to_matrix
-from leadthrough.rotations.group import align_signs, compose, distance, exp, inverse, lift, log
+from leadthrough.rotations.group import (
+    align_signs,
+    compose,
+    distance,
+    exp,
+    from_euler,
+    from_matrix,
+    inverse,
+    lift,
+    log,
+    mean,
+    to_euler,
+    to_matrix,
+)
 from leadthrough.rotations.interpolation import (
     angular_acceleration,
     angular_velocity,

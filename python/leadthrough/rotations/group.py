@@ -1,5 +1,5 @@
-"""The group of rotations: exponential, logarithm, product, inverse, distance and continuous
-logarithm."""
+"""The group of rotations: exponential, logarithm, product, inverse, distance, continuous logarithm
+and mean; rotation matrices, and Euler angles in all twelve conventions."""
 
 from __future__ import annotations
 
@@ -12,6 +12,17 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import NoContinuousLogarithm
+
+# A recording's rounding takes a matrix this far off; beyond, it is not a rotation.
+ROTATION_TOLERANCE = 1e-2
+
+# Newton's iteration squares the error: 1e-2, 1e-4, 1e-8, below rounding.
+NEWTON_STEPS = 3
+_INTRINSIC = tuple(a + b + c for a in "XYZ" for b in "XYZ" for c in "XYZ" if b not in (a, c))
+CONVENTIONS = (*_INTRINSIC, *(convention.lower() for convention in _INTRINSIC))
+# Within a quarter turn of one point there is only one mean (Afsari 2011); two rotations half a turn
+# apart have two. With the margin, rounding does not decide between them.
+MAX_REACH = np.pi / 2 - 1e-6  # rad
 
 
 def exp(rotation_vectors: ArrayLike) -> Float64Array:
@@ -117,3 +128,137 @@ def lift(quaternions: ArrayLike, *, anchor: Literal["start", "goal"] = "start") 
             index=index,
         )
     return np.ascontiguousarray(vectors[::-1]) if backward else vectors
+
+
+def to_matrix(quaternions: ArrayLike) -> Float64Array:
+    """Rotation matrices (n, 3, 3)."""
+    q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
+    return np.asarray(core.so3_to_matrix(q).reshape(-1, 3, 3))
+
+
+def from_matrix(matrices: ArrayLike) -> Float64Array:
+    """Unit quaternions (n, 4), w >= 0, of the rotations nearest to matrices.
+
+    Args:
+        matrices: (n, 3, 3).
+
+    Raises:
+        InvalidInput: if M^T M is off the identity by more than 0.01, or the determinant is
+            negative (a reflection).
+
+    Source: Higham 1986, "Computing the polar decomposition" (Newton).
+    """
+    m = check.array(matrices, "matrices", shape=("n", 3, 3))
+    _check_rotations(m)
+    for _ in range(NEWTON_STEPS):
+        m = 0.5 * (m + np.linalg.inv(m).transpose(0, 2, 1))
+    return core.so3_from_matrix(np.ascontiguousarray(m).reshape(-1, 9))
+
+
+def _check_rotations(matrices: Float64Array) -> None:
+    # Entries beyond 2 are no rotation's, and their products might overflow.
+    clipped = np.clip(matrices, -2.0, 2.0)
+    off = np.abs(clipped.transpose(0, 2, 1) @ clipped - np.eye(3)).max(axis=(1, 2), initial=0.0)
+    wrong = (off > ROTATION_TOLERANCE) | (np.linalg.det(clipped) < 0)
+    if wrong.any():
+        i = int(np.argmax(wrong))
+        raise InvalidInput(
+            f"matrices: expected rotations, got {matrices[i].tolist()} at index {i}, "
+            f"determinant {np.linalg.det(clipped[i]):.4g}"
+        )
+
+
+def from_euler(angles: ArrayLike, *, convention: str) -> Float64Array:
+    """Unit quaternions (n, 4) of Euler angles.
+
+    Args:
+        angles: rad, (n, 3).
+        convention: three axes in the order of the angles; capital letters ("ZYZ") turn about the
+            moving axes, small ones ("xyz") about the fixed ones.
+    """
+    checked = check.array(angles, "angles", shape=("n", 3))
+    axes = check.choice(convention, "convention", CONVENTIONS)
+    first, second, third = (
+        core.so3_exp(angle[:, None] * np.eye(3)["XYZ".index(axis)])
+        for axis, angle in zip(axes.upper(), checked.T, strict=True)
+    )
+    if axes.isupper():
+        first, third = third, first
+    return core.so3_compose(third, core.so3_compose(second, first))
+
+
+def to_euler(quaternions: ArrayLike, *, convention: str) -> Float64Array:
+    """Euler angles (n, 3), rad, of rotations.
+
+    At the ends of the second angle's range (gimbal lock) only the sum or difference of the others
+    is defined: SciPy then warns (UserWarning) and the third is 0. Angles jump where they wrap and
+    next to gimbal lock.
+
+    Args:
+        quaternions: unit quaternions (n, 4).
+        convention: as in `from_euler`.
+
+    Returns:
+        The first and third angle from -pi to pi; the second from 0 to pi where the first and third
+        axis are the same, else from -pi/2 to pi/2.
+    """
+    from scipy.spatial.transform import Rotation
+
+    q = check.quaternions(quaternions, "quaternions", shape=("n", 4))
+    axes = check.choice(convention, "convention", CONVENTIONS)
+    if len(q) == 0:
+        return np.zeros((0, 3))
+    return np.asarray(Rotation.from_quat(q[:, [1, 2, 3, 0]]).as_euler(axes))
+
+
+def mean(quaternions: ArrayLike, *, weights: ArrayLike | None = None) -> Float64Array:
+    """The rotation with the least weighted sum of squared distances (Karcher mean).
+
+    Args:
+        quaternions: unit quaternions (k, 4), or (k, n, 4) for n means of k rotations each.
+        weights: one for each of the k rotations, >= 0, not all 0; equal by default.
+
+    Returns:
+        A quaternion (4,), or (n, 4), with the sign of the nearer of the first rotation's two
+        quaternions.
+
+    Raises:
+        InvalidInput: if rotations of weight > 0 lie a quarter turn or more from their unweighted
+            middle, where more than one mean is possible.
+
+    Source: Markley et al. 2007, "Averaging quaternions", for the start; Manton 2004, "A
+        globally convergent numerical algorithm for computing the centre of mass on compact Lie
+        groups".
+    """
+    single = _is_one_column(quaternions)
+    shape = ("k", 4) if single else ("k", "n", 4)
+    layers = check.quaternions(quaternions, "quaternions", shape=shape)
+    if len(layers) == 0:
+        raise InvalidInput("quaternions: expected at least one rotation, got none")
+    factors = _weights(weights, len(layers))
+    kept = np.ascontiguousarray(layers[factors > 0]).reshape(-1, 4)
+    means, reach = core.so3_mean(kept, factors[factors > 0])
+    if (reach > MAX_REACH).any():
+        i = int(np.argmax(reach > MAX_REACH))
+        where = "" if single else f" in mean {i}"
+        raise InvalidInput(
+            "quaternions: expected rotations within a quarter turn of their middle, "
+            f"got one {np.degrees(reach[i]):.4g} degrees away{where}"
+        )
+    return means[0] if single else means
+
+
+def _is_one_column(quaternions: ArrayLike) -> bool:
+    try:
+        return np.ndim(quaternions) == 2
+    except ValueError:  # ragged rows, which the check names
+        return False
+
+
+def _weights(weights: ArrayLike | None, count: int) -> Float64Array:
+    if weights is None:
+        return np.ones(count)
+    factors = check.array(weights, "weights", shape=(count,))
+    if (factors < 0).any() or not factors.any():
+        raise InvalidInput(f"weights: expected numbers >= 0, not all 0, got {factors}")
+    return np.asarray(factors / factors.max())

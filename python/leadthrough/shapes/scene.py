@@ -1,25 +1,54 @@
-"""The scene around an arm: obstacles that stand, move or are drawn at random, and the margins.
+"""All shapes, and the scene around an arm: obstacles and the margins.
 
-Checks judge the margins as stated. Planning keeps `PLANNING_TOLERANCE` more, so that a planned
-motion passes a check with the same scene, also after the time law has replaced its samples by
-nearby ones.
+Obstacles stand, move or are drawn at random. Checks judge the margins as stated. Planning keeps
+`PLANNING_TOLERANCE` more, so that a planned motion passes a check with the same scene, also after
+the time law has replaced its samples by nearby ones.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
-from leadthrough.shapes.kinds import check_shapes
+from leadthrough.shapes.cloud import PointCloud
+from leadthrough.shapes.mesh import Mesh
+from leadthrough.shapes.primitives import PRIMITIVES
 from leadthrough.shapes.shape import Shape
 
 PLANNING_TOLERANCE = 2e-4  # m beyond the margins
+
+
+# The command line, the messages and the tests read this list.
+SHAPES: tuple[type[Shape], ...] = (*PRIMITIVES.values(), Mesh, PointCloud)
+
+
+def names_of(kind: type[Shape]) -> str:
+    """The names of the shapes of a kind, as in "Box, Sphere or Mesh"."""
+    *others, last = (shape.__name__ for shape in SHAPES if issubclass(shape, kind))
+    return f"{', '.join(others)} or {last}"
+
+
+def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
+    """The obstacles, if all are shapes."""
+    if not isinstance(obstacles, Iterable):
+        raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
+    shapes = tuple(obstacles)
+    for shape in shapes:
+        if not isinstance(shape, Shape):
+            raise InvalidInput(f"obstacles: expected {names_of(Shape)}, got {type(shape).__name__}")
+    return shapes
+
+
+def compiled(shapes: Sequence[Shape]) -> list[core.Shape]:
+    """The shapes as the compiled core takes them."""
+    return [shape._compiled for shape in shapes]
 
 
 @dataclass(frozen=True, eq=False)

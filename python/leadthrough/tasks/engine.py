@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import pickle
 import re
+import tempfile
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from queue import SimpleQueue
@@ -19,6 +22,7 @@ from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import InvalidInput
 from leadthrough.io.files import replacing
+from leadthrough.repr import ShortRepr
 from leadthrough.tasks.process import Process, attempt_with
 from leadthrough.tasks.task import Job, Report, Store, Task, check_importable, job
 
@@ -276,3 +280,45 @@ class _Processes:
     def _lead(self, process: Process) -> None:
         while (job := self._jobs.get()) is not None:
             self._reports.put(process.do(job, job.files))
+
+
+@dataclass(frozen=True, eq=False)
+class Execution(ShortRepr):
+    """Execution of tasks: workers, folder of results, time limit and progress.
+
+    Attributes:
+        on: processes or cluster, as `leadthrough.tasks.run` takes it; None for this process.
+        out: folder that keeps finished results, made if missing; the same call resumes there. None
+            keeps nothing.
+        task_timeout: the longest that one task may take, s; None for no bound.
+        progress: shows the tasks' outcomes and passes them on: `leadthrough.tasks.with_progress`.
+    """
+
+    on: str | None = None
+    out: Path | None = None
+    task_timeout: float | None = None
+    progress: Progress | None = None
+
+    @contextmanager
+    def folder(self) -> Iterator[Path]:
+        """The folder of the results; a temporary one if none is kept."""
+        if self.out is not None:
+            self.out.mkdir(parents=True, exist_ok=True)
+            yield self.out
+            return
+        with tempfile.TemporaryDirectory() as temporary:
+            yield Path(temporary)
+
+    def outcomes(
+        self, todo: Sequence[Task], store: Store, folder: Path, label: str
+    ) -> Iterator[Outcome]:
+        """Outcomes of tasks as they finish, listed in the folder, with progress under a label."""
+        found = with_manifest(run(todo, store, on=self.on, timeout=self.task_timeout), folder)
+        return found if self.progress is None else self.progress(found, len(todo), label)
+
+
+def pickled(value: object, file: Path) -> Path:
+    """The file, with a value that all tasks have in common."""
+    with replacing(file) as temporary:
+        temporary.write_bytes(pickle.dumps(value, protocol=5))
+    return file

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from leadthrough import rotations
 from leadthrough.errors import InvalidInput
-from leadthrough.rotations.conversions import CONVENTIONS
+from leadthrough.rotations.group import CONVENTIONS
 
 ANGLES = [0.0, 1e-300, 1e-12, 1e-8, 1e-4, 0.5, 3.0, np.pi - 1e-8, np.pi - 1e-13, np.pi]
 

@@ -11,8 +11,8 @@ import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.cli import options, parse
 from leadthrough.shapes import surface
-from leadthrough.shapes.kinds import SHAPES, check_shapes
 from leadthrough.shapes.primitives import PRIMITIVES
+from leadthrough.shapes.scene import SHAPES, check_shapes
 from leadthrough.shapes.shape import Primitive, Shape, Solid
 
 TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
