@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/constants.hpp"
 #include "leadthrough/time/quintic_step.hpp"
 
 namespace leadthrough {
@@ -12,67 +13,141 @@ using Eigen::Index;
 namespace {
 
 constexpr Index kOrders = 3;
+// Bounds are computed for so many joints at once.
+constexpr Index kLanes = 8;
+using Lanes = Eigen::Array<double, kLanes, 1>;
 
-// One joint's samples as they come.
-struct Track {
-  JointState last{};
-  double slope = 0.0, bend = 0.0;  // the last differences of the positions, of orders 1 and 2
+// A sample of some joints, with its differences of positions, of orders 1 and 2, to those before.
+struct LaneSample {
+  Lanes position = Lanes::Zero(), velocity = Lanes::Zero(), acceleration = Lanes::Zero(),
+        slope = Lanes::Zero(), bend = Lanes::Zero();
+
+  JointState joint(Index lane) const {
+    return {position[lane], velocity[lane], acceleration[lane]};
+  }
 };
 
-// By how many times a joint exceeds its limits in the step to a sample, and 0 for those that it
-// keeps; `known` samples came before it.
-std::array<double, 3> step_excess(Track& track, const JointState& now, Index known, double step,
-                                  bool between, const std::array<double, 3>& limits) {
-  std::array<double, 3> result{};
-  const double slope = now.position - track.last.position, bend = slope - track.slope;
-  if (known == 0 || !between) {
-    result[0] = std::abs(now.velocity);
-    result[1] = std::abs(now.acceleration);
-  } else {
-    const QuinticStep quintic(step, track.last, now);
-    const double speed = quintic.speed_bound(), acceleration = quintic.acceleration_bound();
-    if (speed > limits[0]) result[0] = quintic.speed().value;
-    if (acceleration > limits[1]) result[1] = quintic.acceleration().value;
-    if (known >= kOrders) result[2] = std::abs(bend - track.bend) / (step * step * step);
+// Samples of up to kLanes joints as they come.
+class JointGroup {
+ public:
+  JointGroup(const RateLimits& limits, const Judged& judged, Index first)
+      : judged_(judged),
+        step_(judged.period * static_cast<double>(judged.parts)),
+        first_(first),
+        joints_(std::min(kLanes, limits.velocity.size() - first)) {
+    for (std::size_t order = 0; order < 3; ++order) limits_[order].fill(kInfinity);
+    for (Index lane = 0; lane < joints_; ++lane) {
+      const Index j = first + lane;
+      if (limits.velocity[j] == 0.0) continue;  // does not move
+      for (const auto& [order, each] :
+           {std::pair(0U, &limits.velocity), std::pair(1U, &limits.acceleration),
+            std::pair(2U, &limits.jerk)})
+        limits_[order][lane] = (1.0 + kAllowedExcess) * (*each)[j];
+    }
   }
-  if (known > 0)
-    result[2] = std::max(result[2], std::abs(now.acceleration - track.last.acceleration) / step);
-  for (std::size_t order = 0; order < 3; ++order)
-    result[order] = result[order] > limits[order] ? result[order] / limits[order] : 0.0;
-  track = {now, slope, bend};
-  return result;
-}
+
+  // The next sample, of which `known` came before, and by how many times joints exceed their limits
+  // in the step to it; not told of those that keep them.
+  template <typename Note>
+  void add(const PathStates& states, Index known, const Note& note) {
+    LaneSample now;
+    now.position.head(joints_) = states.position().segment(first_, joints_).array();
+    now.velocity.head(joints_) = states.velocity().segment(first_, joints_).array();
+    now.acceleration.head(joints_) = states.acceleration().segment(first_, joints_).array();
+    now.slope = now.position - last_.position;
+    now.bend = now.slope - last_.slope;
+    const Lanes beyond = known < kOrders ? Lanes(Lanes::Ones()) : bound_beyond(now);
+    if (beyond.maxCoeff() > 0.0)
+      for (Index lane = 0; lane < joints_; ++lane)
+        if (beyond[lane] > 0.0) note(excess(now, lane, known));
+    last_ = now;
+  }
+
+ private:
+  // Positive where a bound of the quintics or of the differences exceeds a limit. The sample before
+  // had its own.
+  Lanes bound_beyond(const LaneSample& now) const {
+    const Lanes v1 = last_.velocity + (0.25 * step_) * last_.acceleration;
+    const Lanes v3 = now.velocity - (0.25 * step_) * now.acceleration;
+    const Lanes v2 = (5.0 / step_) * now.slope - last_.velocity - v1 - v3 - now.velocity;
+    const Lanes speed = v1.abs().max(v2.abs()).max(v3.abs()).max(now.velocity.abs());
+    const Lanes acceleration =
+        ((4.0 / step_) * (v2 - v1).abs().max((v3 - v2).abs())).max(now.acceleration.abs());
+    const Lanes jerk = ((1.0 / step_) * (now.acceleration - last_.acceleration).abs())
+                           .max((1.0 / (step_ * step_ * step_)) * (now.bend - last_.bend).abs());
+    return (speed - limits_[0]).max(acceleration - limits_[1]).max(jerk - limits_[2]);
+  }
+
+  std::array<double, 3> excess(const LaneSample& now, Index lane, Index known) const {
+    const JointState before = last_.joint(lane), after = now.joint(lane);
+    std::array<double, 3> result{};
+    if (known == 0 || !judged_.between) {
+      result[0] = std::abs(after.velocity);
+      result[1] = std::abs(after.acceleration);
+    } else {
+      const QuinticStep quintic(step_, before, after);
+      if (quintic.speed_bound() > limits_[0][lane]) result[0] = quintic.speed().value;
+      if (quintic.acceleration_bound() > limits_[1][lane]) result[1] = quintic.acceleration().value;
+      if (known >= kOrders)
+        result[2] = std::abs(now.bend[lane] - last_.bend[lane]) / (step_ * step_ * step_);
+    }
+    if (known > 0)
+      result[2] = std::max(result[2], std::abs(after.acceleration - before.acceleration) / step_);
+    for (std::size_t order = 0; order < 3; ++order) {
+      const double limit = limits_[order][lane];
+      result[order] = result[order] > limit ? result[order] / limit * (1.0 + kAllowedExcess) : 0.0;
+    }
+    return result;
+  }
+
+  const Judged judged_;
+  const double step_;
+  const Index first_, joints_;
+  std::array<Lanes, 3> limits_;  // with what is allowed beyond them
+  LaneSample last_;
+};
 
 }  // namespace
 
+std::size_t LawSamples::same_as(const LawSamples& other) const {
+  const std::size_t count = std::min(size(), other.size());
+  std::size_t k = 0;
+  while (k < count && length[k] == other.length[k] && speed[k] == other.speed[k] &&
+         push[k] == other.push[k])
+    ++k;
+  return k;
+}
+
 void measure_use(const PolynomialPath& path, const PathGrid& grid, const RateLimits& limits,
-                 const LawSamples& law, const Judged& judged, LimitRatios& ratios) {
-  const Index joints = path.joints(), samples = static_cast<Index>(law.size());
-  const double step = judged.period * static_cast<double>(judged.parts);
-  std::vector<Track> tracks(static_cast<std::size_t>(joints));
-  for (auto& order : ratios.each) order.assign(law.size(), 0.0);
-  ratios.largest.fill(0.0);
+                 const LawSamples& law, const Judged& judged, std::size_t same,
+                 LimitRatios& ratios) {
+  const Index samples = static_cast<Index>(law.size());
+  std::vector<JointGroup> groups;
+  for (Index j = 0; j < path.joints(); j += kLanes) groups.emplace_back(limits, judged, j);
   PathStates states(path, grid);
   const Index inner = judged.rests_at_end ? (samples + judged.parts - 2) / judged.parts
                                           : (samples - 1) / judged.parts;
-  const Index first = judged.rests_at_start ? -kOrders : 0;
   const Index last = inner + (judged.rests_at_end ? kOrders : 0);
+  const Index start = judged.rests_at_start ? -kOrders : 0;
+  // What is the same is measured; of the samples before the first other one, differences are made.
+  const Index other = same == 0 ? start : (static_cast<Index>(same) - 1) / judged.parts + 1;
+  const Index first = std::max(start, other - kOrders);
+  for (auto& order : ratios.each) {
+    order.resize(
+        std::min(law.size(), static_cast<std::size_t>(std::max<Index>(other, 0) * judged.parts)));
+    order.resize(law.size(), 0.0);
+  }
   for (Index k = first; k <= last; ++k) {
     const auto at = static_cast<std::size_t>(std::clamp<Index>(k * judged.parts, 0, samples - 1));
     states.move_to(law.length[at], law.speed[at], law.push[at]);
-    for (Index j = 0; j < joints; ++j) {
-      if (limits.velocity[j] == 0.0) continue;  // does not move
-      const auto used = step_excess(
-          tracks[static_cast<std::size_t>(j)],
-          {states.position()[j], states.velocity()[j], states.acceleration()[j]}, k - first, step,
-          judged.between, {limits.velocity[j], limits.acceleration[j], limits.jerk[j]});
-      for (std::size_t order = 0; order < 3; ++order) {
-        if (used[order] == 0.0) continue;
+    const auto note = [&](const std::array<double, 3>& used) {
+      for (std::size_t order = 0; order < 3 && k >= other; ++order)
         ratios.each[order][at] = std::max(ratios.each[order][at], used[order]);
-        ratios.largest[order] = std::max(ratios.largest[order], used[order]);
-      }
-    }
+    };
+    for (JointGroup& group : groups) group.add(states, k - first, note);
   }
+  for (std::size_t order = 0; order < 3; ++order)
+    ratios.largest[order] = *std::max_element(ratios.each[order].begin(), ratios.each[order].end());
 }
 
 }  // namespace leadthrough

@@ -18,6 +18,8 @@ struct LawSamples {
   std::vector<double> length, speed, push;
 
   std::size_t size() const { return length.size(); }
+  // How many samples from the first on are the same.
+  std::size_t same_as(const LawSamples& other) const;
 };
 
 // Samples that are judged: every one of `parts`, `period` apart from the next in the law. An end at
@@ -30,14 +32,16 @@ struct Judged {
 };
 
 // By order 1 to 3: the largest ratio, and that of the step that ends at each sample; 0 where the
-// limit is kept. The jerk is the difference of the acceleration over a step and, between samples,
-// of the positions over three.
+// limit is kept but for what is allowed. The jerk is the difference of the acceleration over a step
+// and, between samples, of the positions over three.
 struct LimitRatios {
   std::array<double, 3> largest{};
   std::array<std::vector<double>, 3> each;
 };
 
+// The first `same` samples of the law are those that `ratios` was measured of.
 void measure_use(const PolynomialPath& path, const PathGrid& grid, const RateLimits& limits,
-                 const LawSamples& law, const Judged& judged, LimitRatios& ratios);
+                 const LawSamples& law, const Judged& judged, std::size_t same,
+                 LimitRatios& ratios);
 
 }  // namespace leadthrough

@@ -205,7 +205,7 @@ PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const Vecto
   return grid;
 }
 
-Parameter parameter_at(const PathGrid& grid, double length, Index& cell) {
+CellParameter::Values CellParameter::at(const PathGrid& grid, double length) {
   const Index last = grid.points() - 1;
   for (const Index end : {Index{0}, last}) {
     if (end == 0 ? length > 0.0 : length < grid.length[last]) continue;
@@ -213,19 +213,31 @@ Parameter parameter_at(const PathGrid& grid, double length, Index& cell) {
     return {grid.s[end] + beyond * grid.slope[end], grid.slope[end],
             beyond == 0.0 ? grid.bend[end] : 0.0};
   }
-  while (cell > 0 && length < grid.length[cell]) --cell;
-  while (cell + 1 < last && length >= grid.length[cell + 1]) ++cell;
-  const double h = grid.length[cell + 1] - grid.length[cell], t = (length - grid.length[cell]) / h;
+  while (cell_ > 0 && length < grid.length[cell_]) --cell_;
+  while (cell_ + 1 < last && length >= grid.length[cell_ + 1]) ++cell_;
+  if (cell_ != entered_) enter(grid, cell_);
+  const auto& [s, v0, a0, c3, c4, c5] = terms_;
+  const double t = (length - grid.length[cell_]) * per_width_;
+  return {
+      s + t * (v0 + t * (a0 + t * (c3 + t * (c4 + t * c5)))),
+      (v0 + t * (2.0 * a0 + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))) * per_width_,
+      (2.0 * a0 + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))) * (per_width_ * per_width_)};
+}
+
+void CellParameter::enter(const PathGrid& grid, Index cell) {
+  const double h = grid.length[cell + 1] - grid.length[cell];
   const double v0 = h * grid.slope[cell], v1 = h * grid.slope[cell + 1];
   const double a0 = 0.5 * h * h * grid.bend[cell], a1 = 0.5 * h * h * grid.bend[cell + 1];
   const double rise = grid.s[cell + 1] - grid.s[cell] - v0 - a0;
   const double speed = v1 - v0 - 2.0 * a0, half = a1 - a0;
-  const double c3 = 10.0 * rise - 4.0 * speed + half;
-  const double c4 = -15.0 * rise + 7.0 * speed - 2.0 * half;
-  const double c5 = 6.0 * rise - 3.0 * speed + half;
-  return {grid.s[cell] + t * (v0 + t * (a0 + t * (c3 + t * (c4 + t * c5)))),
-          (v0 + t * (2.0 * a0 + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))) / h,
-          (2.0 * a0 + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))) / (h * h)};
+  terms_ = {grid.s[cell],
+            v0,
+            a0,
+            10.0 * rise - 4.0 * speed + half,
+            -15.0 * rise + 7.0 * speed - 2.0 * half,
+            6.0 * rise - 3.0 * speed + half};
+  per_width_ = 1.0 / h;
+  entered_ = cell;
 }
 
 PathStates::PathStates(const PolynomialPath& path, const PathGrid& grid)
@@ -236,12 +248,14 @@ PathStates::PathStates(const PolynomialPath& path, const PathGrid& grid)
       acceleration_(path.joints()) {}
 
 void PathStates::move_to(double length, double speed, double push) {
-  const Parameter at = parameter_at(grid_, length, cell_);
+  const CellParameter::Values at = parameter_.at(grid_, length);
   piece_ = path_.piece_of(at.s, piece_);
   path_.position(at.s, piece_, position_.data(), velocity_.data(), acceleration_.data());
   const double pace = at.slope * speed, change = at.bend * speed * speed + at.slope * push;
-  acceleration_ = acceleration_ * (pace * pace) + velocity_ * change;
-  velocity_ *= pace;
+  for (Index j = 0; j < path_.joints(); ++j) {
+    acceleration_[j] = acceleration_[j] * (pace * pace) + velocity_[j] * change;
+    velocity_[j] *= pace;
+  }
 }
 
 }  // namespace leadthrough

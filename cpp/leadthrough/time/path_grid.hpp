@@ -3,6 +3,8 @@
 // A path's points for the time law, over a parameter that grows with the motion: where the path's
 // own parameter runs through a stretch without moving much, this one hardly grows.
 
+#include <array>
+
 #include "leadthrough/time/polynomial_path.hpp"
 
 namespace leadthrough {
@@ -24,15 +26,25 @@ struct PathGrid {
 PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const Eigen::VectorXd>& scale,
                         Eigen::Index points);
 
-// s with two derivatives by the length.
-struct Parameter {
-  double s, slope, bend;
-};
+// s by the length in a cell of the grid: the quintic through s, slope and bend of the points on
+// both sides, so that the second derivative is continuous.
+class CellParameter {
+ public:
+  struct Values {
+    double s, slope, bend;  // with two derivatives by the length
+  };
 
-// s at a length: the quintic through s, slope and bend of the points on both sides, so that the
-// second derivative is continuous. Beyond the ends s continues in a straight line. `cell` is
-// where the search starts and what it found.
-Parameter parameter_at(const PathGrid& grid, double length, Eigen::Index& cell);
+  // At a length, in cells near the one looked at before. Beyond the ends s continues in a straight
+  // line.
+  Values at(const PathGrid& grid, double length);
+
+ private:
+  void enter(const PathGrid& grid, Eigen::Index cell);
+
+  Eigen::Index cell_ = 0, entered_ = -1;
+  double per_width_ = 0.0;
+  std::array<double, 6> terms_{};
+};
 
 // Joint states along the path, for lengths that change little from one to the next.
 class PathStates {
@@ -49,7 +61,8 @@ class PathStates {
  private:
   const PolynomialPath& path_;
   const PathGrid& grid_;
-  Eigen::Index cell_ = 0, piece_ = 0;
+  CellParameter parameter_;
+  Eigen::Index piece_ = 0;
   Eigen::VectorXd position_, velocity_, acceleration_;
 };
 

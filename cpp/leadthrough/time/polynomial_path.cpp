@@ -9,19 +9,8 @@ using Eigen::Index;
 
 namespace {
 
-// Horner's scheme for a number of joints that is known when compiling: the loops unroll, and the
-// sums stay in registers. `row` is behind the last coefficient.
-template <std::size_t joints>
-void evaluate(const double* row, Index terms, double h, double* q) {
-  std::array<double, joints> sum{};
-  for (Index k = terms; k > 0; --k) {
-    row -= joints;
-    for (std::size_t j = 0; j < joints; ++j) sum[j] = sum[j] * h + row[j];
-  }
-  std::copy(sum.begin(), sum.end(), q);
-}
-
-// The same with two derivatives.
+// Horner's scheme with two derivatives, for a number of joints that is known when compiling: the
+// loops unroll, and the sums stay in registers. `row` is behind the last coefficient.
 template <std::size_t joints>
 void evaluate(const double* row, Index terms, double h, double* q, double* first, double* second) {
   std::array<double, joints> sum{}, slope{}, bend{};
@@ -44,20 +33,6 @@ Index PolynomialPath::piece_of(double s, Index piece) const {
   while (piece > 0 && s < breaks[piece]) --piece;
   while (piece + 1 < pieces() && s >= breaks[piece + 1]) ++piece;
   return piece;
-}
-
-void PolynomialPath::position(double s, Index piece, double* q) const {
-  const Index n = joints();
-  const double h = s - breaks[piece];
-  const Index count = terms();
-  const double* row = coefficients.data() + (piece + 1) * count * n;
-  if (n == 6) return evaluate<6>(row, count, h, q);
-  if (n == 7) return evaluate<7>(row, count, h, q);
-  std::fill(q, q + n, 0.0);
-  for (Index k = count; k > 0; --k) {
-    row -= n;
-    for (Index j = 0; j < n; ++j) q[j] = q[j] * h + row[j];
-  }
 }
 
 void PolynomialPath::position(double s, Index piece, double* q, double* first,

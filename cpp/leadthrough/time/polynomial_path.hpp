@@ -16,7 +16,6 @@ struct PolynomialPath {
 
   // The piece of s, looked for from `piece` on; the outer pieces reach beyond the ends.
   Eigen::Index piece_of(double s, Eigen::Index piece) const;
-  void position(double s, Eigen::Index piece, double* q) const;
   // With the first two derivatives by s.
   void position(double s, Eigen::Index piece, double* q, double* first, double* second) const;
 };

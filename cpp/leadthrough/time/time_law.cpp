@@ -180,10 +180,15 @@ class TimeLawSearch {
       return fail(law, TimeLawStatus::kSlowProfile, -1);
     if (!(clock_.total() + window_time() < options_.longest * options_.period))
       return fail(law, TimeLawStatus::kTooLong, grid_.points() - 1);
+    LawSamples before;
+    std::swap(before, smooth_);
     sample(period, windows_.first * (stride_ / stride), windows_.second * (stride_ / stride));
     const bool all = stride == 1;
+    const std::size_t same = stride == sampled_ ? smooth_.same_as(before) : 0;
     measure_use(path_, grid_, limits_, smooth_,
-                {period, all ? options_.parts : 1, all, rests_at_start(), rests_at_end()}, ratios_);
+                {period, all ? options_.parts : 1, all, rests_at_start(), rests_at_end()}, same,
+                ratios_);
+    sampled_ = stride;
     return true;
   }
 
@@ -226,7 +231,7 @@ class TimeLawSearch {
     Index stride = stride_;
     for (int k = 0; k < kMaxRounds; ++k) {
       if (!round(stride, law)) return false;
-      if (stride == 1 && largest_ratio() <= 1.0 + kAllowedExcess) return true;
+      if (stride == 1 && excess() == 0.0) return true;
       if (k == 0 && cap_by_jerk()) {
         capped_ = true;
         continue;
@@ -250,10 +255,6 @@ class TimeLawSearch {
     if (insistence >= 0 && clock_.total() < window_time()) widen_windows();
   }
 
-  double largest_ratio() const {
-    return *std::max_element(ratios_.largest.begin(), ratios_.largest.end());
-  }
-
   // The factor on time that the worst ratio asks for.
   double excess() const {
     return std::max(
@@ -267,13 +268,15 @@ class TimeLawSearch {
     bool faster = false;
     for (Index i = 1; i + 1 < grid_.points(); ++i) {
       const double span = grid_.length[i + 1] - grid_.length[i - 1];
+      double most = 0.0;  // of a third derivative, in limits of jerk
       for (Index j = 0; j < path_.joints(); ++j) {
         const double third = std::abs(grid_.second(i + 1, j) - grid_.second(i - 1, j)) / span;
-        if (!(limits_.jerk[j] > 0.0 && third > 0.0)) continue;  // does not move, or straight on
-        const double speed = std::cbrt(limits_.jerk[j] / third);
-        faster = faster || profile_.squared[i] > speed * speed;
-        fastest_[i] = std::min(fastest_[i], speed * speed);
+        if (limits_.jerk[j] > 0.0) most = std::max(most, third / limits_.jerk[j]);
       }
+      if (most == 0.0) continue;  // straight on
+      const double speed = std::cbrt(1.0 / most);
+      faster = faster || profile_.squared[i] > speed * speed;
+      fastest_[i] = std::min(fastest_[i], speed * speed);
     }
     return faster;
   }
@@ -364,7 +367,7 @@ class TimeLawSearch {
   const PathBounds& extra_;
   const TimeLawOptions options_;
   Windows windows_{};
-  Index stride_ = 1;
+  Index stride_ = 1, sampled_ = 0;  // the second by the round before
   SpeedBounds bounds_;
   VectorXd fastest_, speed_share_, push_share_, used_share_;
   std::vector<char> changed_;  // see hold_back_bounds

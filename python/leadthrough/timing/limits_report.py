@@ -151,16 +151,10 @@ def check_limits(
     """
     trajectory = _ordered(trajectory, limits)
     if linear_rate is None:
-        return judged(with_derivatives(trajectory), limits)
+        used = extremes(with_derivatives(trajectory), (True, True))
+        return report_of(used, limits, trajectory.times)
     rate = check.number(linear_rate, "linear_rate", above=0.0)
-    return _report(_played_straight(trajectory, rate), limits, trajectory.times)
-
-
-def judged(
-    motion: JointTrajectory, limits: JointLimits, *, rests: tuple[bool, bool] = (True, True)
-) -> LimitsReport:
-    """The verdict on a motion with all arrays, which stands still before and after it, or not."""
-    return _report(_extremes(_standing(motion, rests)), limits, motion.times)
+    return report_of(_played_straight(trajectory, rate), limits, trajectory.times)
 
 
 def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Binding]:
@@ -206,12 +200,17 @@ def check_positions(positions: Float64Array, limits: JointLimits) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Extremes:
+class Extremes:
     """The largest values that joints reach, (quantities, joints), when, and in which steps."""
 
     values: Float64Array
     times: Float64Array
     steps: Float64Array
+
+    @property
+    def positions(self) -> Float64Array:
+        """The lowest and the highest positions, (2, joints)."""
+        return self.values[[_LOWEST, _HIGHEST]]
 
 
 # Rows of the extremes: positions from below and above, and the rates.
@@ -230,14 +229,15 @@ def _arrays(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float6
     return motion.positions, motion.velocities, motion.accelerations
 
 
-def _extremes(motion: JointTrajectory) -> _Extremes:
-    """The extremes of the quintics between the samples of a motion with all arrays."""
+def extremes(motion: JointTrajectory, rests: tuple[bool, bool]) -> Extremes:
+    """Those of the quintics of a motion with all arrays, at rest before and after it, or not."""
+    motion = _standing(motion, rests)
     arrays = _arrays(motion)
     if len(motion.times) > 1:
-        return _Extremes(*core.motion_peaks(motion.times, *arrays))
+        return Extremes(*core.motion_peaks(motion.times, *arrays))
     q, velocity, acceleration = (rows[0] for rows in arrays)
     values = np.array([q, q, np.abs(velocity), np.abs(acceleration), np.zeros_like(q)])
-    return _Extremes(values, np.full(values.shape, motion.times[0]), np.zeros_like(values))
+    return Extremes(values, np.full(values.shape, motion.times[0]), np.zeros_like(values))
 
 
 def _used_in_steps(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float64Array]:
@@ -269,7 +269,7 @@ def _standing(motion: JointTrajectory, rests: tuple[bool, bool]) -> JointTraject
     )
 
 
-def _played_straight(trajectory: JointTrajectory, rate: float) -> _Extremes:
+def _played_straight(trajectory: JointTrajectory, rate: float) -> Extremes:
     """Differences over one, two and three periods of a receiver that interpolates linearly."""
     first, last = trajectory.times[[0, -1]]
     periods = max(int(np.ceil((last - first) * rate - ROUNDING)), 1)
@@ -288,7 +288,7 @@ def _played_straight(trajectory: JointTrajectory, rate: float) -> _Extremes:
         slopes = np.diff(np.pad(slopes, standing), axis=0) * rate
         used = np.abs(slopes)
         found.append(_at(used, np.linspace(clock[0], clock[-1], len(used)), used.argmax(axis=0)))
-    return _Extremes(*(np.array(rows) for rows in zip(*found, strict=True)))
+    return Extremes(*(np.array(rows) for rows in zip(*found, strict=True)))
 
 
 def _at(
@@ -298,7 +298,9 @@ def _at(
     return values[steps, np.arange(len(steps))], times[steps], steps.astype(np.float64)
 
 
-def _report(used: _Extremes, limits: JointLimits, times: Float64Array) -> LimitsReport:
+def report_of(used: Extremes, limits: JointLimits, times: Float64Array) -> LimitsReport:
+    """The verdict on a motion's extremes."""
+
     def peak(kind: Kind) -> Peak | None:
         limit, row = getattr(limits, kind), _RATES[kind]
         if limit is None:
@@ -333,13 +335,13 @@ def _ratios(values: Float64Array, limit: Float64Array) -> Float64Array:
 
 
 def _position_ratios(
-    used: _Extremes, limits: JointLimits
+    used: Extremes, limits: JointLimits
 ) -> tuple[Float64Array, Float64Array, Float64Array]:
     """How far each joint goes from the middle of its range, when, and in which step."""
     lower, upper = limits.lower, limits.upper
     bounded = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
     low, high = np.where(bounded, lower, -1.0), np.where(bounded, upper, 1.0)
-    q = used.values[[_LOWEST, _HIGHEST]]
+    q = used.positions
     inside = (lower <= q) & (q <= upper)
     ratios = np.where(
         bounded,

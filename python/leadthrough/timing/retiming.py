@@ -24,7 +24,15 @@ from leadthrough.errors import LimitsInfeasible
 from leadthrough.joint_names import in_order
 from leadthrough.motion import JointTrajectory, computed_joints, moved_events
 from leadthrough.timing import request as checks
-from leadthrough.timing.limits_report import KINDS, ROUNDING, Kind, Peak, check_positions, judged
+from leadthrough.timing.limits_report import (
+    KINDS,
+    ROUNDING,
+    Kind,
+    Peak,
+    check_positions,
+    extremes,
+    report_of,
+)
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed
 from leadthrough.timing.samples import AT_REST, Samples, time_lines
 from leadthrough.timing.section_law import time_section
@@ -198,10 +206,11 @@ def _nearest_limit(
     motion: JointTrajectory, limits: JointLimits, rests: tuple[bool, bool]
 ) -> tuple[Kind, Peak]:
     """The limit of which a motion uses the largest fraction."""
-    check_positions(motion.positions, limits)
-    still = np.ptp(motion.positions, axis=0) <= AT_REST  # those may have a limit of 0
+    used = extremes(motion, rests)
+    check_positions(used.positions, limits)
+    still = np.ptp(used.positions, axis=0) <= AT_REST  # those may have a limit of 0
     own: dict[str, Any] = {k: np.where(still, np.inf, getattr(limits, k)) for k in KINDS}
-    report = judged(motion, replace(limits, **own), rests=rests)
+    report = report_of(used, replace(limits, **own), motion.times)
     peaks: dict[Kind, Peak] = {kind: getattr(report, kind) for kind in KINDS}
     return max(peaks.items(), key=lambda item: item[1].ratio)
 
