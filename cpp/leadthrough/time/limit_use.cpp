@@ -13,18 +13,10 @@ using Eigen::Index;
 namespace {
 
 constexpr Index kOrders = 3;
-// Bounds are computed for so many joints at once.
-constexpr Index kLanes = 8;
-using Lanes = Eigen::Array<double, kLanes, 1>;
 
 // A sample of some joints, with its differences of positions, of orders 1 and 2, to those before.
-struct LaneSample {
-  Lanes position = Lanes::Zero(), velocity = Lanes::Zero(), acceleration = Lanes::Zero(),
-        slope = Lanes::Zero(), bend = Lanes::Zero();
-
-  JointState joint(Index lane) const {
-    return {position[lane], velocity[lane], acceleration[lane]};
-  }
+struct Sample : LaneStates {
+  Lanes slope = Lanes::Zero(), bend = Lanes::Zero();
 };
 
 // Samples of up to kLanes joints as they come.
@@ -50,7 +42,7 @@ class JointGroup {
   // in the step to it; not told of those that keep them.
   template <typename Note>
   void add(const PathStates& states, Index known, const Note& note) {
-    LaneSample now;
+    Sample now;
     now.position.head(joints_) = states.position().segment(first_, joints_).array();
     now.velocity.head(joints_) = states.velocity().segment(first_, joints_).array();
     now.acceleration.head(joints_) = states.acceleration().segment(first_, joints_).array();
@@ -66,19 +58,14 @@ class JointGroup {
  private:
   // Positive where a bound of the quintics or of the differences exceeds a limit. The sample before
   // had its own.
-  Lanes bound_beyond(const LaneSample& now) const {
-    const Lanes v1 = last_.velocity + (0.25 * step_) * last_.acceleration;
-    const Lanes v3 = now.velocity - (0.25 * step_) * now.acceleration;
-    const Lanes v2 = (5.0 / step_) * now.slope - last_.velocity - v1 - v3 - now.velocity;
-    const Lanes speed = v1.abs().max(v2.abs()).max(v3.abs()).max(now.velocity.abs());
-    const Lanes acceleration =
-        ((4.0 / step_) * (v2 - v1).abs().max((v3 - v2).abs())).max(now.acceleration.abs());
+  Lanes bound_beyond(const Sample& now) const {
+    const LaneBounds bounds(step_, last_, now);
     const Lanes jerk = ((1.0 / step_) * (now.acceleration - last_.acceleration).abs())
                            .max((1.0 / (step_ * step_ * step_)) * (now.bend - last_.bend).abs());
-    return (speed - limits_[0]).max(acceleration - limits_[1]).max(jerk - limits_[2]);
+    return (bounds.speed - limits_[0]).max(bounds.acceleration - limits_[1]).max(jerk - limits_[2]);
   }
 
-  std::array<double, 3> excess(const LaneSample& now, Index lane, Index known) const {
+  std::array<double, 3> excess(const Sample& now, Index lane, Index known) const {
     const JointState before = last_.joint(lane), after = now.joint(lane);
     std::array<double, 3> result{};
     if (known == 0 || !judged_.between) {
@@ -104,7 +91,7 @@ class JointGroup {
   const double step_;
   const Index first_, joints_;
   std::array<Lanes, 3> limits_;  // with what is allowed beyond them
-  LaneSample last_;
+  Sample last_;
 };
 
 }  // namespace

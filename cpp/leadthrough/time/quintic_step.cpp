@@ -161,27 +161,48 @@ JointState state(const Eigen::Ref<const Rows>& positions, const Eigen::Ref<const
 }
 
 // Rows of MotionPeaks.
-enum Peak : std::size_t { kLowest, kHighest, kSpeed, kAcceleration, kJerk, kPeaks };
+enum Peak : Index { kLowest, kHighest, kSpeed, kAcceleration, kJerk, kPeaks };
 
-// One joint's peaks so far. Smaller ones are not computed.
-struct JointPeaks {
-  std::array<double, kPeaks> value{kInfinity, -kInfinity, -1.0, -1.0, -1.0};
-  std::array<double, kPeaks> time{};
-  std::array<Index, kPeaks> step{};
+// Peaks so far of joints at once. What cannot exceed them is not computed.
+struct LanePeaks {
+  std::array<Lanes, kPeaks> value, time, step;
 
-  void look(const QuinticStep& quintic, double jerk, double begin, double end, Index at) {
-    const auto note = [&](Peak peak, const Extreme& extreme, double side) {
-      if (!(side * extreme.value > side * value[peak])) return;
-      value[peak] = extreme.value;
-      time[peak] = extreme.at < 1.0 ? begin + extreme.at * (end - begin) : end;
-      step[peak] = at;
-    };
-    if (quintic.reach(-1.0) > -value[kLowest]) note(kLowest, quintic.lowest(), -1.0);
-    if (quintic.reach(1.0) > value[kHighest]) note(kHighest, quintic.highest(), 1.0);
-    if (quintic.speed_bound() > value[kSpeed]) note(kSpeed, quintic.speed(), 1.0);
-    if (quintic.acceleration_bound() > value[kAcceleration])
-      note(kAcceleration, quintic.acceleration(), 1.0);
-    note(kJerk, {jerk, 0.5}, 1.0);
+  LanePeaks() {
+    for (Index row = 0; row < kPeaks; ++row) value[row].fill(-1.0);
+    value[kLowest].fill(kInfinity);
+    value[kHighest].fill(-kInfinity);
+  }
+
+  void look(const LaneStates& start, const LaneStates& end, double begin, double finish, Index at) {
+    const double duration = finish - begin;
+    const LaneBounds bounds(duration, start, end);
+    const Lanes speed = bounds.speed.max(start.velocity.abs());
+    const Lanes acceleration = bounds.acceleration.max(start.acceleration.abs());
+    const Lanes jerk = (end.acceleration - start.acceleration).abs() / duration;
+    const Lanes high = start.position.max(end.position) + duration * speed,
+                low = start.position.min(end.position) - duration * speed;
+    const Lanes beyond = (high - value[kHighest])
+                             .max(value[kLowest] - low)
+                             .max(speed - value[kSpeed])
+                             .max(acceleration - value[kAcceleration])
+                             .max(jerk - value[kJerk]);
+    if (beyond.maxCoeff() <= 0.0) return;
+    for (Index lane = 0; lane < kLanes; ++lane) {
+      if (!(beyond[lane] > 0.0)) continue;
+      const QuinticStep quintic(duration, start.joint(lane), end.joint(lane));
+      const auto note = [&](Peak peak, const Extreme& extreme, double side) {
+        if (!(side * extreme.value > side * value[peak][lane])) return;
+        value[peak][lane] = extreme.value;
+        time[peak][lane] = extreme.at < 1.0 ? begin + extreme.at * duration : finish;
+        step[peak][lane] = static_cast<double>(at);
+      };
+      if (low[lane] < value[kLowest][lane]) note(kLowest, quintic.lowest(), -1.0);
+      if (high[lane] > value[kHighest][lane]) note(kHighest, quintic.highest(), 1.0);
+      if (speed[lane] > value[kSpeed][lane]) note(kSpeed, quintic.speed(), 1.0);
+      if (acceleration[lane] > value[kAcceleration][lane])
+        note(kAcceleration, quintic.acceleration(), 1.0);
+      note(kJerk, {jerk[lane], 0.5}, 1.0);
+    }
   }
 };
 
@@ -209,26 +230,30 @@ MotionPeaks motion_peaks(const Eigen::Ref<const Eigen::VectorXd>& times,
                          const Eigen::Ref<const Rows>& velocities,
                          const Eigen::Ref<const Rows>& accelerations) {
   const Index joints = positions.cols();
-  std::vector<JointPeaks> peaks(static_cast<std::size_t>(joints));
-  for (Index k = 0; k + 1 < times.size(); ++k) {
-    const double duration = times[k + 1] - times[k];
-    for (Index j = 0; j < joints; ++j) {
-      const JointState start = state(positions, velocities, accelerations, k, j);
-      const JointState end = state(positions, velocities, accelerations, k + 1, j);
-      const double jerk = std::abs(end.acceleration - start.acceleration) / duration;
-      peaks[static_cast<std::size_t>(j)].look(QuinticStep(duration, start, end), jerk, times[k],
-                                              times[k + 1], k);
-    }
-  }
   MotionPeaks result{Rows(kPeaks, joints), Rows(kPeaks, joints), Rows(kPeaks, joints)};
-  for (Index j = 0; j < joints; ++j)
-    for (std::size_t row = 0; row < kPeaks; ++row) {
-      const JointPeaks& peak = peaks[static_cast<std::size_t>(j)];
-      const auto at = static_cast<Index>(row);
-      result.value(at, j) = peak.value[row];
-      result.time(at, j) = peak.time[row];
-      result.step(at, j) = static_cast<double>(peak.step[row]);
+  for (Index first = 0; first < joints; first += kLanes) {
+    const Index count = std::min(kLanes, joints - first);
+    LanePeaks peaks;
+    const auto at = [&](Index k) {
+      LaneStates states;
+      states.position.head(count) = positions.row(k).segment(first, count).transpose().array();
+      states.velocity.head(count) = velocities.row(k).segment(first, count).transpose().array();
+      states.acceleration.head(count) =
+          accelerations.row(k).segment(first, count).transpose().array();
+      return states;
+    };
+    LaneStates start = at(0), end;
+    for (Index k = 0; k + 1 < times.size(); ++k, start = end) {
+      end = at(k + 1);
+      peaks.look(start, end, times[k], times[k + 1], k);
     }
+    for (Index lane = 0; lane < count; ++lane)
+      for (Index row = 0; row < kPeaks; ++row) {
+        result.value(row, first + lane) = peaks.value[row][lane];
+        result.time(row, first + lane) = peaks.time[row][lane];
+        result.step(row, first + lane) = peaks.step[row][lane];
+      }
+  }
   return result;
 }
 

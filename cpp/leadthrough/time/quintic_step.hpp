@@ -32,9 +32,6 @@ class QuinticStep {
   Extreme speed() const;
   Extreme acceleration() const;
   // Cheap numbers that they do not exceed.
-  double reach(double side) const {
-    return std::max(side * start_, side * end_) + duration_ * speed_bound();
-  }
   double speed_bound() const { return largest(velocity_); }
   double acceleration_bound() const { return largest(acceleration_); }
 
@@ -77,6 +74,33 @@ inline QuinticStep::QuinticStep(double duration, const JointState& start, const 
   acceleration_ = {start.acceleration, 4.0 * (velocity_[2] - velocity_[1]) / h,
                    4.0 * (velocity_[3] - velocity_[2]) / h, end.acceleration};
 }
+
+// Joints whose bounds are computed at once.
+constexpr Eigen::Index kLanes = 8;
+using Lanes = Eigen::Array<double, kLanes, 1>;
+
+struct LaneStates {
+  Lanes position = Lanes::Zero(), velocity = Lanes::Zero(), acceleration = Lanes::Zero();
+
+  JointState joint(Eigen::Index lane) const {
+    return {position[lane], velocity[lane], acceleration[lane]};
+  }
+};
+
+// Bounds of the magnitudes between two samples and at the second.
+struct LaneBounds {
+  LaneBounds(double duration, const LaneStates& start, const LaneStates& end) {
+    const Lanes v1 = start.velocity + (0.25 * duration) * start.acceleration;
+    const Lanes v3 = end.velocity - (0.25 * duration) * end.acceleration;
+    const Lanes v2 = (5.0 / duration) * (end.position - start.position) - start.velocity - v1 - v3 -
+                     end.velocity;
+    speed = v1.abs().max(v2.abs()).max(v3.abs()).max(end.velocity.abs());
+    acceleration =
+        ((4.0 / duration) * (v2 - v1).abs().max((v3 - v2).abs())).max(end.acceleration.abs());
+  }
+
+  Lanes speed, acceleration;
+};
 
 // The largest magnitudes of all joints (columns) in all steps (rows) of a motion of two samples or
 // more.
