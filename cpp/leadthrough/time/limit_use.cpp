@@ -116,7 +116,7 @@ void measure_use(const PolynomialPath& path, const PathGrid& grid, const RateLim
                                           : (samples - 1) / judged.parts;
   const Index last = inner + (judged.rests_at_end ? kOrders : 0);
   const Index start = judged.rests_at_start ? -kOrders : 0;
-  // What is the same is measured; of the samples before the first other one, differences are made.
+  // The same samples are measured; those before the first other one make differences.
   const Index other = same == 0 ? start : (static_cast<Index>(same) - 1) / judged.parts + 1;
   const Index first = std::max(start, other - kOrders);
   for (auto& order : ratios.each) {

@@ -163,12 +163,16 @@ JointState state(const Eigen::Ref<const Rows>& positions, const Eigen::Ref<const
 // Rows of MotionPeaks.
 enum Peak : Index { kLowest, kHighest, kSpeed, kAcceleration, kJerk, kPeaks };
 
-// Peaks so far of joints at once. What cannot exceed them is not computed.
+// Peaks so far of joints at once. Smaller ones are not computed.
 struct LanePeaks {
   std::array<Lanes, kPeaks> value, time, step;
 
   LanePeaks() {
-    for (Index row = 0; row < kPeaks; ++row) value[row].fill(-1.0);
+    for (Index row = 0; row < kPeaks; ++row) {
+      value[row].fill(-1.0);
+      time[row].fill(0.0);
+      step[row].fill(0.0);
+    }
     value[kLowest].fill(kInfinity);
     value[kHighest].fill(-kInfinity);
   }
