@@ -248,7 +248,7 @@ def load_skill(path: StrPath) -> Skill:
     Raises:
         InvalidInput: if it is no skill, is damaged, or of a newer format version.
     """
-    kind, settings, arrays, certificate = read_certified(path)
+    kind, settings, arrays, certificate = read(path)
     skill = restored(path, kind, settings, arrays)
     return skill if certificate is None else skill.certified(certificate)
 
@@ -278,13 +278,7 @@ def write(
         np.savez(file, allow_pickle=False, head=np.array(json.dumps(head)), **dict(arrays))
 
 
-def read(path: StrPath) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]]]:
-    """Kind, settings and arrays of a skill in a file."""
-    kind, settings, arrays, _ = read_certified(path)
-    return kind, settings, arrays
-
-
-def read_certified(
+def read(
     path: StrPath,
 ) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]], Certificate | None]:
     """Kind, settings, arrays and certificate of a skill in a file."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -109,3 +110,28 @@ class Frame(ShortRepr):
             Orientations (count, 4), w, x, y, z.
         """
         return np.repeat(rotations.from_matrix(self.axes[None]), count, axis=0)
+
+
+def checked_frames(
+    frames: Sequence[Sequence[Frame]], count: int, size: int, *, poses: bool
+) -> list[tuple[Frame, ...]]:
+    """The frames of each of several demonstrations."""
+    if not isinstance(frames, Sequence) or len(frames) != count:
+        got = len(frames) if isinstance(frames, Sequence) else type(frames).__name__
+        raise InvalidInput(
+            f"frames: expected one sequence of frames per demonstration, {count}, got {got}"
+        )
+    given = [tuple(each) for each in frames]
+    for frame in (frame for each in given for frame in each):
+        if not isinstance(frame, Frame) or len(frame.origin) != size:
+            got = len(frame.origin) if isinstance(frame, Frame) else type(frame).__name__
+            raise InvalidInput(f"frames: expected frames of {size} dimensions, got {got}")
+        if poses and np.linalg.det(frame.axes) < 0.0:
+            raise InvalidInput("frames: expected right-handed axes for poses")
+    if len({len(each) for each in given}) != 1 or not given[0]:
+        numbers = sorted({len(each) for each in given})
+        raise InvalidInput(
+            "frames: expected the same number of frames for every demonstration, at least one, "
+            f"got {', '.join(map(str, numbers))}"
+        )
+    return given

@@ -19,7 +19,7 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import UnsupportedQuery
 from leadthrough.models.archive import Arrays, SteppedSkill
 from leadthrough.models.demonstrations import Demonstrations, motions_of
-from leadthrough.models.frame import Frame
+from leadthrough.models.frame import Frame, checked_frames
 from leadthrough.models.protocol import Conditioned, Guided, Model, Skill, Target, Unfitted
 from leadthrough.models.queries import CheckedQuery, Via
 from leadthrough.models.registry import entry_of_skill
@@ -61,11 +61,10 @@ class Framed(Unfitted):
         motions = motions_of(demonstrations)
         if frames is None:
             frames = [[Frame.of_sample(motion, -1)] for motion in motions]
-        if not isinstance(frames, Sequence) or len(frames) != len(motions):
-            raise InvalidInput(f"frames: expected one per demonstration, {len(motions)} in all")
         poses = isinstance(motions[0], PoseTrajectory)
-        given = [_the_frame(each, len(motions[0].positions[0]), poses) for each in frames]
-        seen = [_motion_seen(frame, motion) for frame, motion in zip(given, motions, strict=True)]
+        given = _one_each(frames, len(motions), motions[0].positions.shape[1], poses=poses)
+        back = [Frame(-frame.origin @ frame.axes, frame.axes.T) for frame in given]
+        seen = [frame.base(motion) for frame, motion in zip(back, motions, strict=True)]
         learned = cast(Skill[MotionT], self.model.fit(seen))  # of the demonstrated type
         return FramedSkill(self, learned, given[0], poses)
 
@@ -102,7 +101,8 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         Args:
             frames: the frame of the situation, one in a sequence as for `TaskGMR`.
         """
-        return replace(self, frame=_the_frame(frames, len(self.frame.origin), self.poses))
+        (frame,) = _one_each([frames], 1, len(self.frame.origin), poses=self.poses)
+        return replace(self, frame=frame)
 
     def _answer(self, query: CheckedQuery) -> MotionT_co:
         return self.frame.base(self.skill.generate(**self._seen(query).given()))
@@ -183,7 +183,11 @@ class FramedSkill(SteppedSkill[MotionT_co]):
                 "in Python, skill.skill.condition(...)"
             )
         seen = cast(Target, self._local(position, "position"))
-        uncertain = _covariance_seen(self.frame, covariance)
+        uncertain = None
+        if covariance is not None:
+            axes = self.frame.axes
+            given = check.array(covariance, "covariance", shape=axes.shape)
+            uncertain = np.asarray(axes.T @ given @ axes)
         made = self.skill.condition(check.number(time, "time"), seen, covariance=uncertain)
         return replace(self, skill=cast(Skill[MotionT_co], made))
 
@@ -230,39 +234,89 @@ class FramedSkill(SteppedSkill[MotionT_co]):
             goal=self._local(query.goal, "goal"),
             obstacles=self._local_shapes(query.obstacles),
             limits=self._limits(query.limits),
-            **self._beyond(query),
+            via=self._via(query.via),
+            start_velocity=self._velocity(query.start_velocity, "start_velocity"),
+            final_velocity=self._velocity(query.final_velocity, "final_velocity"),
         )
 
-    def _beyond(self, query: CheckedQuery) -> dict[str, Any]:
-        """Via points and velocities, which only some skills take, seen from the frame."""
-        parts = _beyond_seen(self.frame, query.via, query.start_velocity, query.final_velocity)
-        for name in parts:
-            if name not in self.supports:
-                raise UnsupportedQuery(
-                    f"{name}: a skill of kind {self.skill.kind!r} takes none; it takes "
-                    f"{', '.join(sorted(self.supports))}"
-                )
-        return parts
+    def _require(self, part: str, advice: str = "") -> None:
+        """Refuses a part of a query that the skill inside does not take."""
+        if part not in self.supports:
+            raise UnsupportedQuery(
+                f"{part}: a skill of kind {self.skill.kind!r} takes none; it takes "
+                f"{', '.join(sorted(self.supports))}{advice}"
+            )
+
+    def _via(self, via: Via) -> Via:
+        """Via points seen from the frame."""
+        if not isinstance(via, Sequence):
+            raise InvalidInput(f"via: expected a sequence of (phase, point), got {via!r}")
+        if len(via) == 0:
+            return ()
+        if not all(isinstance(pair, tuple | list) and len(pair) == 2 for pair in via):
+            raise InvalidInput(f"via: expected pairs (phase, point), got {via!r}")
+        points = [check.array(point, "via", shape=self.frame.origin.shape) for _, point in via]
+        self._require("via")
+        seen = [(point - self.frame.origin) @ self.frame.axes for point in points]
+        return [(pair[0], point) for pair, point in zip(via, seen, strict=True)]
+
+    def _velocity(self, velocity: ArrayLike | None, name: str) -> Float64Array | None:
+        """A velocity seen from the frame; None for None."""
+        if velocity is None:
+            return None
+        given = check.array(velocity, name, shape=self.frame.origin.shape)
+        self._require(name)
+        return np.asarray(given @ self.frame.axes)
 
     def _limits(
         self, limits: tuple[ArrayLike, ArrayLike] | None
     ) -> tuple[Float64Array, Float64Array] | None:
-        """Limits seen from the frame; None for None."""
+        """Limits of each column, where the frame's axes are the base's in any order, or None."""
         if limits is None:
             return None
-        if "limits" not in self.supports:
+        self._require("limits", "; in Python, fit Framed(DMP())")
+        if not isinstance(limits, Sequence) or len(limits) != 2:
+            raise InvalidInput(f"limits: expected a pair (lower, upper), got {limits!r}")
+        origin, axes = self.frame.origin, self.frame.axes
+        corners = np.stack([check.array(side, "limits", shape=origin.shape) for side in limits])
+        if not (corners[0] < corners[1]).all():
+            raise InvalidInput(f"limits: expected lower < upper, got {corners[0]} and {corners[1]}")
+        if np.abs(np.abs(axes).max(axis=0) - 1.0).max() > _ALIGNED:
             raise UnsupportedQuery(
-                f"limits: a skill of kind {self.skill.kind!r} takes none; in Python, fit "
-                "Framed(DMP())"
+                "limits: base-frame limits are not axis-aligned in a rotated task frame; give "
+                "walls as obstacles, or ask the skill inside for limits in its own frame; in "
+                "Python, skill.skill.generate(limits=...)"
             )
-        return _limits_seen(self.frame, limits)
+        rotated = (corners - origin) @ np.round(axes)
+        return rotated.min(axis=0), rotated.max(axis=0)
 
     def _local_shapes(self, obstacles: Sequence[Shape]) -> list[Shape]:
-        return [_shape_seen(self.frame, shape) for shape in check_shapes(obstacles)]
+        """Shapes seen from the frame; one of two dimensions lies in the plane z = 0."""
+        size = len(self.frame.origin)
+        origin, axes = np.zeros(3), np.eye(3)
+        origin[:size], axes[:size, :size] = self.frame.origin, self.frame.axes
+        back = rotations.inverse(rotations.from_matrix(axes[None]))
+        return [
+            shape.at(
+                (np.asarray(shape.position) - origin) @ axes,
+                rotations.compose(back, shape.orientation[None])[0],
+            )
+            for shape in check_shapes(obstacles)
+        ]
 
     def _local(self, place: Any, name: str) -> Target | None:
-        """A place of the base frame as it is seen from the frame. Raises InvalidInput."""
-        return _place_seen(self.frame, place, name, poses=self.poses)
+        """A place of the base frame as it is seen from the frame; None for None."""
+        if place is None:
+            return None
+        is_pose = self.poses and isinstance(place, tuple | list) and len(place) == 2
+        given = place[0] if is_pose else place
+        position = check.array(given, name, shape=self.frame.origin.shape)
+        seen: Float64Array = (position - self.frame.origin) @ self.frame.axes
+        if not is_pose:
+            return seen
+        q = check.quaternions(place[1], name, shape=(4,))
+        back = rotations.inverse(self.frame.orientations(1))
+        return seen, rotations.compose(back, q[None])[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -326,102 +380,11 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> FramedSkill:
     return FramedSkill(Framed(skill.model), skill, frame, bool(settings["poses"]))
 
 
-def _the_frame(frames: Sequence[Frame], size: int, poses: bool) -> Frame:
-    """The one frame. Raises InvalidInput."""
-    given = list(frames) if isinstance(frames, Sequence) else []
-    if len(given) != 1 or not isinstance(given[0], Frame):
-        raise InvalidInput(f"frames: expected a sequence of one Frame, got {frames!r}")
-    if len(given[0].origin) != size:
-        raise InvalidInput(f"frames: expected {size} dimensions, got {len(given[0].origin)}")
-    if poses and np.linalg.det(given[0].axes) < 0.0:
-        raise InvalidInput("frames: expected right-handed axes for poses")
-    return given[0]
-
-
-def _motion_seen(frame: Frame, motion: MotionT) -> MotionT:
-    """A motion with its events."""
-    back = Frame(-frame.origin @ frame.axes, frame.axes.T)
-    return back.base(motion)
-
-
-def _place_seen(frame: Frame, place: Any, name: str, *, poses: bool) -> Target | None:
-    """A place; None for None."""
-    if place is None:
-        return None
-    is_pose = poses and isinstance(place, tuple | list) and len(place) == 2
-    given = place[0] if is_pose else place
-    position = check.array(given, name, shape=(len(frame.origin),))
-    seen: Float64Array = (position - frame.origin) @ frame.axes
-    if not is_pose:
-        return seen
-    q = check.quaternions(place[1], name, shape=(4,))
-    back = rotations.inverse(frame.orientations(1))
-    return seen, rotations.compose(back, q[None])[0]
-
-
-def _shape_seen(frame: Frame, shape: Shape) -> Shape:
-    """A shape; a frame of two dimensions lies in the plane z = 0."""
-    size = len(frame.origin)
-    origin, axes = np.zeros(3), np.eye(3)
-    origin[:size], axes[:size, :size] = frame.origin, frame.axes
-    position = (np.asarray(shape.position) - origin) @ axes
-    back = rotations.inverse(rotations.from_matrix(axes[None]))
-    return shape.at(position, rotations.compose(back, shape.orientation[None])[0])
-
-
-def _limits_seen(
-    frame: Frame, limits: tuple[ArrayLike, ArrayLike]
-) -> tuple[Float64Array, Float64Array]:
-    """_Limits of each column, where the frame's axes are those of the base frame, in any order."""
-    if not isinstance(limits, Sequence) or len(limits) != 2:
-        raise InvalidInput(f"limits: expected a pair (lower, upper), got {limits!r}")
-    size = len(frame.origin)
-    corners = np.stack([check.array(side, "limits", shape=(size,)) for side in limits])
-    if not (corners[0] < corners[1]).all():
-        raise InvalidInput(f"limits: expected lower < upper, got {corners[0]} and {corners[1]}")
-    if np.abs(np.abs(frame.axes).max(axis=0) - 1.0).max() > _ALIGNED:
-        raise UnsupportedQuery(
-            "limits: base-frame limits are not axis-aligned in a rotated task frame; give walls as "
-            "obstacles, or ask the skill inside for limits in its own frame; in Python, "
-            "skill.skill.generate(limits=...)"
-        )
-    rotated = (corners - frame.origin) @ np.round(frame.axes)
-    return rotated.min(axis=0), rotated.max(axis=0)
-
-
-def _covariance_seen(frame: Frame, covariance: ArrayLike | None) -> Float64Array | None:
-    """A covariance (d, d) of a position; None for None."""
-    if covariance is None:
-        return None
-    size = len(frame.origin)
-    given = check.array(covariance, "covariance", shape=(size, size))
-    return np.asarray(frame.axes.T @ given @ frame.axes)
-
-
-def _beyond_seen(
-    frame: Frame,
-    via: Via,
-    start_velocity: ArrayLike | None,
-    final_velocity: ArrayLike | None,
-) -> dict[str, Any]:
-    """Via points and velocities, those that are given."""
-    parts: dict[str, Any] = {}
-    if not isinstance(via, Sequence):
-        raise InvalidInput(f"via: expected a sequence of (phase, point), got {via!r}")
-    if len(via) > 0:
-        if not all(isinstance(pair, tuple | list) and len(pair) == 2 for pair in via):
-            raise InvalidInput(f"via: expected pairs (phase, point), got {via!r}")
-        points = [check.array(point, "via", shape=frame.origin.shape) for _, point in via]
-        parts["via"] = [
-            (pair[0], (point - frame.origin) @ frame.axes)
-            for pair, point in zip(via, points, strict=True)
-        ]
-    if start_velocity is not None:
-        parts["start_velocity"] = _rotated(frame, start_velocity, "start_velocity")
-    if final_velocity is not None:
-        parts["final_velocity"] = _rotated(frame, final_velocity, "final_velocity")
-    return parts
-
-
-def _rotated(frame: Frame, velocity: ArrayLike, name: str) -> Float64Array:
-    return np.asarray(check.array(velocity, name, shape=frame.origin.shape) @ frame.axes)
+def _one_each(
+    frames: Sequence[Sequence[Frame]], count: int, size: int, *, poses: bool
+) -> list[Frame]:
+    """The one frame of each of several demonstrations or situations."""
+    given = checked_frames(frames, count, size, poses=poses)
+    if len(given[0]) != 1:
+        raise InvalidInput(f"frames: expected a sequence of one Frame, got {len(given[0])}")
+    return [frame for (frame,) in given]

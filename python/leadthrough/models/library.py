@@ -185,7 +185,7 @@ class SkillLibrary(ShortRepr):
         Raises:
             InvalidInput: if it is no library, is damaged, or of a newer format version.
         """
-        kind, settings, arrays = archive.read(path)
+        kind, settings, arrays, _ = archive.read(path)
         if kind != _KIND:
             raise InvalidInput(f"path: expected a library of skills, got a skill of kind {kind!r}")
         result = SkillLibrary()

@@ -104,28 +104,6 @@ def arrival_times(
         return march(map_, steps.tolist(), cells, order, radius, last)
 
 
-@overload  # no type is both float32 and float64
-def arrival_times_batch(  # type: ignore[overload-overlap]
-    speeds: Sequence[ArrayLike],
-    sources: Sequence[ArrayLike],
-    *,
-    spacing: ArrayLike = ...,
-    order: int = ...,
-    dtype: type[np.float32],
-    source_radius: float | None = ...,
-    threads: int = ...,
-) -> list[NDArray[np.float32]]: ...
-@overload
-def arrival_times_batch(
-    speeds: Sequence[ArrayLike],
-    sources: Sequence[ArrayLike],
-    *,
-    spacing: ArrayLike = ...,
-    order: int = ...,
-    dtype: type[np.float64] = ...,
-    source_radius: float | None = ...,
-    threads: int = ...,
-) -> list[Float64Array]: ...
 def arrival_times_batch(
     speeds: Sequence[ArrayLike],
     sources: Sequence[ArrayLike],
@@ -135,7 +113,7 @@ def arrival_times_batch(
     dtype: type[np.float32] | type[np.float64] = np.float64,
     source_radius: float | None = None,
     threads: int = 1,
-) -> list[NDArray[np.float32]] | list[Float64Array]:
+) -> list[NDArray[Any]]:  # Any: of the dtype, which only arrays know
     """The times of several problems, as `arrival_times` computes them one by one.
 
     Args:

@@ -117,7 +117,7 @@ def _bag(path: Path, title: str, request: Request) -> FileInfo:
 
 def _skill(path: Path) -> FileInfo | None:
     try:
-        kind, settings, arrays = archive.read(path)
+        kind, settings, arrays, _ = archive.read(path)
     except InvalidInput:
         return None  # an archive of something else
     facts = {"model": kind, **settings, "arrays": [f"{n} {a.shape}" for n, a in arrays.items()]}

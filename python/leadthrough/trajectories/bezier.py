@@ -133,9 +133,6 @@ class Bezier(PointCurve):
         values = core.bezier_values(shown.points, fractions)
         return values if times.ndim else values[0]
 
-    def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
-        return replace(self, points=self.points @ matrix.T + offset)
-
     def _stretched(self, factor: float) -> Self:
         return replace(self, domain=(self.domain[0] * factor, self.domain[1] * factor))
 

@@ -92,9 +92,6 @@ class BSpline(PointCurve):
     def _values(self, times: Float64Array, order: int) -> Float64Array:
         return np.asarray(self._curve(times, order))
 
-    def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
-        return replace(self, points=self.points @ matrix.T + offset)
-
     def _stretched(self, factor: float) -> Self:
         return replace(self, knot_vector=self.knot_vector * factor)
 
@@ -152,9 +149,6 @@ class Nurbs(PointCurve):
                 value -= math.comb(k, i) * lifted[i][..., -1:] * found[k - i]
             found.append(value / lifted[0][..., -1:])
         return found[-1]
-
-    def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
-        return replace(self, points=self.points @ matrix.T + offset)
 
     def _stretched(self, factor: float) -> Self:
         return replace(self, knot_vector=self.knot_vector * factor)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Protocol, Self, runtime_checkable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -54,9 +55,11 @@ class PointCurve(ShortRepr, ABC):
     def _values(self, times: Float64Array, order: int) -> Float64Array:
         """Derivatives of an order at checked times, (n,) or of no dimension."""
 
-    @abstractmethod
     def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
-        """The curve of matrix @ x + offset."""
+        """The curve of matrix @ x + offset, by default with the control points mapped."""
+        values: Any = self  # a dataclass with points (n, d)
+        mapped: Self = replace(values, points=values.points @ matrix.T + offset)
+        return mapped
 
     @abstractmethod
     def _stretched(self, factor: float) -> Self:

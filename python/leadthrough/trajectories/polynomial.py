@@ -71,9 +71,6 @@ class Lagrange(PointCurve):
             values = self._slopes(values)
         return _barycentric(self.nodes, self._weights, values, times)
 
-    def _mapped(self, matrix: Float64Array, offset: Float64Array) -> Self:
-        return replace(self, points=self.points @ matrix.T + offset)
-
     def _stretched(self, factor: float) -> Self:
         return replace(self, nodes=self.nodes * factor)
 

@@ -37,10 +37,12 @@ _MAX_POINTS = 50
 class RotationCurve(ShortRepr, ABC):
     """A curve of rotations over an interval of times."""
 
+    times: Float64Array | tuple[float, float]  # of the knots
+
     @property
-    @abstractmethod
     def knots(self) -> Float64Array:
         """Rising times (k,) between which the curve is smooth, the ends of the domain included."""
+        return np.asarray(self.times)
 
     @abstractmethod
     def _rotations(self, t: Float64Array) -> Float64Array:
@@ -90,11 +92,6 @@ class Slerp(RotationCurve):
         t, q = checked_samples(times, quaternions)
         vars(self).update(times=t, quaternions=q)
 
-    @property
-    def knots(self) -> Float64Array:
-        """The times."""
-        return self.times
-
     def _rotations(self, t: Float64Array) -> Float64Array:
         return core.so3_slerp_through(self.times, self.quaternions, t)
 
@@ -126,11 +123,6 @@ class Squad(RotationCurve):
     def __init__(self, times: ArrayLike, quaternions: ArrayLike) -> None:
         t, q = checked_samples(times, quaternions)
         vars(self).update(times=t, quaternions=q, _controls=squad_controls(t, q))
-
-    @property
-    def knots(self) -> Float64Array:
-        """The times."""
-        return self.times
 
     def _rotations(self, t: Float64Array) -> Float64Array:
         (a, b, leaving, arriving), _, u = self._corners(t)
@@ -178,11 +170,6 @@ class RotationBezier(RotationCurve):
         q.setflags(write=False)
         knots = curve.knot_times(times, "times")
         vars(self).update(quaternions=q, times=(float(knots[0]), float(knots[-1])))
-
-    @property
-    def knots(self) -> Float64Array:
-        """The ends of the domain."""
-        return np.array(self.times)
 
     def _rotations(self, t: Float64Array) -> Float64Array:
         fractions = self._fractions(t)
@@ -373,11 +360,6 @@ class RotationSpline(RotationCurve):
             velocities=velocities,
             _cubics=_cubics(np.diff(t), turns, velocities),
         )
-
-    @property
-    def knots(self) -> Float64Array:
-        """The times."""
-        return self.times
 
     def _rotations(self, t: Float64Array) -> Float64Array:
         i, (phi, _, _) = self._vectors(t)

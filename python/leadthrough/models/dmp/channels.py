@@ -33,7 +33,6 @@ from leadthrough.models.targets import Target
 from leadthrough.motion import (
     Events,
     JointTrajectory,
-    Motion,
     Trajectory,
     computed,
     with_derivatives,
@@ -48,7 +47,11 @@ StateT = TypeVar("StateT", core.PointState, core.PoseState)
 
 @dataclass(frozen=True, eq=False)
 class Channels(Generic[StateT]):
-    """The channels of a discrete primitive: reads queries into them, and motions out of them."""
+    """The channels of a discrete primitive: reads queries into them, and motions out of them.
+
+    Derived classes have, for their states: `as_demonstrated`, `begin`, `lasting`, `lengthening`,
+    `redirected`, `moved`, `acceleration` and `motion`.
+    """
 
     system: TransformationSystem
     size: float  # diagonal of the box around the demonstrated positions
@@ -62,46 +65,6 @@ class Channels(Generic[StateT]):
     @abstractmethod
     def progress(self) -> Progress:
         """Fraction of its way that each channel has covered at each phase, in replay."""
-
-    @abstractmethod
-    def as_demonstrated(self, duration: float) -> StateT:
-        """The state at the start of the demonstrated motion."""
-
-    @abstractmethod
-    def begin(self, query: CheckedQuery, duration: float) -> StateT:
-        """The state at the start of a motion of a duration, s."""
-
-    @abstractmethod
-    def lasting(self, state: StateT, duration: float) -> StateT:
-        """The same state in a motion of another duration, s."""
-
-    @abstractmethod
-    def lengthening(self, state: StateT, duration: float) -> float:
-        """Factor >= 1 by which a motion from its start on must last longer than demonstrated."""
-
-    @abstractmethod
-    def redirected(self, state: StateT, goal: Target) -> StateT:
-        """The state on its way to another goal."""
-
-    @abstractmethod
-    def moved(self, state: StateT, measured: Target) -> StateT:
-        """The state at another position, or pose."""
-
-    @abstractmethod
-    def acceleration(self, coupling: ArrayLike) -> Float64Array:
-        """A coupling as an acceleration (channels,)."""
-
-    @abstractmethod
-    def motion(
-        self,
-        state: StateT,
-        phases: Float64Array,
-        *,
-        constraints: Constraints,
-        events: Events,
-        joints: JointTrajectory | None,
-    ) -> Motion:
-        """The motion from a state on, at phases (n,), with its events and the arm's joints."""
 
     @property
     @abstractmethod
@@ -213,11 +176,13 @@ class PointChannels(Channels[core.PointState]):
         return Part(MOVING if self.joint_names is None else JOINTS, slopes, extent)
 
     def as_demonstrated(self, duration: float) -> core.PointState:
+        """The state at the start of the demonstrated motion."""
         ends = self.system.ends
         course = self.system.demonstrated_course
         return core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
 
     def begin(self, query: CheckedQuery, duration: float) -> core.PointState:
+        """The state at the start of a motion of a duration, s."""
         ends = ends_of(query, self.system.ends, duration)
         course = self.course(ends, query, count=len(ends.start))
         return core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
@@ -226,6 +191,7 @@ class PointChannels(Channels[core.PointState]):
         return core.PointState(state.course, state.value, state.slope, state.phase, duration)
 
     def lengthening(self, state: core.PointState, duration: float) -> float:
+        """Factor >= 1 by which a motion from its start on must last longer than demonstrated."""
         _, slopes = self.ahead(state, COARSE_PHASES)
         return self._replay.lengthening(self._replay.measure.peak(slopes), duration)
 

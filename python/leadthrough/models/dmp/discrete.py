@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.models.archive import Arrays, SteppedSkill
-from leadthrough.models.dmp.channels import Channels
+from leadthrough.models.dmp.channels import PointChannels
 from leadthrough.models.dmp.learning import check_choices, check_weights, learn_motion
-from leadthrough.models.dmp.poses import channels_of
+from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.primitive import Primitive, take_parts
 from leadthrough.models.dmp.query import check_final_velocity, check_step
 from leadthrough.models.protocol import Demonstrations, Skill, Target, Unfitted
@@ -169,7 +169,7 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
         """The state of a motion of the default duration, which follows from the state itself."""
         if query.start is None and query.goal is None:
             return self._channels.as_demonstrated(self.duration)
-        state = self._channels.begin(query, self.duration)
+        state: Any = self._channels.begin(query, self.duration)
         if self.system.form != "blended":
             return state
         longer = self._channels.lengthening(state, self.duration)
@@ -248,7 +248,7 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
         """
         if (start is None and goal is None) or self.system.form != "blended":
             return self.duration
-        state = self._channels.begin(CheckedQuery(start, goal), self.duration)
+        state: Any = self._channels.begin(CheckedQuery(start, goal), self.duration)
         return self.duration * self._channels.lengthening(state, self.duration)
 
     def replay(self, samples: int) -> MotionT_co:
@@ -276,10 +276,10 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
         return {**asdict(self.model), **own, **settings}, arrays
 
     @cached_property
-    def _channels(self) -> Channels[Any]:  # Any: of states of points, or of poses
-        return channels_of(
-            self.system, self.size, joint_names=self.joint_names, orientation=self.orientation
-        )
+    def _channels(self) -> PointChannels | PoseChannels:
+        if self.orientation is None:
+            return PointChannels(self.system, self.size, self.joint_names)
+        return PoseChannels(self.system, self.size, self.orientation)
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> DMPSkill:

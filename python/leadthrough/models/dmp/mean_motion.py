@@ -25,6 +25,7 @@ from leadthrough.motion import (
     moved_events,
     normalised_times,
 )
+from leadthrough.preprocess.align import positions_at
 
 # A period whose last samples are missing, up to this fraction of it, counts as whole.
 _SLACK = 0.02
@@ -64,7 +65,7 @@ def mean_motion(demonstrations: Demonstrations[Motion]) -> MeanMotion:
         return MeanMotion(phases[0], first.positions, q, first.duration, names, happened, posture)
     count = max(len(motion.times) for motion in motions)
     even = np.linspace(0.0, 1.0, count)
-    positions = np.mean([_positions_at(motion, even) for motion in motions], axis=0)
+    positions = np.mean([positions_at(motion, even) for motion in motions], axis=0)
     duration = float(np.mean([motion.duration for motion in motions]))
     q = _mean_orientations(motions, even)
     warn_of_misalignment(motions)
@@ -84,11 +85,6 @@ def mean_cycle(demonstrations: Demonstrations[Motion], period: float | None) -> 
         off = rotations.log(rotations.compose(q[:1], rotations.inverse(q[-1:])))
         q = rotations.compose(rotations.exp(np.outer(mean.phases, off[0])), q)
     return replace(mean, positions=positions, orientations=q)
-
-
-def _positions_at(motion: Motion, phases: Float64Array) -> Float64Array:
-    own = normalised_times(motion.times)
-    return np.column_stack([np.interp(phases, own, column) for column in motion.positions.T])
 
 
 def _mean_orientations(motions: Sequence[Motion], phases: Float64Array) -> Float64Array | None:

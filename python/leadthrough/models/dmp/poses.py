@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +16,7 @@ import leadthrough._core as core
 from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, UnsupportedQuery
-from leadthrough.models.dmp.channels import Channels, PointChannels
+from leadthrough.models.dmp.channels import Channels
 from leadthrough.models.dmp.constraints import Constraints, roll
 from leadthrough.models.dmp.orientation import OrientationCoordinates
 from leadthrough.models.dmp.progress import (
@@ -32,7 +31,7 @@ from leadthrough.models.dmp.progress import (
     pose_progress,
 )
 from leadthrough.models.dmp.query import as_pose, check_channels, ends_of, pose_acceleration
-from leadthrough.models.dmp.transformation import Ends, TransformationSystem, end_of, scaled_by
+from leadthrough.models.dmp.transformation import Ends, end_of, scaled_by
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target
 from leadthrough.motion import Events, JointTrajectory, PoseTrajectory, computed
@@ -266,19 +265,6 @@ class PoseChannels(Channels[core.PoseState]):
     def _orientations(self, state: core.PoseState, phases: Float64Array) -> Float64Array:
         values, _ = self.ahead(state, phases)
         return self.orientation.orientations(phases, values, state.offset)
-
-
-def channels_of(
-    system: TransformationSystem,
-    size: float,
-    *,
-    joint_names: tuple[str, ...] | None,
-    orientation: OrientationCoordinates | None,
-) -> Channels[Any]:  # Any: of states of points, or of poses
-    """Channels of poses where there is an orientation, else of points or joints."""
-    if orientation is None:
-        return PointChannels(system, size, joint_names)
-    return PoseChannels(system, size, orientation)
 
 
 def _whole_angle(orientations: Float64Array) -> float:

@@ -30,7 +30,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array
 from leadthrough.errors import FitError, NoContinuousLogarithm
 from leadthrough.models.coordinates import NODES, Coordinates, carried
 from leadthrough.models.frame import Frame
@@ -102,33 +102,6 @@ def placed(
     maps[:, :3, :3] = frame.axes
     maps[:, 3:, 3:] = carried(means[:, 3:], here)
     return Placed(np.hstack([moved, here]), maps, np.hstack([np.zeros((count, 3)), drift]))
-
-
-def checked_frames(
-    frames: Sequence[Sequence[Frame]], count: int, coordinates: Coordinates
-) -> list[tuple[Frame, ...]]:
-    """The frames of each of several demonstrations."""
-    if not isinstance(frames, Sequence) or len(frames) != count:
-        got = len(frames) if isinstance(frames, Sequence) else type(frames).__name__
-        raise InvalidInput(
-            f"frames: expected one sequence of frames per demonstration, {count}, got {got}"
-        )
-    given = [tuple(each) for each in frames]
-    for frame in (frame for each in given for frame in each):
-        if not isinstance(frame, Frame) or len(frame.origin) != coordinates.size:
-            got = len(frame.origin) if isinstance(frame, Frame) else type(frame).__name__
-            raise InvalidInput(
-                f"frames: expected frames of {coordinates.size} dimensions, got {got}"
-            )
-        if coordinates.kind == "poses" and np.linalg.det(frame.axes) < 0.0:
-            raise InvalidInput("frames: expected right-handed axes for poses")
-    if len({len(each) for each in given}) != 1 or not given[0]:
-        numbers = sorted({len(each) for each in given})
-        raise InvalidInput(
-            "frames: expected the same number of frames for every demonstration, at least one, "
-            f"got {', '.join(map(str, numbers))}"
-        )
-    return given
 
 
 def _between(predicted: Sequence[Float64Array]) -> Float64Array:

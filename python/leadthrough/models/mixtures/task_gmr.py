@@ -22,14 +22,13 @@ from leadthrough.errors import UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of
-from leadthrough.models.frame import Frame
+from leadthrough.models.frame import Frame, checked_frames
 from leadthrough.models.gaussians.mixture import Blocks, Mixture
 from leadthrough.models.mean_orientation import middle_orientations
 from leadthrough.models.mixtures.gmr import GMR, GMRSkill, wanted_ends
 from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns
 from leadthrough.models.mixtures.task_frames import (
     bounded,
-    checked_frames,
     common_coordinates,
     multiplied,
     placed,
@@ -86,42 +85,31 @@ class TaskGMR(Unfitted):
                 fall into two groups.
         """
         samples = sampled(demonstrations, middle=middle_orientations)
-        seen_from = (
-            [
-                (Frame.of_sample(motion, 0), Frame.of_sample(motion, -1))
-                for motion in samples.motions
-            ]
-            if frames is None
-            else checked_frames(frames, len(samples.motions), samples.coordinates)
-        )
+        motions, poses = samples.motions, samples.coordinates.kind == "poses"
+        seen_from: Sequence[tuple[Frame, ...]]
+        if frames is None:
+            seen_from = [tuple(Frame.of_sample(each, row) for row in (0, -1)) for each in motions]
+        else:
+            size = samples.coordinates.size
+            seen_from = checked_frames(frames, len(motions), size, poses=poses)
         frame_coordinates, seen = [], []
         for own in zip(*seen_from, strict=True):
-            local = [
-                frame.local(motion) for frame, motion in zip(own, samples.motions, strict=True)
-            ]
-            frame_coordinates.append(
-                coordinates_of(local, samples.phases, middle=middle_orientations)
-            )
-            rows = timed_columns(local, samples.phases, frame_coordinates[-1], samples.duration)
+            local = [frame.local(motion) for frame, motion in zip(own, motions, strict=True)]
+            meaning = coordinates_of(local, samples.phases, middle=middle_orientations)
+            frame_coordinates.append(meaning)
+            rows = timed_columns(local, samples.phases, meaning, samples.duration)
             seen.append(np.concatenate(rows))
-        poses = samples.coordinates.kind == "poses"
-        components = _fitted(
-            seen,
-            self.components,
-            demonstrations=len(samples.motions),
-            poses=poses,
-            seed=self.seed,
-            starts=self.starts,
-        )
-        at_ends = frames is None
+        search = {"seed": self.seed, "starts": self.starts}
+        fitted, _ = phase_blocks(seen, self.components, poses=poses, **search, least=_MIN_VARIANCE)
+        rounder = tuple(shrunk(each, len(motions), poses=poses) for each in fitted.covariances)
         return TaskGMRSkill(
             self,
             samples.coordinates,
             tuple(frame_coordinates),
-            components,
+            replace(fitted, covariances=rounder),
             samples.duration,
             samples.ends,
-            at_ends,
+            at_ends=frames is None,
         )
 
 
@@ -151,23 +139,6 @@ def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> TaskGMRSki
     ends = check.frozen(arrays["ends"], "ends", shape=(2, coordinates.width))
     at_ends = bool(settings["at_ends"])
     return TaskGMRSkill(model, coordinates, frame_coordinates, components, duration, ends, at_ends)
-
-
-def _fitted(
-    seen: Sequence[Float64Array],
-    count: int,
-    *,
-    demonstrations: int,
-    poses: bool,
-    seed: int,
-    starts: int,
-) -> Blocks:
-    """Components of the times and columns (n, 1 + d) seen from each frame."""
-    fitted, _ = phase_blocks(
-        seen, count, poses=poses, seed=seed, starts=starts, least=_MIN_VARIANCE
-    )
-    rounder = tuple(shrunk(each, demonstrations, poses=poses) for each in fitted.covariances)
-    return replace(fitted, covariances=rounder)
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +181,8 @@ class TaskGMRSkill(FittedSkill[MotionT_co]):
         Args:
             frames: the frames of the situation, in the order of those that it was fitted with.
         """
-        (given,) = checked_frames([frames], 1, self.coordinates)
+        poses = self.coordinates.kind == "poses"
+        (given,) = checked_frames([frames], 1, self.coordinates.size, poses=poses)
         if len(given) != len(self.components.means):
             raise InvalidInput(
                 f"frames: expected {len(self.components.means)} frames, got {len(given)}"
@@ -222,7 +194,7 @@ class TaskGMRSkill(FittedSkill[MotionT_co]):
                 given, self.frame_coordinates, self.components.means, strict=True
             )
         ]
-        mixture = multiplied(self.components, seen, poses=coordinates.kind == "poses")
+        mixture = multiplied(self.components, seen, poses=poses)
         ends, _ = mixture.regress([[0.0], [self.duration]], inputs=[0])
         model = GMR(self.model.components, self.model.seed, self.model.starts)
         return GMRSkill(model, coordinates, mixture, self.duration, ends, 1)
