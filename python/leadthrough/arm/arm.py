@@ -299,13 +299,14 @@ class Arm(ArmModel):
         Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
         """
         test = None if scene is None else CollisionTest.of(self._collision, scene)
-        return following.follow_reachable(
+        chosen = following.checked_options(options)
+        return following.follow(
             self,
             motion,
-            q0=q0,
+            q0=following.reachable_start(self, motion, q0, chosen),
             on_rate_limit=on_rate_limit,
             deviation=deviation,
-            options=options,
+            options=chosen,
             around=test,
         )
 

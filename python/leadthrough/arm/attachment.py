@@ -80,7 +80,8 @@ class Attachment(ShortRepr):
         if not isinstance(shape, Solid):
             raise InvalidInput(f"shape: expected a {names_of(Solid)}, got {shape!r}")
         weight = check.number(mass, "mass", at_least=0.0)
-        carried = self if weight == 0.0 else self.with_load(_solid(shape, weight))
+        center, inertia = shape.unit_inertia()
+        carried = self if weight == 0.0 else self.with_load(Load(weight, center, weight * inertia))
         placed = shape.at(self._in_link(shape.position), self._rotated(shape.orientation))
         return replace(carried, shapes=(*self.shapes, placed))
 
@@ -113,8 +114,3 @@ def _inertia(value: ArrayLike) -> Float64Array:
             f"of the other two, got {moments.tolist()}"
         )
     return inertia
-
-
-def _solid(shape: Solid, mass: float) -> Load:
-    center, inertia = shape.unit_inertia()
-    return Load(mass, center, mass * inertia)

@@ -98,38 +98,20 @@ class FollowOptions(ShortRepr):
         return self.position_tolerance, self.orientation_tolerance
 
 
-def follow_reachable(
+def reachable_start(
     arm: ArmModel,
     motion: Trajectory | PoseTrajectory,
-    *,
     q0: ArrayLike | None,
-    on_rate_limit: OnRateLimit,
-    deviation: tuple[ArrayLike, ArrayLike] | None,
-    options: FollowOptions | None,
-    around: CollisionTest | None,
-) -> JointTrajectory:
-    """See `Arm.follow`; an unreachable motion is refused before its samples are solved."""
-    chosen = _checked(options)
+    options: FollowOptions,
+) -> Float64Array | None:
+    """A checked q0; an unreachable motion is refused before its samples are solved."""
     path = TipPath.of(motion)
     start = None if q0 is None else check.array(q0, "q0", shape=(arm._chain.joints,))
     joints = demonstrated_joints(arm._chain, motion)
     ends = (None, None) if joints is None else tuple(joints.positions[[0, -1]])
     near = (ends[0] if start is None else start, ends[1])
-    require_reachable(arm, path, free=chosen.free, tolerances=chosen.tolerances, near=near)
-    if around is not None and on_rate_limit in _IN_TIME:
-        raise InvalidInput(
-            f"scene: not used together with on_rate_limit={on_rate_limit!r}; use 'slow' or "
-            "'exceed_limits'"
-        )
-    return follow(
-        arm,
-        motion,
-        q0=start,
-        on_rate_limit=on_rate_limit,
-        deviation=deviation,
-        options=chosen,
-        around=around,
-    )
+    require_reachable(arm, path, free=options.free, tolerances=options.tolerances, near=near)
+    return start
 
 
 def follow(
@@ -143,6 +125,11 @@ def follow(
     around: CollisionTest | None = None,
 ) -> JointTrajectory:
     """Joints along a motion whose ends can be reached."""
+    if around is not None and on_rate_limit in _IN_TIME:
+        raise InvalidInput(
+            f"scene: not used together with on_rate_limit={on_rate_limit!r}; use 'slow' or "
+            "'exceed_limits'"
+        )
     chain = arm._chain
     tip = TipPath.of(motion)
     joints = demonstrated_joints(chain, motion) if options.posture is None else None
@@ -210,7 +197,8 @@ def _timed(
     return with_derivatives(joints)
 
 
-def _checked(options: FollowOptions | None) -> FollowOptions:
+def checked_options(options: FollowOptions | None) -> FollowOptions:
+    """The options, by default those of `FollowOptions()`."""
     if options is None:
         return FollowOptions()
     if not isinstance(options, FollowOptions):

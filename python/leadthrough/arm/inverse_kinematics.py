@@ -102,13 +102,6 @@ class IkOptions(ShortRepr):
         compiled(self, 0)
         object.__setattr__(self, "free", tuple(self.free or ()))
 
-    def only_position(self) -> None:
-        """Check that a target without orientation leaves at least one axis to reach."""
-        if self.free and set(self.free) >= {"x", "y", "z"}:
-            raise InvalidInput(
-                "free: expected at least one of 'x', 'y', 'z' not to be free without an orientation"
-            )
-
 
 @lru_cache(maxsize=64)  # control loops ask with the same options
 def compiled(options: IkOptions, seed: int, *, find_all: bool = False) -> core.IkOptions:
@@ -285,8 +278,10 @@ def checked_options(
         raise InvalidInput(f"options: expected IkOptions, got {options!r}")
     if options.posture is not None:
         check.array(options.posture, "posture", shape=(chain.joints,))
-    if orientation is None:
-        options.only_position()
+    if orientation is None and set(options.free or ()) >= {"x", "y", "z"}:
+        raise InvalidInput(
+            "free: expected at least one of 'x', 'y', 'z' not to be free without an orientation"
+        )
     return options
 
 

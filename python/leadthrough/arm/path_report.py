@@ -129,7 +129,9 @@ def path_report(
         position_error=_read_only(np.linalg.norm(positions - path.positions, axis=1)),
         orientation_error=_read_only(angles),
         turn=_read_only(turn),
-        condition_number=_read_only(_condition_number(chain, q)),
+        condition_number=_read_only(
+            kinematics.condition_number(kinematics.jacobian(chain, q), kinematics.ROTATION_WEIGHT)
+        ),
         margin=_read_only(margins(limits.lower, limits.upper, q)),
         velocity_ratio=_read_only(_velocity_ratio(times, q, limits.velocity)),
         acceleration_ratio=None
@@ -140,11 +142,6 @@ def path_report(
             orientation_tolerance, "orientation_tolerance", above=0.0
         ),
     )
-
-
-def _condition_number(chain: core.Chain, q: Float64Array) -> Float64Array:
-    jacobians = kinematics.jacobian(chain, q)
-    return kinematics.condition_number(jacobians, kinematics.ROTATION_WEIGHT)
 
 
 def _read_only(values: Float64Array) -> Float64Array:

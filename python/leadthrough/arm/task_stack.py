@@ -1,18 +1,11 @@
 """Stacks of tasks with strict priorities, in velocities and accelerations.
 
 The scheme "siciliano-slotine" goes from the highest task down, each in the null space of those
-above (Siciliano and Slotine 1991, eqs. 8 to 10). "reverse" goes from the lowest up: each corrects
-the motion so far while it disturbs the tasks below as little as it can, unilateral tasks in
-proportion to their activation (Flacco and De Luca 2014 and 2015). The two agree where no unilateral
-task is partly active.
-
-In both the joints' position, velocity and acceleration limits hold at every level: where one is met
-the level's null space takes over, and only then the level itself gives way, as in Flacco, De Luca
-and Khatib 2015. It is computed as the optimum of a strictly convex program (Kanoun, Lamiraux and
-Wieber 2011), so the motion is continuous where a limit or a task becomes active.
-
-A task is damped within 2 cm per rad of its singularity, and at the singularity asks for nothing;
-its null space stays exact, so a lower task never disturbs a higher one.
+above (Siciliano and Slotine 1991, eqs. 8 to 10). "reverse" goes from the lowest up, unilateral
+tasks in proportion to their activation (Flacco and De Luca 2014 and 2015). In both the joints'
+limits hold at every level (Flacco, De Luca and Khatib 2015), as the optimum of a strictly convex
+program (Kanoun, Lamiraux and Wieber 2011), so the motion is continuous. A task is damped within
+2 cm per rad of its singularity; its null space stays exact.
 """
 
 from __future__ import annotations

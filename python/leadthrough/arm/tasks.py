@@ -76,11 +76,7 @@ def _unit_quaternion(value: ArrayLike) -> Float64Array:
 
 
 def _unit_vector(value: ArrayLike, name: str) -> Float64Array:
-    """A read-only unit vector (3,).
-
-    Raises:
-        InvalidInput: if it has another shape or is zero.
-    """
+    """A read-only unit vector (3,)."""
     given = check.array(value, name, shape=(3,))
     largest = float(np.abs(given).max())
     if largest == 0.0:

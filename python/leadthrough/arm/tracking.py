@@ -1,12 +1,9 @@
 """Joints along a path of the tip, sample after sample, without a jump.
 
-A path that is followed without a jump stays on its initial branch of inverse kinematics, and most
-branches end at a joint limit or at a singularity. So several initial postures are followed ahead
-along a thinned path. The one that gets furthest is preferred, then the one whose joints move slowly
-and stay away from their limits.
-
-An arm of fewer than six joints has no posture for most poses. It keeps the position, and frees the
-rotations about the tip's axes that give the smallest orientation error.
+Most branches of inverse kinematics end at a joint limit or at a singularity. So several initial
+postures are followed ahead along a thinned path; the one that gets furthest is preferred, then the
+one whose joints move slowly and stay away from their limits. An arm of fewer than six joints frees
+the rotations about the tip's axes that give the smallest orientation error.
 """
 
 from __future__ import annotations

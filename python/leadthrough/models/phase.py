@@ -41,7 +41,8 @@ def progress_by_speed(path: Float64Array, speed: Float64Array) -> Float64Array:
     clock = np.concatenate([[0.0], np.cumsum(steps)])
     if clock[-1] == 0.0:
         return uniform_progress()
-    return _progress(*_rising(clock, path))
+    rising = np.concatenate([[True], np.diff(clock) > 0.0])
+    return _progress(clock[rising], path[rising])
 
 
 def speed_of(progress: Float64Array) -> Float64Array:
@@ -80,8 +81,3 @@ def _progress(times: Float64Array, path: Float64Array) -> Float64Array:
     covered = arc_length(path)
     fraction = covered / covered[-1] if covered[-1] > 0 else np.linspace(0.0, 1.0, len(path))
     return np.interp(np.linspace(0, 1, SAMPLES), normalised_times(times), fraction)
-
-
-def _rising(clock: Float64Array, path: Float64Array) -> tuple[Float64Array, Float64Array]:
-    rising = np.concatenate([[True], np.diff(clock) > 0.0])
-    return clock[rising], path[rising]

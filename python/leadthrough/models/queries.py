@@ -41,10 +41,7 @@ Via = Sequence[tuple[float, ArrayLike]]
 
 @dataclass(frozen=True, eq=False)
 class CheckedQuery:
-    """Parts of a query as `generate` takes them; None and () are as demonstrated.
-
-    Step, duration and obstacles are checked here; ends and velocities depend on the skill.
-    """
+    """Parts of a query as `generate` takes them; None and () are as demonstrated."""
 
     start: Target | None = None
     goal: Target | None = None

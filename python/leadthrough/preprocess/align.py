@@ -2,10 +2,8 @@
 
 Dynamic time warping (Sakoe and Chiba 1978) brings each demonstration to the mean timing of all,
 around a mean that is warped along with them (Petitjean et al. 2011, "A global averaging method for
-dynamic time warping"). Warping also removes differences that belong to the shapes, and predictions
-get worse. So demonstrations clearly out of step are warped freely; the others rigidly, if the mean
-of the rest then predicts a left-out demonstration better; else not at all. Alignment by arc length
-gives all a constant speed, so that pauses vanish.
+dynamic time warping"). Demonstrations clearly out of step are warped freely; the others rigidly, if
+the mean of the rest then predicts a left-out demonstration better; else not at all.
 """
 
 from __future__ import annotations

@@ -1,19 +1,15 @@
 """Filters that lead a reference to targets as these arrive, one step a sample.
 
 A filter is frozen; what changes is its FilterState, which goes into `step` and comes out of it. A
-target (d,) is where it is one period later; a period is 1e-7 to 1e5 s.
-Linear filters are stepped exactly, whatever the period. Every dimension is filtered by itself, but
-for the StraightFilter, which leads all of them along a line.
+target (d,) is where it is one period later; a period is 1e-7 to 1e5 s. Linear filters are stepped
+exactly. Every dimension is filtered by itself, but for the StraightFilter.
 
 The JerkFilter ramps towards its highest velocity for as long as a stop begun afterwards would end
-before the target; then it stops. It needs the present state only, so targets may change at any
-time. Each motion is time-optimal, and its samples lie on it exactly, whatever the period: only a
-reference that cannot stop in time overshoots. A state outside the limits returns inside them: an
-acceleration at the jerk's limit, a velocity by the fastest ramp to its own limit.
+before the target; then it stops. It needs the present state only; each motion is time-optimal. A
+state outside the limits returns inside them as fast as it may.
 
-Source: Grioli 2023, chapter 3; Zanasi, Lo Bianco and Tonielli 2000 for time-optimal filters. The
-JerkFilter solves the problem of Lo Bianco and Ghilardelli 2014 as Castain and Paul did in 1984, "An
-on-line dynamic trajectory generator".
+Source: Grioli 2023, chapter 3; Zanasi, Lo Bianco and Tonielli 2000, time-optimal filters; Castain
+and Paul 1984, "An on-line dynamic trajectory generator", for the JerkFilter.
 """
 
 from __future__ import annotations
@@ -300,7 +296,7 @@ class JerkFilter(ShortRepr):
     def step(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
         """The state one period later, each dimension time-optimal by itself."""
         states, limits, goal = self._checked(state, target)
-        return _state(core.step_each(states, limits, goal, check_period(period)))
+        return FilterState(*core.step_each(states, limits, goal, check_period(period)))
 
     def step_together(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
         """The state one period later; all dimensions come to rest when the slowest of them can.
@@ -309,7 +305,7 @@ class JerkFilter(ShortRepr):
         its target cannot wait, and arrives earlier.
         """
         states, limits, goal = self._checked(state, target)
-        return _state(core.step_together(states, limits, goal, check_period(period)))
+        return FilterState(*core.step_together(states, limits, goal, check_period(period)))
 
     def durations(self, state: FilterState, target: ArrayLike) -> Float64Array:
         """Times (d,), s, that `step` takes to rest at the target."""
@@ -371,10 +367,6 @@ def _table(limits: Mapping[str, Float64Array]) -> Float64Array:
     if np.abs(table).max(initial=0.0) > _MAX_NUMBER:
         raise InvalidInput(f"limits: expected numbers up to {_MAX_NUMBER:g}")
     return table
-
-
-def _state(rows: Float64Array) -> FilterState:
-    return FilterState(rows[0], rows[1], rows[2])
 
 
 # A target this far off a line, relative to its distance, lies on it: rounding.

@@ -40,7 +40,9 @@ def hermite(times: ArrayLike, points: ArrayLike, velocities: ArrayLike) -> Splin
     from scipy.interpolate import CubicHermiteSpline
 
     t, x = _through(times, points)
-    v = _like(velocities, "velocities", x)
+    v = check.array(
+        curve.points(velocities, "velocities", count=len(x)), "velocities", shape=x.shape
+    )
     return _of_scipy(CubicHermiteSpline(t, x, v))
 
 
@@ -195,11 +197,6 @@ def _through(
     """Rising times (n,) and as many points (n, d)."""
     t = curve.knot_times(times, "times")
     return t, curve.points(points, "points", count=len(t), least=least)
-
-
-def _like(value: ArrayLike, name: str, x: Float64Array) -> Float64Array:
-    rows = curve.points(value, name, count=len(x))
-    return check.array(rows, name, shape=x.shape)
 
 
 def _end(value: ArrayLike, name: str, x: Float64Array) -> Float64Array:

@@ -83,18 +83,14 @@ def _check_law(domain: tuple[float, float], law: PointCurve) -> None:
 
 def _knots(path: Curve | RotationCurve, law: PointCurve) -> Float64Array:
     """The law's knots, and the times at which a rising law passes the path's."""
-    times = np.unique(np.concatenate([np.linspace(a, b, _LOOKED_AT) for a, b in _pieces(law)]))
+    pieces = pairwise(np.asarray(law.knots).tolist())
+    times = np.unique(np.concatenate([np.linspace(*piece, _LOOKED_AT) for piece in pieces]))
     s = law.evaluate(times)[:, 0]
     if not (np.diff(s) >= 0.0).all():
         return np.asarray(law.knots)
     inner = [knot for knot in path.knots[1:-1] if s[0] < knot < s[-1]]
     passed = [_passed(law, float(knot), times, s) for knot in inner]
     return np.union1d(law.knots, np.array(passed))
-
-
-def _pieces(law: PointCurve) -> list[tuple[float, float]]:
-    knots = np.asarray(law.knots)
-    return [(float(a), float(b)) for a, b in pairwise(knots)]
 
 
 def _passed(law: PointCurve, value: float, times: Float64Array, s: Float64Array) -> float:
@@ -130,7 +126,7 @@ class _Points(PointCurve):
 
     def _values(self, times: Float64Array, order: int) -> Float64Array:
         at = np.atleast_1d(times)
-        s = _inside(self.law.evaluate(at)[:, 0], self.path.domain)
+        s = np.clip(self.law.evaluate(at)[:, 0], *self.path.domain)
         if order == 0:
             found = self.path.evaluate(s) @ self.matrix.T + self.offset
         else:
@@ -177,10 +173,10 @@ class _Rotations(RotationCurve):
         return _knots(self.path, self.law)
 
     def _rotations(self, t: Float64Array) -> Float64Array:
-        return self.path.evaluate(_inside(self.law.evaluate(t)[:, 0], self.path.domain))
+        return self.path.evaluate(np.clip(self.law.evaluate(t)[:, 0], *self.path.domain))
 
     def _turning(self, t: Float64Array) -> Turning:
-        s = _inside(self.law.evaluate(t)[:, 0], self.path.domain)
+        s = np.clip(self.law.evaluate(t)[:, 0], *self.path.domain)
         first, second = (self.law.evaluate(t, k) for k in (1, 2))
         turning = self.path._turning(s)
         return replace(
@@ -188,10 +184,6 @@ class _Rotations(RotationCurve):
             velocity=turning.velocity * first,
             acceleration=turning.acceleration * first**2 + turning.velocity * second,
         )
-
-
-def _inside(s: Float64Array, domain: tuple[float, float]) -> Float64Array:
-    return np.clip(s, *domain)
 
 
 # Domains may differ by rounding, relative to their length.

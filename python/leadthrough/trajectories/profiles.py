@@ -1,10 +1,7 @@
 """Straight moves: trapezoids of velocity, and the double S with bounded jerk.
 
 Several dimensions move along a straight line and arrive together; the one nearest its limits sets
-the pace. A move may begin and end with a velocity along the line; where it would arrive too early
-or too fast, it goes past its end or back before its start. A double S between moving states goes to
-a peak speed, stays there and goes to its last speed; over a short path there can be several such
-moves, and the fastest is taken.
+the pace. A move that would arrive too early or too fast goes past its end or back before its start.
 
 Source: Biagiotti and Melchiorri 2008, sections 3.2 and 3.4; for velocities of either sign, ours.
 """
@@ -202,10 +199,9 @@ def moving_double_s(
     length: float, first: float, last: float, limits: tuple[float, float, float]
 ) -> Phases:
     """Durations and jerks of the fastest move over a length from one speed to another."""
-    found = [
-        *_over_a_peak(length, first, last, limits),
-        *(_mirrored(each) for each in _over_a_peak(-length, -first, -last, limits)),
-    ]
+    back = _over_a_peak(-length, -first, -last, limits)
+    mirrored = [[(duration, -value) for duration, value in phases] for phases in back]
+    found = [*_over_a_peak(length, first, last, limits), *mirrored]
     return min(found, key=lambda phases: sum(duration for duration, _ in phases))
 
 
@@ -264,7 +260,3 @@ def ramp(change: float, a: float, j: float) -> tuple[float, float]:
     if change * j < a * a:
         return math.sqrt(max(change, 0.0) / j), 0.0
     return a / j, change / a - a / j
-
-
-def _mirrored(phases: Phases) -> Phases:
-    return [(duration, -value) for duration, value in phases]

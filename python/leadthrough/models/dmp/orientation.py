@@ -1,23 +1,13 @@
 """Orientations as three coordinates that springs can move, chosen by `DMP(orientation=...)`.
 
-The orientation of a pose primitive is exp(offset(u)) G(u) E(e), where springs move the coordinates
-e.
+The orientation of a pose primitive is exp(offset(u)) G(u) E(e), with the springs' coordinates e:
 
-- "anchored": G rotates with the demonstration. It is a C2 curve through orientations that are 15
-  degrees of rotation apart. The angle covered up to phase u gives the position of G along the
-  curve, so that pauses and bursts do not make it swing. e, the remaining rotation vector, stays
-  small, and no logarithm comes near half a turn, however far and about whatever axes the tool
-  rotates. A start or goal rotated from the demonstrated one enters as the offset, which changes
-  from one end to the other as the demonstration rotates: the number of turns is that of the
-  demonstration, and the motion ends at the goal.
+- "anchored": G is a C2 curve through orientations 15 degrees of rotation apart, passed by the angle
+  covered up to phase u; e, the remaining rotation vector, stays small. A start or goal rotated from
+  the demonstrated one enters as the offset, which changes as the demonstration rotates.
 - "lifted": G is the goal, and e the continuous logarithm from there (Lauretti et al. 2023, eqs. 7
-  to 9, with the angle counted past half a turn). Beside whole turns there is no such logarithm, and
-  beyond about 220 degrees a changed start or goal may lead there: both are refused.
-- "log": as "lifted" with the plain logarithm, which jumps at half a turn.
-- "euler": e are ZYZ angles, which jump where they wrap and beside gimbal lock.
-
-The last two are the representations that Lauretti et al. 2023 compare with; motions that jump there
-are learned wrongly.
+  to 9, with the angle counted past half a turn); refused beside whole turns, where there is none.
+- "log": the plain logarithm, and "euler": ZYZ angles. Motions that jump there are learned wrongly.
 """
 
 from __future__ import annotations

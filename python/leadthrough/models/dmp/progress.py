@@ -1,16 +1,9 @@
 """Progress and pace of a replayed motion, which decide how a moved start or goal enters.
 
 Moved ends shift the motion by (1 - c(u)) of the start's offset and c(u) of the goal's. c is the
-fraction of its own path that the motion has covered: the shift holds still with the motion, and
-is quick with it. c rises from 0 to 1, with c' = c'' = 0 at both ends.
-It is measured on the replayed motion, so that a skill stores nothing for it. Velocities are
-smoothed, and speeds below a few per cent of the highest count as none, so that noise makes no
-progress.
-
-A start or goal that is moved along the motion's own direction makes the motion quicker. If a
-query leaves the duration open, it is lengthened until no speed, linear, angular or of the fastest
-joint, exceeds MAX_SPEEDUP times its demonstrated peak. Slow speeds are not held back, and a tool
-that hardly moves, or hardly rotates, in the demonstration sets no pace for that.
+fraction of its own path that the replayed motion has covered: it rises from 0 to 1, with
+c' = c'' = 0 at both ends. If a query leaves the duration open, it is lengthened until no speed
+exceeds MAX_SPEEDUP times its demonstrated peak; slow speeds and still parts set no pace.
 """
 
 from __future__ import annotations

@@ -1,25 +1,14 @@
 """The transformation system of movement primitives: springs with learned forces.
 
 Each channel y is r(u) + e: a reference r from start to goal and an error e that obeys
-e'' = -2 RATE e' - RATE^2 e + f(u) over the phase u, with alpha = 2 RATE, beta = alpha / 4 and
-tau = 1 in the literature's letters. The forms differ in r and in what multiplies the force:
+e'' = -2 RATE e' - RATE^2 e + f(u) over the phase u, time by duration, with alpha = 2 RATE,
+beta = alpha / 4 and tau = 1 in the literature's letters. The force is made of kernels in the
+canonical state x of discrete motions, or in the angle of rhythmic ones. The forms:
 
-- "blended": r is the minimum-jerk motion from start to goal with their velocities, and e begins and
-  ends at 0. Start, goal and velocities are met exactly and the force is not scaled. Hoffmann
-  et al. 2009 let the spring's goal start at x0 and decay exponentially to g; it moves by minimum
-  jerk here, with its velocity and acceleration fed forward.
-- "hoffmann": tau v' = K (g - x) - D v - K (g - x0) x(u) + K f. No scaling by the goal.
-  Sources: Hoffmann et al. 2009; Pastor et al. 2009.
-- "ijspeert": r = g, and the force is scaled by g - y0, which must not be near 0 in any channel.
-  Sources: Ijspeert et al. 2002; 2013, section 2.1.
-
-The last two come near the goal at the end and reach it later, as springs do: 2.5 % of a move of
-start or goal is left with "hoffmann", whose canonical state ends at 1 %, and next to nothing with
-"ijspeert". The force stops at the end in all of them.
-
-The phase u of this package is time by duration: 0 at the start, 1 at the end. The force is made of
-kernels, functions of the phase, in the canonical state x of discrete motions or in the angle of
-rhythmic ones. Source: Ijspeert et al. 2013, section 2.1.
+- "blended": r is the minimum-jerk motion from start to goal with their velocities; e begins and
+  ends at 0, and the force is not scaled. Hoffmann et al. 2009, their decaying goal replaced.
+- "hoffmann": tau v' = K (g - x) - D v - K (g - x0) x(u) + K f (Hoffmann et al. 2009; Pastor 2009).
+- "ijspeert": r = g, and the force is scaled by g - y0 (Ijspeert et al. 2002; 2013, section 2.1).
 """
 
 from __future__ import annotations

@@ -1,16 +1,13 @@
 """SEDS: a Gaussian mixture regression whose every component is stable.
 
-x' = sum_k h_k(x) A_k x with the posteriors h_k of a mixture of positions. The constraints
-b_k = -A_k x* (the components pass through the goal x* = 0) and A_k + A_k^T < 0 make |x|^2 fall
-everywhere: (|x|^2)' = sum_k h_k x^T (A_k + A_k^T) x < 0.
+x' = sum_k h_k(x) A_k x with the posteriors h_k of a mixture of positions; A_k + A_k^T < 0 makes
+|x|^2 fall everywhere: (|x|^2)' = sum_k h_k x^T (A_k + A_k^T) x < 0. The constraints hold by the
+choice of the parameters, A_k = -(B_k B_k^T + e I) + W_k - W_k^T, and L-BFGS solves what is left,
+where the paper has interior points. Ours: the samples near rest that are left out, the least
+deviation of a component and the slowest decay.
 
 Source: Khansari-Zadeh and Billard 2011, "Learning stable nonlinear dynamical systems with Gaussian
-mixture models", IEEE Transactions on Robotics 27, 943-957. The paper solves its programme with
-constraints by interior points; here the constraints hold by the choice of the parameters, and
-L-BFGS solves what is left: A_k = -(B_k B_k^T + e I) + W_k - W_k^T and triangular roots of the
-covariances fulfil them for all parameters. Ours, as the paper leaves it open: the samples near
-rest that are left out, the least deviation of a component (0.02 of the motion's size) and the
-slowest decay.
+mixture models", IEEE Transactions on Robotics 27, 943-957.
 """
 
 from __future__ import annotations
@@ -73,9 +70,9 @@ class SEDS(DynamicalModel):
 
     def learn(self, samples: Samples) -> LinearMixture:
         start = _first_guess(samples, self.components, seed=self.seed)
-        likely = self.objective == "likelihood"
-        solve = most_likely if likely else least_squares
-        solution = solve(start, samples.x, samples.v)
+        objective = _unlikelihood if self.objective == "likelihood" else _squared_error
+        k, d = start.matrices.shape[:2]
+        solution = _solved(start, lambda packed: objective(packed, k, d, samples.x, samples.v))
         return LinearMixture(solution.gates, solution.matrices, np.eye(samples.x.shape[1]))
 
 
@@ -111,21 +108,6 @@ def stable(matrices: Float64Array) -> Float64Array:
     lowered = np.minimum(values, -_MIN_DECAY)
     raised = (vectors * lowered[:, None, :]) @ vectors.transpose(0, 2, 1)
     return np.asarray(matrices - symmetric + raised)
-
-
-def most_likely(start: StableGMR, x: Float64Array, v: Float64Array) -> StableGMR:
-    """The mixture that makes positions x (n, d) and velocities v (n, d) most likely."""
-    return _solved(start, lambda packed: _unlikelihood(packed, *_sizes(start), x, v))
-
-
-def least_squares(start: StableGMR, x: Float64Array, v: Float64Array) -> StableGMR:
-    """The mixture whose regression has the least mean squared error."""
-    return _solved(start, lambda packed: _squared_error(packed, *_sizes(start), x, v))
-
-
-def _sizes(start: StableGMR) -> tuple[int, int]:
-    """Number of components and of columns."""
-    return start.matrices.shape[0], start.matrices.shape[1]
 
 
 @dataclass(frozen=True, eq=False)

@@ -187,12 +187,7 @@ def _unscaled(blocks: Blocks, units: Units) -> Mixture:
 
 @dataclass(frozen=True, eq=False)
 class Units:
-    """Offsets and divisors of columns in which EM measures them.
-
-    EM itself does not depend on units; its starts and its least variance do. Of motions, positions
-    of poses share one unit, as a direction of little motion tells no phases, and rotations have
-    theirs. The time counts by slices: a component of average length has deviation one.
-    """
+    """Offsets and divisors of columns, on which EM's starts and least variance depend."""
 
     middle: Float64Array  # means (d,) of the columns
     scale: Float64Array  # units (d,) of the columns

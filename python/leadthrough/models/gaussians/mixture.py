@@ -1,16 +1,13 @@
 """Gaussian mixtures: their fit by expectation maximisation (EM) and the regression with them.
 
-Both steps of EM are one matrix product each over the points' monomials 1, x_i and x_i x_j: a
-component's log density is a quadratic form, and its sums of first and second order are the weighted
-monomials. The iteration ends when the likelihood gains too little, an absolute number and not a
-ratio. After every three steps the sums leap ahead to where the steps lead, which takes EM to the
-same maximum in fewer iterations; a leap that loses likelihood is not made.
+Both steps of EM are one matrix product each over the points' monomials 1, x_i and x_i x_j. After
+every three steps the sums leap ahead to where the steps lead, unless that loses likelihood.
 
 Sources: Dempster, Laird and Rubin 1977, "Maximum likelihood from incomplete data via the EM
 algorithm"; Varadhan and Roland 2008, "Simple and globally convergent methods for accelerating the
-convergence of any EM algorithm", scheme S3, here for the sums instead of the parameters; Ghahramani
-and Jordan 1994, "Supervised learning from incomplete data via an EM approach"; Calinon 2016,
-"A tutorial on task-parameterized movement learning and retrieval", section 5.
+convergence of any EM algorithm", scheme S3, here for the sums; Ghahramani and Jordan 1994,
+"Supervised learning from incomplete data via an EM approach"; Calinon 2016, "A tutorial on
+task-parameterized movement learning and retrieval", section 5.
 """
 
 from __future__ import annotations

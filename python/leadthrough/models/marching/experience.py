@@ -23,7 +23,6 @@ from leadthrough.motion import (
     agreed_events,
     events_of_plain,
     moved_events,
-    plain_events,
 )
 from leadthrough.preprocess import arc_length
 from leadthrough.preprocess.noise import is_random_walk, without_noise
@@ -70,11 +69,6 @@ class Experience(ShortRepr):
         ]
         clearly = min(_CLEARLY * gaps[0], gaps[0] - _AT_LEAST * self.length)
         return self._reversed if gaps[1] < clearly else self
-
-    @property
-    def plain_events(self) -> Any:
-        """Its events as JSON has them."""
-        return plain_events(self.events)
 
     def arrays(self) -> dict[str, Float64Array]:
         """Its arrays by name, for a file."""
@@ -157,15 +151,13 @@ def _experience(motion: Trajectory | PoseTrajectory) -> Experience:
 
 def nominal_duration(used: Sequence[Experience], weights: Float64Array, length: float) -> float:
     """The weighted median of the demonstrations' durations, s, each adapted to a path's length."""
-    adapted = np.array([each.duration * _adapted(length / each.length) for each in used])
+    # The path of a reach that stands still has no length.
+    ratios = [length / each.length or 1.0 for each in used]
+    durations = [each.duration for each in used]
+    adapted = np.array(durations) * [ratio**_DURATION_EXPONENT for ratio in ratios]
     order = np.argsort(adapted, kind="stable")
     fraction = weights[order] / weights.sum()
     return float(np.interp(0.5, np.cumsum(fraction) - 0.5 * fraction, adapted[order]))
-
-
-def _adapted(ratio: float) -> float:
-    """The factor on a duration where the path has another length; 1 for standing still."""
-    return float(ratio**_DURATION_EXPONENT) if ratio > 0.0 else 1.0
 
 
 def experience_like(

@@ -1,13 +1,8 @@
 """The path that demonstrations predict between a new start and a new goal, and routes along it.
 
 Each demonstration is adapted to the new ends by shifting and by rotating it; those of the branch
-whose start is nearest are averaged over the arc length. The constants were found on human
-handwriting.
-
-If no obstacle slows the wave down, the quickest path in a thin tube is its middle: the mean path is
-followed as it is, without short cuts where it meets itself. Around obstacles the wave plans in a
-tube as wide as the detour may become. If obstacles block this branch, another demonstrated branch
-is preferred to undemonstrated ground.
+whose start is nearest are averaged over the arc length. Around obstacles the wave plans in a tube
+as wide as the detour may become; if they block a branch, another demonstrated one is preferred.
 """
 
 from __future__ import annotations
@@ -58,12 +53,20 @@ _KNOTS = 1.6
 
 def along_mean(demonstrations: Sequence[Experience], query: Query, scales: Scales) -> Route:
     """The demonstrations' mean path, with the quickest detours around obstacles."""
-    blocked: list[MeanPath] = []
+    blocked = []
     for mean in branches(demonstrations, query.start, query.goal):
         if min_distance(mean.path, query.obstacles) > 0.0:
             return _through(mean, demonstrations, query, scales)
         blocked.append(mean)
-    return _quickest_of([_attempt(mean, demonstrations, query, scales) for mean in blocked])
+    routes, failures = [], []
+    for mean in blocked:
+        try:
+            routes.append(_through(mean, demonstrations, query, scales))
+        except NoPath as error:
+            failures.append(error)
+    if not routes:
+        raise failures[0]
+    return min(routes, key=lambda route: route.travel_time)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,9 +143,7 @@ class _Curves:
 
 
 # The demonstrations of a skill in one direction or the other, for the skills in use at a time.
-@lru_cache(maxsize=16)
-def _curves_of(demonstrated: tuple[Experience, ...]) -> _Curves:
-    return _Curves(demonstrated)
+_curves_of = lru_cache(maxsize=16)(_Curves)
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,23 +229,6 @@ def _weights(starts: Float64Array, start: Float64Array, chosen: NDArray[np.bool_
         nearer = -(squared - squared[chosen].min()) / (2.0 * spread)
     weights = np.where(chosen, np.exp(np.where(chosen, nearer, 0.0)), 0.0)
     return np.asarray(weights / weights.sum())
-
-
-def _quickest_of(attempts: Sequence[Route | NoPath]) -> Route:
-    """The route of least travel time; raises the first NoPath if there is no route."""
-    routes = [each for each in attempts if isinstance(each, Route)]
-    if not routes:
-        raise next(each for each in attempts if isinstance(each, NoPath))
-    return min(routes, key=lambda route: route.travel_time)
-
-
-def _attempt(
-    mean: MeanPath, demonstrations: Sequence[Experience], query: Query, scales: Scales
-) -> Route | NoPath:
-    try:
-        return _through(mean, demonstrations, query, scales)
-    except NoPath as error:
-        return error
 
 
 def _through(

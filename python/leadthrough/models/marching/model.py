@@ -34,7 +34,14 @@ from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, s
 from leadthrough.models.marching.time_law import TIMINGS, timed
 from leadthrough.models.protocol import Demonstrations, Parameter, Target, Unfitted
 from leadthrough.models.queries import CheckedQuery
-from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, Trajectory
+from leadthrough.motion import (
+    Motion,
+    MotionT,
+    MotionT_co,
+    PoseTrajectory,
+    Trajectory,
+    plain_events,
+)
 from leadthrough.planning import Grid
 from leadthrough.shapes import Shape, check_shapes
 
@@ -390,7 +397,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             **asdict(self.model),
             "shown": len(self.demonstrated),
             "learned": len(self.learned),
-            "events": [each.plain_events for each in self._all],
+            "events": [plain_events(each.events) for each in self._all],
         }
         if any(each.posture for each in self._all):
             settings["joint_names"] = [e.posture and list(e.posture.names) for e in self._all]
@@ -481,14 +488,10 @@ class Preview(Generic[MotionT_co]):
                 start=start, goal=goal, duration=duration, dt=dt, obstacles=obstacles
             )
         ends = skill.query(start=start, goal=goal).ends
-        route = self._map_around(ends, obstacles).route(ends[0], ends[1], obstacles)
-        return skill.in_time(route, start=start, goal=goal, duration=duration, dt=dt)
-
-    def _map_around(self, ends: Float64Array, obstacles: Sequence[Shape]) -> LiveMap:
         if self._map is None or not self._map.grid.contains(ends).all():
-            space = self._workspace(ends, obstacles)
-            self._map = self._skill.live_map(space, cells=_PREVIEW_CELLS)
-        return self._map
+            self._map = skill.live_map(self._workspace(ends, obstacles), cells=_PREVIEW_CELLS)
+        route = self._map.route(ends[0], ends[1], obstacles)
+        return skill.in_time(route, start=start, goal=goal, duration=duration, dt=dt)
 
     def _workspace(
         self, ends: Float64Array, obstacles: Sequence[Shape]

@@ -1,16 +1,9 @@
 """Plans the route of a query: its method, its demonstrations, and its distance to the nominal one.
 
-A demonstration predicts the path if its ends lie near start and goal. If they lie only nearly so,
-it has to resemble another one: an outlier may have its ends there by accident. Otherwise the
-map holds the demonstrations that are relevant to the query: those that lead somewhere, and whose
-stretch past start and goal approaches the goal about as fast as the demonstration itself proceeds.
-A wandering demonstration does neither, and the wave in a map of it would make detours that nobody
-demonstrated. It may still pass both ends nearly in a straight line; the planned route then decides
-whether it is used.
-
-The quickest path jumps where two branches take nearly the same time. A route that leaves the
-nominal one by more than its ends were moved is therefore replaced by the nominal one, adapted to
-the new ends.
+A demonstration predicts the path if its ends lie near start and goal; one whose ends do so only
+nearly has to resemble another one. Otherwise the map holds the demonstrations relevant to the
+query: those that lead towards the goal about as fast past start and goal as on the whole. A route
+that leaves the nominal one by more than its ends were moved is replaced by that, adapted to them.
 """
 
 from __future__ import annotations
@@ -76,12 +69,7 @@ def planned(
 
 
 def directed(known: Sequence[Experience], query: Query) -> list[Experience]:
-    """The demonstrations in the direction in which each is traversed for a query.
-
-    A motion demonstrated in one direction, such as a stroke that ends beside its start, is reversed
-    only if the reversed one stays within the bound for moved ends: a small move of the ends must
-    not turn the motion around.
-    """
+    """The demonstrations in the direction in which each is traversed for a query."""
     towards = [each.towards(query.start, query.goal) for each in known]
     if all(one is other for one, other in zip(towards, known, strict=True)):
         return towards
@@ -93,6 +81,7 @@ def directed(known: Sequence[Experience], query: Query) -> list[Experience]:
         float(np.linalg.norm(asked - own)) for asked, own in zip(query.ends, nominal, strict=True)
     )
     change = _mean(towards, query.start, query.goal) - _mean(known, *nominal)
+    # A small move of the ends must not turn a motion around that ends beside its start.
     within = np.linalg.norm(change, axis=1).max() <= MAX_DEVIATION * moved
     return towards if within else list(known)
 

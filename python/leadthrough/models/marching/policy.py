@@ -172,11 +172,7 @@ class _PolicyMap:
 
 @dataclass(frozen=True, eq=False)
 class StartBarrier:
-    """A disc across the path, just before the start of a motion that returns to it.
-
-    A position does not tell whether the tool is about to start or has come back. The barrier lets
-    the wave from the goal reach the start only along the whole motion.
-    """
+    """A disc across the start of a motion that returns there: the wave goes around the motion."""
 
     middle: Float64Array  # (d,)
     normal: Float64Array  # unit vector (d,) along the path

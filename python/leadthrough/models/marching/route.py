@@ -2,9 +2,7 @@
 
 `through_map`: Algorithm 1 of Prados et al. 2023, all demonstrations in one map. `from_start`: the
 demonstrations count by how near they start. The module `mean_path` has the third kind. `LiveMap`
-keeps one map for goals and obstacles that move: a query adds its obstacles and marches no farther
-than to the start, which is soon reached along the tubes. In such maps that is quicker than to
-update a whole field of arrival times: a box on the path changes all times behind it.
+keeps one map, in which a query marches no farther than to its start.
 """
 
 from __future__ import annotations

@@ -20,12 +20,10 @@ from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.demonstrations import Demonstrations, motions_of
-from leadthrough.models.gaussians.fitting import FittedMixture
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mixtures.phases import (
     SAMPLES,
     adapted,
-    choose_phases,
     fit_phases,
     sampled,
     timed_columns,
@@ -73,7 +71,9 @@ class GMR(Unfitted):
                 mean.
         """
         samples = sampled(demonstrations)
-        fit = self._fitted(samples.points, poses=samples.coordinates.kind == "poses")
+        search = {"seed": self.seed, "starts": self.starts}
+        poses = samples.coordinates.kind == "poses"
+        fit = fit_phases(samples.points, self.components, poses=poses, **search)
         model = replace(self, components=fit.mixture.count)
         return GMRSkill(
             model,
@@ -83,12 +83,6 @@ class GMR(Unfitted):
             samples.ends,
             len(samples.motions),
         )
-
-    def _fitted(self, points: Float64Array, *, poses: bool) -> FittedMixture:
-        """The mixture of times and columns (n, 1 + d)."""
-        if self.components is None:
-            return choose_phases(points, poses=poses, seed=self.seed, starts=self.starts)
-        return fit_phases(points, self.components, poses=poses, seed=self.seed, starts=self.starts)
 
 
 # Any: settings are whatever JSON holds.

@@ -1,10 +1,8 @@
 """Mixtures over the time and the columns of motions, whose components follow phases.
 
-The most likely components are thin: from few demonstrations they follow single ones and not the
-phases of all, their likelihood has many maxima, and one sample changed by a millimetre lets another
-win. So starts are clusters of the times alone, and until EM has converged, no component is thinner
-than a fifth of the motion. Nearly all starts then end at one maximum, which moves little where a
-sample does. From there, a single step each with lower bounds leads to thin components.
+The most likely components are thin and follow single demonstrations. So starts are clusters of the
+times alone, and until EM has converged, no component is thinner than a fifth of the motion; from
+there, a single step each with lower bounds leads to thin components.
 """
 
 from __future__ import annotations
@@ -52,22 +50,19 @@ _MAX_ITERATIONS = 200
 
 
 def fit_phases(
-    points: Float64Array, components: int, *, poses: bool, seed: int, starts: int
+    points: Float64Array, components: int | None, *, poses: bool, seed: int, starts: int
 ) -> FittedMixture:
-    """The mixture of times and columns whose components follow phases."""
-    fitted, history = phase_blocks(
-        [points], components, poses=poses, seed=seed, starts=starts, least=MIN_VARIANCE
-    )
-    return FittedMixture(in_order(fitted), tuple(history))
+    """The mixture of times and columns whose components follow phases; None: the best number."""
 
+    def fitted(count: int) -> FittedMixture:
+        blocks, history = phase_blocks(
+            [points], count, poses=poses, seed=seed, starts=starts, least=MIN_VARIANCE
+        )
+        return FittedMixture(in_order(blocks), tuple(history))
 
-def choose_phases(points: Float64Array, *, poses: bool, seed: int, starts: int) -> FittedMixture:
-    """The mixture of `fit_phases` with the least Bayesian information criterion."""
-    return least_criterion(
-        lambda count: fit_phases(points, count, poses=poses, seed=seed, starts=starts),
-        lambda fit: bic(fit, len(points)),
-        _MAX_COMPONENTS,
-    )
+    if components is not None:
+        return fitted(components)
+    return least_criterion(fitted, lambda fit: bic(fit, len(points)), _MAX_COMPONENTS)
 
 
 def phase_blocks(
@@ -138,21 +133,13 @@ def _unscaled(scaled: Blocks, units: Sequence[Units]) -> Blocks:
 
 @dataclass(frozen=True, eq=False)
 class Sampled(Generic[MotionT_co]):
-    """Demonstrations, resampled at evenly spaced times.
-
-    Attributes:
-        motions: the demonstrated motions.
-        phases: normalised times (n,) of each motion's samples.
-        coordinates: meaning of the d columns.
-        duration: median duration of the motions, s, to which all are stretched.
-        rows: points (200, 1 + d) of each motion, the time first, s.
-    """
+    """Demonstrations, resampled at evenly spaced times."""
 
     motions: Sequence[MotionT_co]
-    phases: Sequence[Float64Array]
+    phases: Sequence[Float64Array]  # normalised times (n,) of each motion's samples
     coordinates: Coordinates[MotionT_co]
-    duration: float
-    rows: Sequence[Float64Array]
+    duration: float  # median duration, s, to which all are stretched
+    rows: Sequence[Float64Array]  # points (200, 1 + d) of each motion, the time first, s
 
     @property
     def points(self) -> Float64Array:

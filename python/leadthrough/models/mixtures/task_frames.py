@@ -1,25 +1,14 @@
 """Frames that move with a task: distributions seen from them, their product, and moved ends.
 
-Seen from a frame, points and joints are shifted and rotated. Orientations of poses are rotated too,
-and written as rotation vectors in the tangent spaces along the frame's own reference. For the
-frames of a new situation these references are averaged, and each frame's Gaussians are carried into
-the tangent spaces of the mean reference to first order.
-
-A product of Gaussians that are thin in nearly the same direction lies where they cross, which may
-be far from all of them: with few demonstrations a frame rotated by a milliradian moved the mean by
-metres. So the weights of the frames' means come from covariances that are mixed with round ones,
-as much as it takes to keep the mean near the frames' means. Covariances of few demonstrations are
-shrunk towards round ones as well: samples of one demonstration deviate together and count once.
-
-A mixture may still conclude far more than a moved end allows. The motion is therefore the nominal
-one with the offsets of its ends faded into each other, and as much of the frames' difference from
-that as keeps every phase within 1.45 times the move of the ends; a rotated frame counts as the
-move of the motion's farthest point from it.
+Orientations are rotation vectors in the tangent spaces along a frame's own reference. In a new
+situation the references are averaged, and each frame's Gaussians are carried to the mean's tangent
+spaces to first order. The weights of the frames' means come from covariances mixed with round ones,
+as much as it takes to keep the mean near the frames' means. The motion keeps within 1.45 times the
+move of the ends of the nominal one.
 
 Source: Zeestraten et al. 2017, "An approach for imitation learning on Riemannian manifolds",
 section III-C; Calinon 2016, "A tutorial on task-parameterized movement learning and retrieval",
-sections 2 to 4, where the time counts once and not once per frame; shrinkage: Murphy 2012,
-"Machine learning: a probabilistic perspective", section 4.6.2.
+sections 2 to 4; shrinkage: Murphy 2012, "Machine learning: a probabilistic perspective", 4.6.2.
 """
 
 from __future__ import annotations
@@ -54,17 +43,11 @@ _ROTATION = 3  # columns at the end of those of poses
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A frame's k Gaussians, in the common columns of a situation.
+    """A frame's k Gaussians, in the common columns of a situation."""
 
-    Attributes:
-        means: means (k, w).
-        maps: matrices (k, w, w) that carry deviations from the frame's own columns.
-        drift: rates (k, w) at which the means change because the reference moves on, per second.
-    """
-
-    means: Float64Array
-    maps: Float64Array
-    drift: Float64Array
+    means: Float64Array  # (k, w)
+    maps: Float64Array  # (k, w, w) that carry deviations from the frame's own columns
+    drift: Float64Array  # (k, w) changes of the means as the reference moves on, per second
 
 
 def common_coordinates(

@@ -1,11 +1,7 @@
 """Basis functions over the phase of a motion, Gaussian, B-spline or rhythmic; motions of weights.
 
-The functions of a basis sum to one at every phase, so that equal weights give a constant.
-
-Prior covariances of the weights describe how motions vary before any is seen. A motion deviates
-from the mean by an offset at its start that fades along a straight line, an offset at its goal that
-grows along one, and a smooth deviation in between. A motion asked to start elsewhere is therefore
-shifted, unless the demonstrations say otherwise.
+The functions of a basis sum to one at every phase. Prior covariances of the weights describe how
+motions vary: by offsets at start and goal that fade along straight lines, and smoothly in between.
 
 Source: Paraschos et al. 2018, "Using probabilistic movement primitives in robotics", section 2.
 """

@@ -1,18 +1,14 @@
 """Weights of a ProMP after observations, and of motions between a new start and a new goal.
 
-Columns, noisy samples or a value in a task space are observed. A task space, such as the position
-of an arm's tool, is a function of the columns with a Jacobian. Exact via points are refused where
-they lie too close for the basis: few functions cannot bend from one to the next.
-
-If all demonstrations share an end, the covariance says next to nothing about another one, and
-conditioning alone would distort the motion. So it is moved to new ends by a mixture of two:
-conditioned on them, as far as they lie within the demonstrations' spread and no phase moves by
-much more than they do; the rest is shifted, by offsets that fade from end to end.
+Columns, noisy samples or a value in a task space are observed; exact via points too close for the
+basis are refused. Motions are moved to new ends by a mixture of two: conditioned on them, as far as
+they lie within the demonstrations' spread and no phase moves by much more than they do; the rest is
+shifted, by offsets that fade from end to end.
 
 Sources: Gomez-Gonzalez et al. 2020, "Adaptation and robust learning of probabilistic movement
-primitives", section IV-D, for task spaces, iterated as by Bell and Cathey 1993, "The iterated
-Kalman filter update as a Gauss-Newton method"; Zhou, Gao and Asfour 2019, "Learning via-movement
-primitives with inter- and extrapolation capabilities", for the shift.
+primitives", section IV-D, iterated as by Bell and Cathey 1993, "The iterated Kalman filter update
+as a Gauss-Newton method"; Zhou, Gao and Asfour 2019, "Learning via-movement primitives with inter-
+and extrapolation capabilities", for the shift.
 """
 
 from __future__ import annotations
@@ -93,10 +89,7 @@ PrimitiveT = TypeVar("PrimitiveT", bound=Primitive[Any])
 def quickly(
     skill: Primitive, time: object, position: object, covariance: object
 ) -> Gaussian | None:
-    """The weights after noisy via points, as `of_values`, in one call: controllers ask in a loop.
-
-    None where it takes the longer path.
-    """
+    """The weights after noisy via points, in one call for loops; None where `of_values` must do."""
     basis, weights = skill.basis, skill.free
     if basis.kind == "bspline" or skill.coordinates.kind == "poses":
         return None

@@ -1,17 +1,11 @@
 """Weight distributions of ProMPs from demonstrations: by least squares, and by EM.
 
-Least squares: a curve is fitted to each demonstration. The covariance of their weights is shrunk
-towards a prior, with the strength that minimises the expected squared error, so that it has full
-rank with fewer demonstrations than weights, even with one.
+Least squares: a curve is fitted to each demonstration; the covariance of their weights is shrunk
+towards a prior with the strength that minimises the expected squared error. EM, for noisy and
+partial demonstrations, has an inverse-Wishart prior and estimates the samples' noise too.
 
-EM, for noisy and partial demonstrations. Expectation: the weights of each demonstration given its
-samples. Maximisation: their mean and covariance, with an inverse-Wishart prior, and the samples'
-noise.
-
-A few demonstrations leave mean and covariance uncertain. Under a normal-inverse-Wishart prior, the
-weights of the next motion have a Student t distribution. The prior's covariance is a smooth kernel
-over the phase, with the demonstrations' own variance. Its strength and smoothness are those under
-which the rest of each demonstration is the most probable, given its beginning and the others.
+Under a normal-inverse-Wishart prior, the weights of the next motion have a Student t distribution,
+whose prior makes the rest of each demonstration most probable, given its beginning and the others.
 
 Sources: Schaefer and Strimmer 2005, "A shrinkage approach to large-scale covariance matrix
 estimation", eq. 8; Lazaric and Ghavamzadeh 2010, "Bayesian multi-task reinforcement learning";

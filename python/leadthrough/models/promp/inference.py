@@ -1,8 +1,7 @@
 """Probability, duration and continuation of a motion that has begun, from its first samples.
 
-The weights of a motion have a t distribution (`predictive`), whose scale the left-out
-demonstrations correct. Given the factor of its covariance, all is normal; the factor itself, one
-number, is integrated over a grid. The duration is uncertain too: the result is a mixture over the
+Given the factor of its covariance, the t distribution of the weights is normal; the factor is
+integrated over a grid, and corrected by left-out demonstrations. The result is a mixture over the
 durations.
 
 Sources: Maeda et al. 2017, "Phase estimation for fast action recognition and trajectory generation

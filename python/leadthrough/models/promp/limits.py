@@ -75,9 +75,10 @@ def moved_inside(
         if not worst:
             return moved
         active = list(dict.fromkeys([*active, *worst]))
-        constraints = np.stack([_constraint(rows, each, len(scale)) for each in active])
-        limits = np.array([_limit(each, bounds, scale) for each in active])
-        moved = _solved(weights, constraints, limits)
+        constraints, limits = zip(
+            *(_wall(rows, each, bounds, scale) for each in active), strict=True
+        )
+        moved = _solved(weights, np.stack(constraints), np.array(limits))
     raise _fixed_outside()
 
 
@@ -106,17 +107,15 @@ def _worst_of_each(excess: Float64Array) -> list[tuple[int, int, int]]:
     return [(int(i), int(j), int(side)) for side, i, j in np.argwhere(peak)]
 
 
-def _constraint(rows: Float64Array, active: tuple[int, int, int], size: int) -> Float64Array:
+def _wall(
+    rows: Float64Array, active: tuple[int, int, int], bounds: Bounds, scale: Float64Array
+) -> tuple[Float64Array, float]:
+    """The row (d k,) of a limit at a sample, and the most that its product may be."""
     sample, column, side = active
-    row = np.zeros((size, rows.shape[1]))
+    row = np.zeros((len(scale), rows.shape[1]))
     row[column] = rows[sample] * (1.0 if side else -1.0)
-    return row.ravel()
-
-
-def _limit(active: tuple[int, int, int], bounds: Bounds, scale: Float64Array) -> float:
-    _, column, side = active
     inside = float(bounds[1][column] if side else -bounds[0][column])
-    return inside - MARGIN * float(scale[column])
+    return row.ravel(), inside - MARGIN * float(scale[column])
 
 
 def _solved(weights: Gaussian, constraints: Float64Array, limits: Float64Array) -> Float64Array:
@@ -179,11 +178,8 @@ class Truncated:
             normal += product(drawn - product(normal, self._seen.T), self._seen)
         weights = self._free.mean + product(normal, self._root.T)
         # In what the walls hardly see, a motion may still leave the limits: it is moved back.
-        spread = self._free.covariance
-        return np.stack([self._moved_back(Gaussian(each, spread)) for each in weights])
-
-    def _moved_back(self, weights: Gaussian) -> Float64Array:
-        return moved_inside(weights, self._basis, self._bounds, self._scale)
+        limits, spread = (self._basis, self._bounds, self._scale), self._free.covariance
+        return np.stack([moved_inside(Gaussian(each, spread), *limits) for each in weights])
 
     def _near(self, mode: Float64Array) -> tuple[Float64Array, Float64Array, Float64Array]:
         """Rows (m, d k) of walls in reach, the way to each from the free mean, and to the mode."""
