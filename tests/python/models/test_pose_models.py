@@ -34,15 +34,6 @@ def skill(request):
     return request.param.fit(turning())
 
 
-def test_motion_turns_as_it_was_shown_beyond_a_half_turn(skill):
-    motion = skill.generate(dt=0.02)
-    assert isinstance(motion, lt.PoseTrajectory)
-    mean = rotations.exp(np.outer(5.0 * motion.times / 3.0, [0.1, 0.2, 1.0] / np.sqrt(1.05)))
-    assert rotations.distance(motion.orientations, mean).max() < 0.2
-    steps = rotations.distance(motion.orientations[1:], motion.orientations[:-1])
-    assert steps.sum() == pytest.approx(5.0, abs=0.2)
-
-
 def test_position_alone_may_be_given(skill):
     motion = skill.generate(start=(0.1, 0.0, 0.1))
     np.testing.assert_allclose(motion.positions[0], (0.1, 0.0, 0.1), atol=1e-8)
@@ -83,13 +74,6 @@ def test_components_have_mean_orientations_on_the_sphere():
     points = [lt.Trajectory(U, np.column_stack([U, U]))]
     with pytest.raises(UnsupportedQuery):
         lt.GMR(2).fit(points).component_orientations()
-
-
-def test_points_and_poses_are_not_mixed():
-    points = lt.Trajectory(U, np.column_stack([U, U, U]))
-    for model in (lt.ProMP(), lt.GMR()):
-        with pytest.raises(InvalidInput, match="one type"):
-            model.fit([*turning(1), points])
 
 
 LEARNERS = (

@@ -6,7 +6,7 @@ from refusals import refused
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.preprocess.align import align_by_arc_length, align_by_time_warping
+from leadthrough.preprocess import align_by_arc_length, align_by_time_warping
 from leadthrough_studies.robotasks import study as robotasks
 
 ALIGN = [align_by_time_warping, align_by_arc_length]

@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 import leadthrough as lt
-from leadthrough.arm.limits import JointLimits
+from leadthrough.arm import JointLimits
 from leadthrough.errors import LimitsInfeasible
 from leadthrough.timing import TipSpeed, binding_limits, check_limits
 from leadthrough.trajectories import Spline

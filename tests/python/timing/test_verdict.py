@@ -12,7 +12,7 @@ from scipy.interpolate import BPoly, CubicSpline
 
 import leadthrough as lt
 from leadthrough import timing
-from leadthrough.arm.limits import JointLimits
+from leadthrough.arm import JointLimits
 from leadthrough.errors import InvalidInput
 from leadthrough.motion import with_derivatives
 

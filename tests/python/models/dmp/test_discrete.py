@@ -199,15 +199,6 @@ def test_via_points_are_passed_in_time(form):
     assert np.abs(np.diff(steps, axis=0)).max() < 1e-4
 
 
-def test_moving_goal_is_followed():
-    state = SKILL.begin()
-    for i in range(200):
-        state = SKILL.step(state, 0.01, goal=(0.3 + 0.002 * min(i, 100), 0.0, 0.2))
-    assert np.linalg.norm(state.position - (0.5, 0.0, 0.2)) < 1e-3
-    state = SKILL.step(state, 2.0)
-    np.testing.assert_allclose(state.position, (0.5, 0.0, 0.2), atol=1e-6)
-
-
 def test_goal_that_jumps_moves_neither_position_nor_velocity_at_once():
     before = SKILL.step(SKILL.begin(), 0.9)
     after = SKILL.step(before, 1e-9, goal=(1.0, 1.0, 1.0))

@@ -38,6 +38,17 @@ def lead_out(skill, path):
     return np.maximum(region.min(axis=0) - path, path - region.max(axis=0)).max()
 
 
+def assert_bounded(skill, nominal, route, offset):
+    """That ends moved by an offset move a route by 1.5 times as much and an area of influence.
+
+    A route of another method stays in the box around the demonstrations and its own ends.
+    """
+    if route.method == nominal.method:
+        assert apart(nominal.path, route.path) <= 1.5 * offset + skill.area_of_influence
+    else:
+        assert lead_out(skill, route.path) <= offset
+
+
 def apart(one, other, count=200):
     """The Fréchet distance of two paths."""
     return frechet_distance(by_arc_length(one, count), by_arc_length(other, count))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models.marching.paths import apart, arcs, gaps_to, lead_out, size_of
+from models.marching.paths import apart, arcs, assert_bounded, gaps_to, lead_out, size_of
 from motions import minimum_jerk
 
 import leadthrough as lt
@@ -42,11 +42,7 @@ def test_moved_ends_move_the_motion_in_proportion(seed, count, closed):
         move = offset * size * np.array([np.cos(angle), np.sin(angle)])
         for start, goal in ((move, 0.0), (0.0, move), (move, move)):
             found = skill.plan(start=query.start + start, goal=query.goal + goal)
-            if found.method == usual.method:
-                bound = 1.5 * offset * size + skill.area_of_influence
-                assert apart(usual.path, found.path) <= bound
-                continue
-            assert lead_out(skill, found.path) <= offset * size
+            assert_bounded(skill, usual, found, offset * size)
 
 
 def test_ends_moved_past_each_other_do_not_turn_the_motion_around():
@@ -56,9 +52,7 @@ def test_ends_moved_past_each_other_do_not_turn_the_motion_around():
     for angle in np.deg2rad(np.arange(0.0, 360.0, 30.0)):
         move = 0.3 * size * np.array([np.cos(angle), np.sin(angle)])
         found = skill.plan(start=query.start + move, goal=query.goal - move)
-        if found.method == usual.method:
-            bound = 1.5 * 0.3 * size + skill.area_of_influence
-            assert apart(usual.path, found.path) <= bound
+        assert_bounded(skill, usual, found, 0.3 * size)
 
 
 def test_moved_poses_turn_no_farther_than_their_ends():
@@ -99,8 +93,7 @@ def test_of_several_ways_a_moved_query_keeps_the_usual_one(name, method):
     for offset, start, goal in moves(size_of(skill)):
         found = skill.plan(start=query.start + start, goal=query.goal + goal)
         assert not found.leaves_nominal_route
-        if found.method == usual.method:
-            assert apart(usual.path, found.path) <= 1.5 * offset + skill.area_of_influence
+        assert_bounded(skill, usual, found, offset)
 
 
 @pytest.mark.parametrize("name", ["Line", "BendedLine", "Leaf_1"])
