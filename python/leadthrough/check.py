@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, TypeVar
+from dataclasses import fields, is_dataclass
+from typing import Any, SupportsIndex, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +64,44 @@ class InvalidInput(LeadthroughError, ValueError):
     @property
     def argument(self) -> str | None:
         return super().argument if self._argument is None else self._argument
+
+
+class Frozen:
+    """Frozen dataclasses whose copies and pickles are checked again and as read-only."""
+
+    __slots__ = ()
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> str | tuple[Any, ...]:
+        kind: Any = type(self)
+        if not getattr(kind, "__dataclass_params__", None) or kind.__reduce__ != object.__reduce__:
+            return super().__reduce_ex__(protocol)
+        # All else is cached, and computed again.
+        return _checked_again, (
+            kind,
+            {each.name: getattr(self, each.name) for each in fields(kind)},
+        )
+
+
+def _checked_again(kind: Any, state: dict[str, Any]) -> Any:  # Any: a type of frozen dataclasses
+    """A value of a type by its fields, to the bit."""
+    value = kind(**{each.name: state[each.name] for each in fields(kind) if each.init})
+    for name, part in state.items():
+        object.__setattr__(value, name, freeze(part))
+    return value
+
+
+def freeze(part: Any) -> Any:  # Any: of every type
+    """`part`, whose arrays become read-only, those in containers and dataclasses too."""
+    if isinstance(part, np.ndarray):
+        part.setflags(write=False)
+    elif isinstance(part, tuple | list):
+        for each in part:
+            freeze(each)
+    elif isinstance(part, Mapping):
+        freeze(list(part.values()))
+    elif is_dataclass(part) and not isinstance(part, type):
+        freeze([getattr(part, each.name) for each in fields(part)])
+    return part
 
 
 def array(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
@@ -257,7 +296,7 @@ def _numeric(value: object, name: str) -> Float64Array:
     if type(value) is np.ndarray and value.dtype is _FLOAT64 and value.flags.c_contiguous:
         return value
     try:
-        raw = np.asarray(value)
+        raw = np.asarray(value if (gaps := _without_mask(value)) is None else gaps)
     except InvalidInput:  # of one of our own types, which is asked for its parts
         raise refused(name, "numbers", f"a {type(value).__name__}") from None
     except ValueError:
@@ -269,6 +308,17 @@ def _numeric(value: object, name: str) -> Float64Array:
         )
     with enough_memory(f"{name}: an array of shape {raw.shape}"):
         return np.ascontiguousarray(raw, dtype=np.float64).reshape(raw.shape)
+
+
+def _without_mask(value: object) -> NDArray[Any] | None:
+    """Masked numbers with NaN where they are missing; None for all else."""
+    parts = value if isinstance(value, list | tuple) else [value]
+    if not any(isinstance(each, np.ma.MaskedArray) for each in parts):
+        return None
+    given: Any = np.ma.asarray(value)
+    numeric = given.dtype.kind in "fiu"
+    gaps: NDArray[Any] = given.astype(np.float64).filled(np.nan) if numeric else given.data
+    return gaps
 
 
 def part_to_give(value: object) -> str:

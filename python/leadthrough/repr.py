@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough.check import Frozen
+
 _WIDTH = 100  # characters of a line
 _MAX_LINES = 5
 _MAX_VALUE = 60  # characters of one value
 _NUMBERS = 8  # of an array whose numbers are shown, not its shape
 
 
-class ShortRepr:
+class ShortRepr(Frozen):
     """Classes that derive from this one show their fields in one to five lines.
 
     Arrays are shown by their shape, unless they are small; fields whose name begins with an

@@ -68,8 +68,8 @@ class DifferentialIk(ShortRepr):
     gain: float
     posture: Float64Array
     nullspace_gain: float
-    _solver: core.DifferentialIk = field(repr=False)
-    _joints: int = field(repr=False)
+    _solver: core.DifferentialIk = field(init=False, repr=False)
+    _joints: int = field(init=False, repr=False)
 
     def __init__(
         self,

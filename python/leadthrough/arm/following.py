@@ -85,6 +85,9 @@ class FollowOptions(ShortRepr):
     orientation_tolerance: float = 1e-5
 
     def __post_init__(self) -> None:
+        if not isinstance(self.posture, Motion | None):
+            posture = check.frozen(self.posture, "posture", shape=("joints",))
+            object.__setattr__(self, "posture", posture)
         if self.nullspace_gain is not None:
             check.number(self.nullspace_gain, "nullspace_gain", at_least=0.0)
         if self.free is not None:

@@ -57,8 +57,10 @@ class TaskStack(ShortRepr):
     tasks: tuple[ArmTask, ...]
     scheme: Scheme
     rest_damping: float
-    _parts: dict[ArmTask, core.ArmTask] = field(repr=False)  # the tasks as the core takes them
-    _stack: core.TaskStack = field(repr=False)
+    _parts: dict[ArmTask, core.ArmTask] = field(
+        init=False, repr=False
+    )  # the tasks as the core takes them
+    _stack: core.TaskStack = field(init=False, repr=False)
 
     def __init__(
         self,

@@ -20,6 +20,14 @@ _ROUNDING = 1e-9  # m or rad, by which a target may lie outside
 _ROUNDED_ANGLE = 1e-6  # rad; the cosine of an angle near 0 has half of its digits
 
 
+def frozen_target(value: Target, name: str) -> Target:
+    """A read-only copy of a target, all of whose numbers are finite."""
+    if isinstance(value, tuple | list) and len(value) == 2 and np.ndim(value[0]) > 0:
+        position = check.frozen(value[0], name, shape=("d",))
+        return position, check.frozen(value[1], name, shape=(4,))
+    return check.frozen(value, name, shape=("d",))
+
+
 @dataclass(frozen=True, eq=False)
 class TargetRegion(ShortRepr):
     """All positions between two corners, for poses with all orientations near one.
@@ -47,7 +55,7 @@ class TargetRegion(ShortRepr):
         object.__setattr__(self, "turn", turn)
         if self.orientation is not None:
             middle = check.quaternions(self.orientation, "orientation", shape=(4,))
-            object.__setattr__(self, "orientation", middle)
+            object.__setattr__(self, "orientation", check.freeze(middle))
 
     @staticmethod
     def around(position: ArrayLike, reach: ArrayLike, *, turn: float = 0.0) -> TargetRegion:

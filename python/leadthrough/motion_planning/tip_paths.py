@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.errors import IkFailure, NoPath
-from leadthrough.models.protocol import Mapped, Skill, Target
+from leadthrough.models.protocol import Mapped, Skill
 from leadthrough.models.queries import CheckedQuery
+from leadthrough.models.targets import Target, frozen_target
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.motion_planning.blocked_segment import (
     BlockedSegment,
@@ -71,6 +72,9 @@ class Query(ShortRepr):
 
     def __post_init__(self) -> None:
         CheckedQuery(self.start, self.goal, self.duration, self.dt)
+        for name in ("start", "goal"):
+            if (target := getattr(self, name)) is not None:
+                object.__setattr__(self, name, frozen_target(target, name))
 
     def arguments(self) -> dict[str, Any]:
         """The arguments of `skill.generate` that are given, by name."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,7 +49,7 @@ class Mesh(PointBased, Solid):
     faces: NDArray[np.int64]
     position: Float64Array
     orientation: Float64Array
-    parts: tuple[Surface, ...]
+    parts: tuple[Surface, ...] = field(init=False)
 
     def __init__(
         self,
@@ -64,7 +64,7 @@ class Mesh(PointBased, Solid):
             vertices=corners,
             faces=triangles,
             **pose(position, orientation),
-            parts=tuple(_hull(part) for part in _parts(corners, triangles)),
+            parts=check.freeze(tuple(map(_hull, _parts(corners, triangles)))),
         )
 
     def surface(self) -> Surface:

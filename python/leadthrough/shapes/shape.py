@@ -121,10 +121,6 @@ class Shape(ShortRepr, ABC):
                 total.update(f"{name}{array.shape}".encode() + array.tobytes())
         return f"{type(self).__name__} {total.hexdigest()[:12]}"
 
-    def __getstate__(self) -> dict[str, Any]:
-        """The fields; all else is cached and computed again."""
-        return self._fields
-
 
 class Solid(Shape):
     """A shape with a volume, which an arm can carry."""

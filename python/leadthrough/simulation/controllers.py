@@ -312,7 +312,7 @@ class CartesianImpedance(Controller):
     def __post_init__(self) -> None:
         for name in ("turning", "posture", "damping_ratio"):
             check.number(getattr(self, name), name, above=0.0)
-        object.__setattr__(self, "stiffness", _matrices(self.stiffness))
+        object.__setattr__(self, "stiffness", check.freeze(_matrices(self.stiffness)))
 
     @classmethod
     def of_skill(

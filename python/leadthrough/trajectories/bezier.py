@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,10 +48,6 @@ class Bezier(PointCurve):
         check.integer(len(table), "number of points", at_least=1, at_most=_MAX_POINTS)
         ends = curve.knot_times(domain, "domain")[[0, -1]]
         vars(self).update(points=table, domain=(float(ends[0]), float(ends[1])))
-
-    # Any: the protocol of pickle.
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Bezier, (self.points, self.domain)
 
     @property
     def knots(self) -> Float64Array:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -58,10 +58,6 @@ class BSpline(PointCurve):
             degree=degree,
             _curve=scipy.interpolate.BSpline.construct_fast(knots, table, degree),
         )
-
-    # Any: the protocol of pickle.
-    def __reduce__(self) -> tuple[Any, ...]:
-        return BSpline, (self.points, self.knot_vector, self.degree)
 
     @property
     def domain(self) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,10 +35,6 @@ class Spline(PointCurve):
         if 0 in table.shape:
             raise InvalidInput(f"coefficients: expected no empty axis, got shape {table.shape}")
         vars(self).update(knots=times, coefficients=table)
-
-    # Any: the protocol of pickle.
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Spline, (self.knots, self.coefficients)
 
     @property
     def domain(self) -> tuple[float, float]:

@@ -4,7 +4,6 @@ The table below names every public function that takes motions; the walk over th
 one that is missing.
 """
 
-import importlib
 import inspect
 import re
 from fnmatch import fnmatch
@@ -13,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cli.command_line import facts, run
+from contracts.public import public_callables
 from motions import arm, minimum_jerk
 
 import leadthrough as lt
@@ -21,7 +21,6 @@ from leadthrough.arm import FollowOptions
 from leadthrough.errors import InvalidInput
 from leadthrough.guard.ros import message_of, trajectory_of
 
-ROOT = Path(__file__).parents[3]
 ARM = arm("ur3")
 NAMES = ARM.joint_names
 FOREIGN = tuple("abcdef")
@@ -248,28 +247,6 @@ OTHERS = {
     "simulation.SimulationReport": "holds",
 }  # fmt: skip
 TAKES = re.compile(r"JointTrajectory|\bMotion|Demonstration|Recording|Skill|Generator\[|Posture")
-
-
-def named(name):
-    """A public object by its name."""
-    found = lt
-    for part in name.split(".")[1:]:
-        found = getattr(found, part, None) or importlib.import_module(f"{found.__name__}.{part}")
-    return found
-
-
-def public_callables():
-    """Names of the reference without the package's, each with what can be called."""
-    pages = (ROOT / "docs" / "api").glob("*.md")
-    found = {n for p in pages for n in re.findall(r"^::: (leadthrough\.\S+)$", p.read_text(), re.M)}
-    for name in found:
-        value = named(name)
-        short = name.removeprefix("leadthrough.")
-        yield short, value
-        if inspect.isclass(value):
-            for member in dir(value):
-                if not member.startswith("_"):
-                    yield f"{short}.{member}", getattr(value, member)
 
 
 def takes_motions(value):

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly, CubicHermiteSpline
 
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, Frozen
 from leadthrough.errors import NoPath
 from leadthrough.repr import ShortRepr
 
@@ -48,7 +48,7 @@ _GRID = 40_000
 _AT_REST = 1e-3
 
 
-class Field(ABC):
+class Field(Frozen, ABC):
     """A system whose trajectories all end at 0: x' = f(x) with a falling energy V(x)."""
 
     name: ClassVar[str]  # of this kind of system in files

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, Frozen
 from leadthrough.errors import FitError
 from leadthrough.models.coordinates import Coordinates, coordinates_of
 from leadthrough.models.demonstrations import Demonstrations, motions_of
@@ -32,7 +32,7 @@ _MIN_REACH = 1e-3  # of rotations, rad, where the demonstrations do not turn
 
 
 @dataclass(frozen=True, eq=False)
-class Samples(Generic[MotionT_co]):
+class Samples(Frozen, Generic[MotionT_co]):
     """Demonstrations about their goals, normalised.
 
     Attributes:
