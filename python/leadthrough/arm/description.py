@@ -68,15 +68,12 @@ def _joints(arm: ArmModel) -> str:
         if joint.name in arm.locked_joints:
             table.add_row(joint.name, f"locked at {arm.locked_joints[joint.name]:.4g}")
         elif joint.mimic is not None:
-            table.add_row(joint.name, _mimicry(joint.mimic))
+            mimic = joint.mimic
+            table.add_row(joint.name, f"= {mimic.multiplier:.4g} {mimic.joint} {mimic.offset:+.4g}")
         elif joint.kind != "fixed":
             kind = "" if joint.kind == "revolute" else f" {joint.kind}"
             table.add_row(joint.name + kind, *_limits(arm, joint))
     return _rendered(table)
-
-
-def _mimicry(mimic: core.Mimic) -> str:
-    return f"= {mimic.multiplier:.4g} {mimic.joint} {mimic.offset:+.4g}"
 
 
 def _limits(arm: ArmModel, joint: core.Joint) -> Iterator[str]:

@@ -6,7 +6,7 @@ Samples beyond the arm's reach, and first and last samples that no joint positio
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,15 +74,12 @@ def failure(
 
 def limiting_joints_text(limits: JointLimits, q: Float64Array, bars: Sequence[bool]) -> str:
     """The joints that limit the arm and the limits that they are at; empty if there are none."""
-    return " and ".join(_at_limit(limits, q, bars))
-
-
-def _at_limit(limits: JointLimits, q: Float64Array, bars: Sequence[bool]) -> Iterator[str]:
-    for j, name in enumerate(limits.joint_names):
-        if bars[j]:
-            low, high = float(limits.lower[j]), float(limits.upper[j])
-            side, limit = ("lower", low) if q[j] - low < high - q[j] else ("upper", high)
-            yield f"{name} at its {side} limit {limit:.4g}"
+    texts = []
+    for j in np.flatnonzero(bars):
+        low, high = float(limits.lower[j]), float(limits.upper[j])
+        side, limit = ("lower", low) if q[j] - low < high - q[j] else ("upper", high)
+        texts.append(f"{limits.joint_names[j]} at its {side} limit {limit:.4g}")
+    return " and ".join(texts)
 
 
 def _nearest(

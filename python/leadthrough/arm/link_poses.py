@@ -24,7 +24,13 @@ def link_poses(arm: ArmModel, q: Float64Array) -> dict[str, tuple[Float64Array, 
         offset = joint.position + shift @ joint.rotation.T
         positions[joint.child] = positions[joint.parent] + np.einsum("nij,nj->ni", here, offset)
         orientations[joint.child] = here @ (joint.rotation @ rotation)
-    return _seen_from(links.index(arm.base), orientations, positions, dict(enumerate(links)))
+    base = links.index(arm.base)
+    back = orientations[base].transpose(0, 2, 1)
+    away = {i: positions[i] - positions[base] for i in positions}
+    return {
+        links[i]: (back @ orientations[i], np.einsum("nij,nj->ni", back, away[i]))
+        for i in orientations
+    }
 
 
 def _values(arm: ArmModel, q: Float64Array) -> dict[str, Float64Array]:
@@ -50,19 +56,3 @@ def _motion(
         return np.tile(np.eye(3), (len(value), 1, 1)), along
     turn = along if joint.kind in ("revolute", "continuous") else still
     return rotations.to_matrix(rotations.exp(turn)), still
-
-
-def _seen_from(
-    base: int,
-    orientations: Mapping[int, Float64Array],
-    positions: Mapping[int, Float64Array],
-    names: Mapping[int, str],
-) -> dict[str, tuple[Float64Array, Float64Array]]:
-    back = orientations[base].transpose(0, 2, 1)
-    return {
-        names[i]: (
-            back @ orientations[i],
-            np.einsum("nij,nj->ni", back, positions[i] - positions[base]),
-        )
-        for i in orientations
-    }

@@ -68,13 +68,6 @@ def _vector(value: ArrayLike, name: str, size: int) -> Float64Array:
     return magnitudes.frozen(value, name, shape=(size,))
 
 
-def _unit_quaternion(value: ArrayLike) -> Float64Array:
-    """A read-only unit quaternion (4,) w, x, y, z."""
-    unit = check.quaternions(value, "orientation", shape=(4,))
-    unit.setflags(write=False)
-    return unit
-
-
 def _unit_vector(value: ArrayLike, name: str) -> Float64Array:
     """A read-only unit vector (3,)."""
     given = check.array(value, name, shape=(3,))
@@ -114,9 +107,11 @@ class PoseTask(ArmTask):
         damping_ratio: float = 1.0,
     ) -> None:
         super().__init__(gain, damping_ratio)
+        unit = check.quaternions(orientation, "orientation", shape=(4,))
+        unit.setflags(write=False)
         vars(self).update(
             position=_vector(position, "position", 3),
-            orientation=_unit_quaternion(orientation),
+            orientation=unit,
             twist=_vector(twist, "twist", 6),
             link=link,
         )
@@ -340,7 +335,9 @@ class ObstacleTask(ArmTask):
         if not isinstance(shape, Shape):
             what = type(shape).__name__
             raise InvalidInput(f"shape: expected one of leadthrough.shapes, got {what}")
-        _refuse_huge(shape)
+        names = ("position", "size", "radius", "length", "vertices", "points")
+        sizes = [np.ravel(getattr(shape, name, 0.0)) for name in names]
+        magnitudes.values(np.concatenate(sizes), "shape", shape=("n",))
         vars(self).update(
             shape=shape,
             distance=magnitudes.not_negative(distance, "distance"),
@@ -353,9 +350,3 @@ class ObstacleTask(ArmTask):
         frame, shape = frame_of(self.link, self.point), self.shape._compiled
         rates = (self.gain, self.damping_ratio)
         return core.clearance_task(frame, shape, self.distance, self.margin, *rates)
-
-
-def _refuse_huge(shape: Shape) -> None:
-    names = ("position", "size", "radius", "length", "vertices", "points")
-    sizes = [np.ravel(getattr(shape, name, 0.0)) for name in names]
-    magnitudes.values(np.concatenate(sizes), "shape", shape=("n",))

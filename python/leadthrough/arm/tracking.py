@@ -123,17 +123,14 @@ def starts(
     tracker: Tracker, q0: Float64Array | None, rate: float, *, others: bool
 ) -> Iterator[Start]:
     """Initial postures: next to q0; without one, or as well, any."""
-    rate = rate if len(tracker.chain.joint_names) > tracker.path.dimension else 0.0
+    chain, path = tracker.chain, tracker.path
+    redundant = len(chain.joint_names) > path.dimension and rate > 0.0
+    rates = (rate, 0.0) if redundant else (0.0,)  # with and without the pull towards postures
     if q0 is not None:
-        yield from _next_to(tracker.chain, tracker.path, q0, rate)
+        (q,), *_ = solve_sample(chain, path, 0, q0[None], path.options())
+        yield from (Start(q, pull) for pull in rates)
     if q0 is None or others:
-        yield from _first_postures(
-            tracker.chain,
-            tracker.path,
-            velocity=tracker.limits.velocity,
-            rate=rate,
-            tracking=(tracker.tolerance, _SAMPLE_ITERATIONS, tracker.max_step),
-        )
+        yield from _first_postures(tracker, rates)
 
 
 def best_track(
@@ -207,41 +204,24 @@ class Start:
     rate: float  # of the motion towards the preferred postures from there, 1/s
 
 
-def _next_to(chain: core.Chain, path: TipPath, q0: Float64Array, rate: float) -> list[Start]:
-    """The starts next to q0, with and without the pull towards the preferred postures."""
-    (q,), *_ = solve_sample(chain, path, 0, q0[None], path.options())
-    return [Start(q, pull) for pull in _rates(rate)]
-
-
-def _first_postures(
-    chain: core.Chain,
-    path: TipPath,
-    *,
-    velocity: Float64Array,
-    rate: float,
-    tracking: tuple[core.IkTolerance, int, float],
-) -> list[Start]:
+def _first_postures(tracker: Tracker, rates: Sequence[float]) -> list[Start]:
     """Starts for the path, the most promising first; at least one."""
+    chain, path = tracker.chain, tracker.path
     postures, reached = _solutions(chain, path)
-    starts = [Start(q, pull) for q in postures for pull in _rates(rate)]
+    starts = [Start(q, pull) for q in postures for pull in rates]
     if not reached or len(starts) == 1:
         return starts[:1]
     samples = np.unique(np.linspace(0, len(path) - 1, _LOOK_AHEAD).round().astype(int))
     thin = path.only(samples)
-    tolerance, iterations, max_step = tracking
-    stride = math.ceil(len(path) / _LOOK_AHEAD)
-    axes = free_axes(path.free)
-    options = core.TrackOptions(tolerance, iterations, max_step * stride, axes)
+    stride, axes = math.ceil(len(path) / _LOOK_AHEAD), free_axes(path.free)
+    step = tracker.max_step * stride
+    options = core.TrackOptions(tracker.tolerance, _SAMPLE_ITERATIONS, step, axes)
     keys = []
     for i, start in enumerate(starts):
         pull = thin.pull(start.rate)
         q, *_ = core.track(chain, thin.positions, thin.orientations, start.q, *pull, options)
-        keys.append((-len(q), _cost(chain, q, thin.times, velocity), i))
+        keys.append((-len(q), _cost(chain, q, thin.times, tracker.limits.velocity), i))
     return [starts[i] for *_, i in sorted(keys)[:_MAX_STARTS]]
-
-
-def _rates(rate: float) -> tuple[float, ...]:
-    return (rate, 0.0) if rate > 0.0 else (0.0,)
 
 
 def _solutions(chain: core.Chain, path: TipPath) -> tuple[Float64Array, bool]:

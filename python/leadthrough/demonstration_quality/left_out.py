@@ -16,7 +16,8 @@ from leadthrough import tasks
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.io.files import replacing
 from leadthrough.models import Model, Skill, Target, TargetRegion
-from leadthrough.motion import Motion, PoseTrajectory
+from leadthrough.models.frame import target_of
+from leadthrough.motion import Motion
 from leadthrough.preprocess.align import features
 from leadthrough.tasks import Row, Store, Task
 
@@ -183,7 +184,11 @@ def _generated(skill: Skill[Motion], start: Target | None, goal: Target) -> Moti
 def _error(common: Material, without: set[int], expected: Motion) -> float:
     """The mean distance at evenly spaced times, in extents of the expected motion."""
     skill = _learned(common, without)
-    made = None if skill is None else _generated(skill, _end(expected, 0), _end(expected, -1))
+    made = (
+        None
+        if skill is None
+        else _generated(skill, target_of(expected, 0), target_of(expected, -1))
+    )
     if made is None:
         return _FAILED
     ours, theirs = features([made, expected], _SAMPLES)
@@ -203,10 +208,3 @@ def _spread(skills: Sequence[Skill[Motion]], goal: Target) -> float:
 def _positions(motion: Motion, fractions: Float64Array) -> Float64Array:
     times = motion.times[0] + fractions * motion.duration
     return np.column_stack([np.interp(times, motion.times, c) for c in motion.positions.T])
-
-
-def _end(motion: Motion, index: int) -> Target:
-    position: Float64Array = motion.positions[index]
-    return (
-        (position, motion.orientations[index]) if isinstance(motion, PoseTrajectory) else position
-    )

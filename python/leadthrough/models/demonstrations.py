@@ -64,17 +64,13 @@ def _motion(demonstration: object, index: int, kinds: tuple[type[Motion], ...]) 
     motion = demonstration.motion if isinstance(demonstration, Demonstration) else demonstration
     if not isinstance(motion, kinds):
         names = " or ".join(kind.__name__ for kind in kinds)
+        convertible = isinstance(motion, JointTrajectory) and PoseTrajectory in kinds
+        advice = "; arm.poses(motion) makes poses of joints" if convertible else ""
         raise InvalidInput(
             f"demonstrations[{index}]: expected a Demonstration of a {names}, "
-            f"got {type(motion).__name__}{_poses_of(motion, kinds)}"
+            f"got {type(motion).__name__}{advice}"
         )
     return motion
-
-
-def _poses_of(motion: object, kinds: tuple[type[Motion], ...]) -> str:
-    """Remedy for joints given to a model of poses."""
-    convertible = isinstance(motion, JointTrajectory) and PoseTrajectory in kinds
-    return "; arm.poses(motion) makes poses of joints" if convertible else ""
 
 
 def _refuse_mixed(motions: Sequence[Motion]) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.models.targets import Target
 from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory
 from leadthrough.repr import ShortRepr
 
@@ -135,3 +136,9 @@ def checked_frames(
             f"got {', '.join(map(str, numbers))}"
         )
     return given
+
+
+def target_of(motion: Motion, row: int) -> Target:
+    """A sample of a motion, as a skill is asked for it."""
+    position: Float64Array = motion.positions[row]
+    return (position, motion.orientations[row]) if isinstance(motion, PoseTrajectory) else position

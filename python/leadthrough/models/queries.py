@@ -83,7 +83,9 @@ def checked_query(generate: _Generate) -> _Generate:
             demonstrated = self._own_motion
             for name, end in ends.items() if demonstrated is not None else ():
                 _check_end(end, demonstrated, name)
-            _check_obstacles(shapes or (), demonstrated)
+            if isinstance(demonstrated, Trajectory | PoseTrajectory):
+                known = [shape for shape in shapes or () if isinstance(shape, Shape)]
+                sanity.obstacles(known, demonstrated.positions)
         return generate(self, **query)
 
     return checked  # type: ignore[return-value]  # of the same signature, as wraps states
@@ -105,12 +107,6 @@ def _check_end(end: Any, demonstrated: Motion, name: str) -> None:
     if quaternion is not None and isinstance(demonstrated, PoseTrajectory):
         own = demonstrated.orientations[0 if name == "start" else -1]
         sanity.orientation(quaternion, demonstrated.orientations, own, name)
-
-
-def _check_obstacles(shapes: Sequence[Any], demonstrated: Motion | None) -> None:
-    if isinstance(demonstrated, Trajectory | PoseTrajectory):
-        known = [shape for shape in shapes if isinstance(shape, Shape)]
-        sanity.obstacles(known, demonstrated.positions)
 
 
 def _numbers(value: Any, count: int) -> Float64Array | None:

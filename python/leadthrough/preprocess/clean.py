@@ -142,8 +142,13 @@ def clean(
     moving = trim(
         Demonstration(left, kept.name), rest=rest, speed=speed, angular_speed=angular_speed
     )
-    hertz = _rate(moving.motion, rate, window)
-    result = _resampled(moving, hertz, window)
+    hertz, result = rate, moving
+    if rate is None and window is not None and len(moving.motion.times) > 1:
+        hertz = 1.0 / float(np.median(np.diff(moving.motion.times)))
+    if hertz is not None:
+        result = sample_evenly(result, rate=hertz)
+    if window is not None:
+        result = smoothed_over(result, window, "smoothing")
     return result, CleaningReport(
         read=len(raw.times),
         left=len(result.motion.times),
@@ -240,23 +245,6 @@ def _as_recording(recording: Recording | Demonstration | Motion) -> Recording:
             f"recording: expected a Recording, a Demonstration or a motion, got {got}"
         )
     return recording
-
-
-def _rate(motion: Motion, asked: float | None, window: float | None) -> float | None:
-    """Sampling rate, Hz: the requested one, or that of smoothing."""
-    if asked is None and window is not None and len(motion.times) > 1:
-        return 1.0 / float(np.median(np.diff(motion.times)))
-    return asked
-
-
-def _resampled(
-    demonstration: Demonstration, rate: float | None, window: float | None
-) -> Demonstration:
-    if rate is not None:
-        demonstration = sample_evenly(demonstration, rate=rate)
-    if window is not None:
-        demonstration = smoothed_over(demonstration, window, "smoothing")
-    return demonstration
 
 
 def _without_faults(recording: Recording, factor: float | None) -> tuple[Recording, dict[str, Any]]:

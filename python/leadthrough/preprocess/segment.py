@@ -110,7 +110,7 @@ def join(motions: Sequence[MotionT]) -> MotionT:
         joined_events += [Event(min(shift + each.time, last), each.name) for each in motion.events]
     every = [rows_of(motion) for motion in motions]
     joined: dict[str, Any] = {
-        name: _joined([rows[name] for rows in every])
+        name: np.concatenate([every[0][name], *(rows[name][1:] for rows in every[1:])])
         if all(name in rows for rows in every)
         else None
         for name in every[0]
@@ -143,8 +143,3 @@ def _gap(before: Motion, after: Motion) -> float:
         angle = rotations.distance(before.orientations[-1:], after.orientations[:1])
         away = max(away, float(angle[0]))
     return away
-
-
-def _joined(rows: Sequence[Float64Array]) -> Float64Array:
-    first, *others = rows
-    return np.concatenate([first, *(each[1:] for each in others)])

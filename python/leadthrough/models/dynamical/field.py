@@ -110,15 +110,6 @@ def squared_distances(x: Float64Array, centres: Float64Array) -> Float64Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout(ShortRepr):
-    """One trajectory."""
-
-    times: Float64Array  # times (n,) of its samples, from 0 on
-    states: Float64Array  # states (n, s)
-    rates: Float64Array  # their derivatives (n, s)
-
-
-@dataclass(frozen=True, eq=False)
 class GoalTrajectory(ShortRepr):
     """A trajectory from a start to rest at the goal."""
 
@@ -179,17 +170,19 @@ class StabilityReport(ShortRepr):
         return self.violations == 0
 
 
-def rollout(field: Field, start: Float64Array, *, near: float, longest: float) -> Rollout:
-    """The trajectory from a position (d,) until it is near the goal."""
+def _rollout(field: Field, start: Float64Array) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """Times (n,), positions and velocities (n, d) from a position (d,) until near the goal."""
     times: list[float] = []
     states: list[Float64Array] = []
     rates: list[Float64Array] = []
-    for time, state, rate in _steps(field, start[None], near=near, longest=longest):
+    for time, state, rate in _steps(field, start[None], near=_LAST, longest=MAX_DURATION):
         if not times or time[0] > times[-1]:  # otherwise the step was refused
             times.append(float(time[0]))
             states.append(state[0].copy())
             rates.append(rate[0].copy())
-    return Rollout(np.array(times), np.array(states), np.array(rates))
+    d, x = len(start), np.array(states)
+    # A state of second order holds the velocities.
+    return np.array(times), x[:, :d], x[:, d:] if x.shape[1] > d else np.array(rates)[:, :d]
 
 
 def endpoints(field: Field, starts: Float64Array, *, near: float, longest: float) -> Endpoints:
@@ -205,26 +198,19 @@ def endpoints(field: Field, starts: Float64Array, *, near: float, longest: float
 
 def goal_trajectory(field: Field, start: Float64Array) -> GoalTrajectory:
     """The trajectory from a start (d,) to rest at the goal, 0."""
-    made = rollout(field, start, near=_LAST, longest=MAX_DURATION)
-    d = len(start)
-    x, v = made.states[:, :d], _velocities(made.states, made.rates, d)
+    begun, x, v = _rollout(field, start)
     if np.linalg.norm(x[-1]) > _LAST:
         raise NoPath(
             f"start: the goal was not reached in {MAX_DURATION:.0f} times the duration of the "
             "demonstrations; start nearer to them, or check the skill's stability",
             reason="not_reached",
         )
-    times, ending, slopes = _ending(made.times, x, v)
+    times, ending, slopes = _ending(begun, x, v)
     return GoalTrajectory(
-        np.concatenate([made.times, made.times[-1] + times]),
+        np.concatenate([begun, begun[-1] + times]),
         np.concatenate([x, ending]),
         np.concatenate([v, slopes]),
     )
-
-
-def _velocities(states: Float64Array, rates: Float64Array, size: int) -> Float64Array:
-    """Velocities (n, d) of states (n, s): a state of second order holds them."""
-    return states[:, size:] if states.shape[1] > size else rates[:, :size]
 
 
 def _ending(
@@ -251,7 +237,8 @@ def stability_report(
     field: Field, positions: Float64Array, count: int, around: float, rng: np.random.Generator
 ) -> StabilityReport:
     """The report of a system."""
-    lower, upper = _box(positions, around)
+    low, high = positions.min(axis=0), positions.max(axis=0)
+    lower, upper = low - around * (high - low), high + around * (high - low)
     half = count // 2
     about = positions[rng.integers(len(positions), size=half)]
     starts = np.concatenate(
@@ -269,12 +256,6 @@ def stability_report(
         float(reached.times.max()),
         starts[~reached.arrived][:10],
     )
-
-
-def _box(positions: Float64Array, around: float) -> tuple[Float64Array, Float64Array]:
-    low, high = positions.min(axis=0), positions.max(axis=0)
-    margin = around * (high - low)
-    return low - margin, high + margin
 
 
 def _resting(

@@ -71,7 +71,11 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
             frame, m/s and rad/s.
         """
         if self.coordinates.kind == "poses":
-            here = self._situation(pose_of(position), goal)
+            if not isinstance(position, tuple | list) or len(position) != 2:
+                raise InvalidInput(
+                    "position: expected (position (3,), orientation (4,)) of a skill of poses"
+                )
+            here = self._situation((position[0], position[1]), goal)
             x = self._nearest_to_demonstrations(here.start)[None]
             columns = self._velocities(x)
             vectors = x[:, 3:] * self.scale[3:]
@@ -191,15 +195,6 @@ def twist(coordinates: Coordinates, vectors: Float64Array, rate: Float64Array) -
     local = (rotations.left_jacobian(vectors) @ rate[:, :, None])[:, :, 0]
     assert coordinates.reference is not None
     return np.asarray(local @ rotations.to_matrix(coordinates.reference[:1])[0].T)
-
-
-def pose_of(place: Any) -> Target:
-    """Position and orientation of a pose."""
-    if not isinstance(place, tuple | list) or len(place) != 2:
-        raise InvalidInput(
-            "position: expected (position (3,), orientation (4,)) of a skill of poses"
-        )
-    return place[0], place[1]
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> DynamicalSkill:

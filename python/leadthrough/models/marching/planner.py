@@ -9,7 +9,7 @@ that leaves the nominal one by more than its ends were moved is replaced by that
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,11 +126,11 @@ def _planned_anew(
 
 def _through_relevant(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
     """The route in the map of relevant demonstrations; wandering ones may not make it longer."""
-    relevant = _relevant_to(known, query)
-    plain = through_map(known, query, scales, mapped=_chosen(known, relevant.certain))
-    if not relevant.passing.any():
+    certain, passing = _relevant_to(known, query)
+    plain = through_map(known, query, scales, mapped=_chosen(known, certain))
+    if not passing.any():
         return plain
-    both = _chosen(known, relevant.certain | relevant.passing)
+    both = _chosen(known, certain | passing)
     route = through_map(known, query, scales, mapped=both)
     return route if route.length <= _MAX_DETOUR * plain.length else plain
 
@@ -168,16 +168,10 @@ def _of_either(sizes: Float64Array) -> Float64Array:
     return np.minimum(sizes[:, None], sizes[None])
 
 
-@dataclass(frozen=True)
-class _Relevant:
-    """Demonstrations (k,) of a skill that are relevant to a query."""
-
-    certain: NDArray[np.bool_]  # those that lead from start to goal
-    passing: NDArray[np.bool_]  # wandering ones that pass by both, nearly in a straight line
-
-
-def _relevant_to(known: Sequence[Experience], query: Query) -> _Relevant:
-    """The demonstrations that the map for a query is made of."""
+def _relevant_to(
+    known: Sequence[Experience], query: Query
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Demonstrations (k,) that lead from start to goal, and wandering ones that pass by both."""
     demonstrations = [each.towards(query.start, query.goal) for each in known]
     paths = [each.denoised for each in demonstrations]
     near, alike = _predicts(paths, query), resemble_another(paths)
@@ -187,7 +181,7 @@ def _relevant_to(known: Sequence[Experience], query: Query) -> _Relevant:
     leading = [_leads(*each, query) for each in zip(demonstrations, least, strict=True)]
     certain = near | np.array(leading)
     passing = np.array([_passes_by(each, query) for each in demonstrations])
-    return _Relevant(certain | (passing & alike), passing & ~certain & ~alike)
+    return certain | (passing & alike), passing & ~certain & ~alike
 
 
 def _leads(one: Experience, straight: float, query: Query) -> bool:
@@ -242,7 +236,8 @@ def _near_nominal(
     """The route or, if it leaves the nominal route too far, the nominal one adapted."""
     moved = float(np.linalg.norm(query.ends - nominal.path[[0, -1]], axis=1).max())
     bound = MAX_DEVIATION * moved + scales.radius
-    if route.method != nominal.method or _apart(route.path, nominal.path) <= bound:
+    curves = [by_arc_length(each.path, _FRECHET_SAMPLES) for each in (route, nominal)]
+    if route.method != nominal.method or frechet_distance(*curves) <= bound:
         return route
     path = with_ends(nominal.path, query.start, query.goal)
     if scales.workspace is not None:
@@ -251,12 +246,6 @@ def _near_nominal(
     if blocked or _asks_for_one(known, query, moved, scales):
         return replace(route, leaves_nominal_route=True)
     return replace(nominal, path=path)
-
-
-def _apart(one: Float64Array, other: Float64Array) -> float:
-    return frechet_distance(
-        by_arc_length(one, _FRECHET_SAMPLES), by_arc_length(other, _FRECHET_SAMPLES)
-    )
 
 
 def _asks_for_one(known: Sequence[Experience], query: Query, moved: float, scales: Scales) -> bool:

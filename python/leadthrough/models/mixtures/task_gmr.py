@@ -22,7 +22,7 @@ from leadthrough.errors import UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of
-from leadthrough.models.frame import Frame, checked_frames
+from leadthrough.models.frame import Frame, checked_frames, target_of
 from leadthrough.models.gaussians.mixture import Blocks, Mixture
 from leadthrough.models.mean_orientation import middle_orientations
 from leadthrough.models.mixtures.gmr import GMR, GMRSkill, wanted_ends
@@ -34,9 +34,9 @@ from leadthrough.models.mixtures.task_frames import (
     placed,
     shrunk,
 )
-from leadthrough.models.protocol import Demonstrations, Parameter, Target, Unfitted
+from leadthrough.models.protocol import Demonstrations, Parameter, Unfitted
 from leadthrough.models.queries import CheckedQuery
-from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
+from leadthrough.motion import Motion, MotionT, MotionT_co
 
 # A deviation of 5 % of a column's: frames are not weighed by finer agreement than that, which few
 # demonstrations show by chance.
@@ -216,8 +216,8 @@ class TaskGMRSkill(FittedSkill[MotionT_co]):
         placed_at = self.coordinates.motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]), ends)
         frames = [Frame.of_sample(placed_at, row) for row in (0, -1)]
         return self.at(frames).generate(
-            start=_place(placed_at, 0),
-            goal=_place(placed_at, -1),
+            start=target_of(placed_at, 0),
+            goal=target_of(placed_at, -1),
             duration=query.duration,
             dt=query.dt,
         )
@@ -254,9 +254,3 @@ class TaskGMRSkill(FittedSkill[MotionT_co]):
             if reference is not None:
                 arrays[f"reference_{i}"] = reference
         return settings, arrays
-
-
-def _place(motion: Motion, row: int) -> Target:
-    """A sample of a motion, as a skill is asked for it."""
-    position: Float64Array = motion.positions[row]
-    return (position, motion.orientations[row]) if isinstance(motion, PoseTrajectory) else position

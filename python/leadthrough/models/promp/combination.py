@@ -50,7 +50,10 @@ def combine(
             "skills: expected the same basis, width and number of weights in all; "
             "fit them with the same ProMP"
         )
-    powers = np.ones(len(skills)) if activations is None else _powers(activations, len(skills))
+    given = np.ones(len(skills)) if activations is None else activations
+    powers = check.array(given, "activations", shape=(len(skills),))
+    if not (powers > 0.0).all():
+        raise InvalidInput(f"activations: expected numbers > 0, got {powers}")
     weights = product([each.free for each in skills], [float(power) for power in powers])
     return skills[0].with_weights(weights)
 
@@ -111,13 +114,6 @@ def product(factors: Sequence[Gaussian], powers: Sequence[float]) -> Gaussian:
             result.mean + gain @ (other.mean - result.mean), 0.5 * (covariance + covariance.T)
         )
     return result
-
-
-def _powers(activations: ArrayLike, count: int) -> Float64Array:
-    powers = check.array(activations, "activations", shape=(count,))
-    if not (powers > 0.0).all():
-        raise InvalidInput(f"activations: expected numbers > 0, got {powers}")
-    return powers
 
 
 def _about(skill: ProMPSkill[MotionT], coordinates: Coordinates[MotionT]) -> ProMPSkill[MotionT]:
