@@ -11,6 +11,7 @@
 #include "leadthrough/guard/bridge.hpp"
 #include "leadthrough/guard/contact.hpp"
 #include "leadthrough/guard/pace.hpp"
+#include "leadthrough/guard/path_curve.hpp"
 
 namespace py = pybind11;
 
@@ -23,53 +24,59 @@ using guard::GuardedScene;
 using guard::RowsRef;
 using guard::StepLimits;
 
-constexpr Index kMinRows = 3;
-
 StepLimits make_limits(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-                       const Eigen::VectorXd& step, const Eigen::VectorXd& bend,
-                       const Eigen::VectorXd& twist) {
-  const Index joints = step.size();
-  require(joints > 0 && lower.size() == joints && upper.size() == joints && bend.size() == joints &&
-          twist.size() == joints);
-  require(step.minCoeff() > 0.0 && bend.minCoeff() > 0.0 && twist.minCoeff() > 0.0);
-  return {lower, upper, step, bend, twist};
+                       const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration,
+                       const Eigen::VectorXd& jerk, double period) {
+  const Index joints = velocity.size();
+  require(joints > 0 && lower.size() == joints && upper.size() == joints &&
+          acceleration.size() == joints && jerk.size() == joints && period > 0.0);
+  require(velocity.minCoeff() > 0.0 && acceleration.minCoeff() > 0.0 && jerk.minCoeff() > 0.0);
+  return {lower, upper, velocity, acceleration, jerk, period};
 }
 
 void require_rows(const StepLimits& limits, const RowsRef& rows, Index least) {
-  require(rows.cols() == limits.joints() && rows.rows() >= least);
+  require(rows.cols() == 3 * limits.joints() && rows.rows() >= least);
 }
 
-void require_history(const StepLimits& limits, const RowsRef& history) {
-  require(history.cols() == limits.joints() && history.rows() == guard::kHistory);
+void require_start(const StepLimits& limits, const RowsRef& start) {
+  require(start.cols() == 3 * limits.joints() && start.rows() == 1);
 }
 
 // order, sample, joint, ratio; for order 0 the position.
 std::optional<std::tuple<int, Index, Index, double>> first_excess(const StepLimits& limits,
-                                                                  const RowsRef& history,
+                                                                  const RowsRef& start,
                                                                   const RowsRef& samples) {
-  require_history(limits, history);
+  require_start(limits, start);
   require_rows(limits, samples, 0);
   const py::gil_scoped_release release;
-  const auto found = guard::first_excess(limits, history, samples);
+  const auto found = guard::first_excess(limits, start, samples);
   if (!found) return std::nullopt;
   return std::make_tuple(found->order, found->sample, found->joint, found->ratio);
 }
 
-Rows brake(const StepLimits& limits, const RowsRef& history) {
-  require_history(limits, history);
+Rows with_rates(const Eigen::VectorXd& times, const RowsRef& positions, const RowsRef& start,
+                double period) {
+  require(positions.rows() > 0 && positions.cols() > 0 && times.size() == positions.rows());
+  require(start.rows() <= 1 && start.cols() == 3 * positions.cols() && period > 0.0);
   const py::gil_scoped_release release;
-  return guard::brake(limits, history);
+  return guard::with_rates(times, positions, start, period);
+}
+
+Rows brake(const StepLimits& limits, const RowsRef& start) {
+  require_start(limits, start);
+  const py::gil_scoped_release release;
+  return guard::brake(limits, start);
 }
 
 template <typename Find>
 auto bridge(const Find& find) {
-  return [find](const StepLimits& limits, const RowsRef& history, const RowsRef& target,
+  return [find](const StepLimits& limits, const RowsRef& start, const RowsRef& target,
                 Index most_steps) -> std::optional<std::pair<Rows, Index>> {
-    require_history(limits, history);
-    require_rows(limits, target, kMinRows);
+    require_start(limits, start);
+    require_rows(limits, target, 1);
     require(most_steps > 0);
     const py::gil_scoped_release release;
-    auto found = find(limits, history, target, most_steps);
+    auto found = find(limits, start, target, most_steps);
     if (!found) return std::nullopt;
     return std::make_pair(std::move(found->samples), found->skipped);
   };
@@ -83,27 +90,31 @@ PacedRows pair_of(std::optional<guard::Paced> paced) {
 }
 
 PacedRows slowed(const StepLimits& limits, const RowsRef& path, Index most_samples) {
-  require_rows(limits, path, kMinRows);
+  require_rows(limits, path, 1);
   require(most_samples > 0);
   const py::gil_scoped_release release;
   return pair_of(guard::slowed(limits, path, most_samples));
 }
 
-PacedRows stopped(const StepLimits& limits, const RowsRef& history, const RowsRef& path) {
-  require_history(limits, history);
+PacedRows stopped(const StepLimits& limits, const RowsRef& start, const RowsRef& path) {
+  require_start(limits, start);
   require_rows(limits, path, 1);
   const py::gil_scoped_release release;
-  return pair_of(guard::stopped(limits, history, path));
+  return pair_of(guard::stopped(limits, start, path));
 }
 
-// sample and the two bodies by name, or empty names where the work ended.
+// Along states, or positions alone: sample and the two bodies by name, or empty names where the
+// work ended.
 std::optional<std::tuple<double, std::string, std::string>> first_contact(
     const GuardedScene& guarded, const Eigen::VectorXd& start, const RowsRef& samples, double age,
     long most_work) {
   const CollisionScene& scene = guarded.arm.scene;
-  require(start.size() == scene.chain.joints() && samples.cols() == scene.chain.joints());
+  const Index joints = scene.chain.joints();
+  require(start.size() == joints || start.size() == 3 * joints);
+  require(samples.cols() == joints || samples.cols() == 3 * joints);
   const py::gil_scoped_release release;
-  const auto found = guard::first_contact(guarded, start, samples, age, most_work);
+  const auto found =
+      guard::first_contact(guarded, start.head(joints), samples.leftCols(joints), age, most_work);
   if (!found) return std::nullopt;
   if (found->a < 0) return std::make_tuple(found->sample, std::string(), std::string());
   return std::make_tuple(found->sample, scene.names[static_cast<std::size_t>(found->a)],
@@ -114,18 +125,20 @@ std::optional<std::tuple<double, std::string, std::string>> first_contact(
 
 void bind_guard(py::module_& module) {
   py::class_<StepLimits>(module, "StepLimits")
-      .def(py::init(&make_limits), py::arg("lower"), py::arg("upper"), py::arg("step"),
-           py::arg("bend"), py::arg("twist"));
-  module.def("first_excess", &first_excess, py::arg("limits"), py::arg("history").noconvert(),
+      .def(py::init(&make_limits), py::arg("lower"), py::arg("upper"), py::arg("velocity"),
+           py::arg("acceleration"), py::arg("jerk"), py::arg("period"));
+  module.def("first_excess", &first_excess, py::arg("limits"), py::arg("start").noconvert(),
              py::arg("samples").noconvert());
-  module.def("brake", &brake, py::arg("limits"), py::arg("history").noconvert());
+  module.def("with_rates", &with_rates, py::arg("times"), py::arg("positions").noconvert(),
+             py::arg("start").noconvert(), py::arg("period"));
+  module.def("brake", &brake, py::arg("limits"), py::arg("start").noconvert());
   module.def("bridge_to_start", bridge(&guard::bridge_to_start), py::arg("limits"),
-             py::arg("history").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
+             py::arg("start").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
   module.def("bridge_on_time", bridge(&guard::bridge_on_time), py::arg("limits"),
-             py::arg("history").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
+             py::arg("start").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
   module.def("slowed", &slowed, py::arg("limits"), py::arg("path").noconvert(),
              py::arg("most_samples"));
-  module.def("stopped", &stopped, py::arg("limits"), py::arg("history").noconvert(),
+  module.def("stopped", &stopped, py::arg("limits"), py::arg("start").noconvert(),
              py::arg("path").noconvert());
 
   py::class_<GuardedScene>(module, "GuardedScene")

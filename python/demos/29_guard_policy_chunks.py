@@ -17,8 +17,9 @@ arm, RATE = lt.Arm.load("panda"), 50.0
 q = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
 table = lt.Box((1.0, 1.6, 0.05), (0.6, 0.0, 0.0))
 post = lt.Cylinder(0.05, 1.0, (0.45, -0.3, 0.5))
-guard, commanded = lt.Guard(arm, [table, post], rate=RATE), [q]
+guard = lt.Guard(arm, [table, post], rate=RATE)
 guard.admit(q[None], q)
+commanded = [guard.state]
 figure, axes = plt.subplots(figsize=(9, 3.5), layout="constrained")
 times = np.arange(1, 51)[:, None] / RATE
 
@@ -41,19 +42,20 @@ for name, chunk in chunks.items():
     axes.text(begin, -0.4 if "NaN" in name else -0.6, name)
     print(f"{name}: {guard.admit(guard.state.q + chunk)}")
     while guard.remaining:
-        commanded.append(guard.next().q)  # sent to the controller, every period
+        commanded.append(guard.next())  # sent to the controller, every period
 # A person steps in while the arm moves.
 guard.admit(guard.state.q + wave(0.6))
 person = lt.shapes.MovingObstacle(lt.Capsule(0.25, 1.2, (0.2, 0.7, 0.6)), speed=0.8)
 print(f"a person: {guard.update_obstacles([table, post, person])}")
 while guard.remaining:
-    commanded.append(guard.next().q)
+    commanded.append(guard.next())
 clock = np.arange(len(commanded)) / RATE
-sent = lt.connect(q, lt.JointTrajectory(clock, commanded), arm, [table, post])
-kept = lt.check_limits(sent, arm.limits, linear_rate=RATE).ok
+states = [[getattr(state, part) for state in commanded] for part in ("q", "qd", "qdd")]
+sent = lt.JointTrajectory(clock, *states, joint_names=arm.joint_names)
+kept = lt.check_limits(sent, arm.limits).ok
 clear = arm.check(sent, [table, post]).ok
 lt.write_motion(sent, folder / "commanded.json")
-axes.plot(clock, np.array(commanded)[:, 0], "C0")
+axes.plot(clock, sent.positions[:, 0], "C0")
 axes.set(title="asked for (dashed) and sent", xlabel="time in s", ylabel="first joint in rad")
 figure.savefig(folder / "commanded.png", dpi=120)
 print(f"limits kept: {kept}, clear: {clear}; wrote {folder / 'commanded.json'}")

@@ -289,9 +289,10 @@ class StepLimits:
         self,
         lower: Float64Array,
         upper: Float64Array,
-        step: Float64Array,
-        bend: Float64Array,
-        twist: Float64Array,
+        velocity: Float64Array,
+        acceleration: Float64Array,
+        jerk: Float64Array,
+        period: float,
     ) -> None: ...
 
 class GuardedScene:
@@ -305,20 +306,23 @@ class GuardedScene:
     ) -> None: ...
 
 def first_excess(
-    limits: StepLimits, history: Float64Array, samples: Float64Array
+    limits: StepLimits, start: Float64Array, samples: Float64Array
 ) -> tuple[int, int, int, float] | None: ...
-def brake(limits: StepLimits, history: Float64Array) -> Float64Array: ...
+def with_rates(
+    times: Float64Array, positions: Float64Array, start: Float64Array, period: float
+) -> Float64Array: ...
+def brake(limits: StepLimits, start: Float64Array) -> Float64Array: ...
 def bridge_to_start(
-    limits: StepLimits, history: Float64Array, target: Float64Array, most_steps: int
+    limits: StepLimits, start: Float64Array, target: Float64Array, most_steps: int
 ) -> tuple[Float64Array, int] | None: ...
 def bridge_on_time(
-    limits: StepLimits, history: Float64Array, target: Float64Array, most_steps: int
+    limits: StepLimits, start: Float64Array, target: Float64Array, most_steps: int
 ) -> tuple[Float64Array, int] | None: ...
 def slowed(
     limits: StepLimits, path: Float64Array, most_samples: int
 ) -> tuple[Float64Array, Float64Array] | None: ...
 def stopped(
-    limits: StepLimits, history: Float64Array, path: Float64Array
+    limits: StepLimits, start: Float64Array, path: Float64Array
 ) -> tuple[Float64Array, Float64Array] | None: ...
 def first_contact(
     scene: GuardedScene,

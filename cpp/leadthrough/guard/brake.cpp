@@ -17,9 +17,9 @@ constexpr double kSame = 1e-9;
 
 // A joint, mirrored so that it must decelerate.
 struct Joint {
-  double velocity, acceleration;
-  double most;  // acceleration
-  double jerk;
+  double velocity = 0.0, acceleration = 0.0;
+  double most = 0.0;  // acceleration
+  double jerk = 0.0;
 
   Joint mirrored() const { return {-velocity, -acceleration, most, jerk}; }
 
@@ -103,30 +103,50 @@ Stop stop_of(const Joint& joint) {
   return with_share({other, steps_for(other, -other.velocity, release), true});
 }
 
+// A joint's motion, after each of its steps. Per period.
+class Motion {
+ public:
+  Motion(const JointState& start, double most, double jerk, double period)
+      : now_{start.position, start.velocity * period, start.acceleration * period * period} {
+    if (now_.velocity == 0.0 && now_.acceleration == 0.0) return;
+    stop_ = stop_of({now_.velocity + 0.5 * now_.acceleration, now_.acceleration, most, jerk});
+    steps_ = stop_.steps + 1;
+  }
+
+  Index steps() const { return steps_; }
+
+  const JointState& after(Index i) {
+    if (i > steps_) return now_;
+    const double next = i < steps_ ? stop_.acceleration(i) : 0.0;
+    now_.position += now_.velocity + now_.acceleration / 3.0 + next / 6.0;
+    now_.velocity = i < steps_ ? now_.velocity + 0.5 * (now_.acceleration + next) : 0.0;
+    now_.acceleration = next;
+    return now_;
+  }
+
+ private:
+  JointState now_;
+  Stop stop_;
+  Index steps_ = 0;
+};
+
 }  // namespace
 
-Rows brake(const StepLimits& limits, const RowsRef& history) {
-  const Index joints = limits.joints();
-  std::vector<Stop> stops;
+Rows brake(const StepLimits& limits, const RowsRef& start) {
+  const double h = limits.period;
+  std::vector<Motion> motions;
   Index longest = 0;
-  for (Index j = 0; j < joints; ++j) {
-    const double velocity = history(2, j) - history(1, j);
-    const double before = history(1, j) - history(0, j);
-    stops.push_back(stop_of({velocity, velocity - before, limits.bend[j], limits.twist[j]}));
-    longest = std::max(longest, stops.back().steps);
+  for (Index j = 0; j < limits.joints(); ++j) {
+    motions.emplace_back(joint_state(start, 0, j), limits.acceleration[j] * h * h,
+                         limits.jerk[j] * h * h * h, h);
+    longest = std::max(longest, motions.back().steps());
   }
-  Rows samples(longest, joints);
-  for (Index j = 0; j < joints; ++j) {
-    const Stop& stop = stops[static_cast<std::size_t>(j)];
-    double position = history(2, j), velocity = position - history(1, j);
-    for (Index i = 1; i <= longest; ++i) {
-      if (i <= stop.steps) {
-        velocity += stop.acceleration(i);
-        position += velocity;
-      }
-      samples(i - 1, j) = position;
+  Rows samples(longest, start.cols());
+  for (Index i = 1; i <= longest; ++i)
+    for (Index j = 0; j < limits.joints(); ++j) {
+      const JointState& now = motions[static_cast<std::size_t>(j)].after(i);
+      put({now.position, now.velocity / h, now.acceleration / (h * h)}, j, samples.row(i - 1));
     }
-  }
   return samples;
 }
 

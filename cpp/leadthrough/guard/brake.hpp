@@ -1,10 +1,11 @@
 #pragma once
 
-// The fastest stop of a stream of positions, each joint by itself.
+// The fastest stop of a stream, each joint by itself, with accelerations that are linear between
+// samples: the quintics through these are then the cubics of that motion.
 //
-// In differences, a joint with velocity d and acceleration a (per period) comes to rest in m steps
-// by accelerations a_1 ... a_m that add up to -d, differ by at most the jerk limit J, from a_0 = a
-// to a_{m+1} = 0, and are at most A. The lowest of them all at once,
+// Per period, a joint with velocity v and acceleration a comes to rest in m + 1 steps by
+// accelerations a_1 ... a_m that add up to -d = -(v + a / 2), differ by at most the jerk limit J,
+// from a_0 = a to a_{m+1} = 0, and are at most A. The lowest of them all at once,
 //
 //     low_i(m) = max(a - i J, -A, -(m + 1 - i) J),
 //
@@ -17,8 +18,8 @@
 
 namespace leadthrough::guard {
 
-// The samples (m, joints) to rest, in the last of which all joints rest; none where they do
-// already.
-Rows brake(const StepLimits& limits, const RowsRef& history);
+// The samples (n, 3 joints) from a state (1, 3 joints) to rest, in the last of which all joints
+// rest; none where they do already.
+Rows brake(const StepLimits& limits, const RowsRef& start);
 
 }  // namespace leadthrough::guard

@@ -1,6 +1,9 @@
 #include "leadthrough/guard/bridge.hpp"
 
-#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "leadthrough/guard/path_curve.hpp"
 
 namespace leadthrough::guard {
 
@@ -8,70 +11,76 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kLanding = 3;  // rows of the target that fix the polynomial
-constexpr Index kKnots = kHistory + kLanding;
 // Each attempt takes longer than the one before by this fraction.
 constexpr Index kFractions = 8;
+constexpr double kNear = 1.0 + 1e-6;
 
-// Newton's form through rows at times -2, -1, 0 and steps, steps + 1, steps + 2.
-class Quintic {
+// All joints from one state to another.
+class Quintics {
  public:
-  Quintic(const RowsRef& history, const RowsRef& landing, Index steps)
-      : table_(kKnots, history.cols()) {
-    for (Index i = 0; i < kHistory; ++i) times_[i] = static_cast<double>(i + 1 - kHistory);
-    for (Index i = 0; i < kLanding; ++i) times_[kHistory + i] = static_cast<double>(steps + i);
-    table_ << history, landing;
-    for (Index order = 1; order < kKnots; ++order)
-      for (Index i = kKnots - 1; i >= order; --i)
-        table_.row(i) = (table_.row(i) - table_.row(i - 1)) / (times_[i] - times_[i - order]);
+  Quintics(const RowsRef& start, const RowsRef& end, double duration) {
+    for (Index j = 0; j < start.cols() / 3; ++j)
+      joints_.emplace_back(duration, joint_state(start, 0, j), joint_state(end, 0, j));
+  }
+
+  // Most attempts leave a limit by far, at a place like these.
+  bool may_keep(const StepLimits& limits) const {
+    for (const double fraction : {0.5, 0.2, 0.8})
+      for (std::size_t j = 0; j < joints_.size(); ++j) {
+        const JointState state = joints_[j].at(fraction);
+        const auto joint = static_cast<Index>(j);
+        if (std::abs(state.velocity) > limits.velocity[joint] * kNear ||
+            std::abs(state.acceleration) > limits.acceleration[joint] * kNear)
+          return false;
+      }
+    return true;
   }
 
   template <typename Row>
-  void at(double time, Row row) const {
-    row = table_.row(kKnots - 1);
-    for (Index i = kKnots - 2; i >= 0; --i) row = row * (time - times_[i]) + table_.row(i);
+  void at(double fraction, Row row) const {
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      put(joints_[j].at(fraction), static_cast<Index>(j), row);
   }
 
  private:
-  Rows table_;
-  Eigen::Array<double, kKnots, 1> times_;
+  std::vector<JointQuintic> joints_;
 };
 
 // skip: rows of the target for each step after the first.
-std::optional<Bridge> shortest(const StepLimits& limits, const RowsRef& history,
+std::optional<Bridge> shortest(const StepLimits& limits, const RowsRef& start,
                                const RowsRef& target, Index most_steps, Index skip) {
-  Rows stream(kHistory + most_steps - 1 + kLanding, limits.joints());
-  stream.topRows(kHistory) = history;
+  Rows stream(most_steps + 1, start.cols());
+  stream.row(0) = start.row(0);
   for (Index steps = 1; steps <= most_steps; steps += 1 + steps / kFractions) {
     const Index skipped = skip * (steps - 1);
-    if (skipped + kLanding > target.rows()) break;
-    const auto landing = target.middleRows(skipped, kLanding);
-    const Quintic quintic(history, landing, steps);
-    // Most attempts leave a limit within a few rows.
+    if (skipped >= target.rows()) break;
+    const RowsRef landing = target.middleRows(skipped, 1);
+    const double duration = static_cast<double>(steps) * limits.period;
+    const Quintics quintics(start, landing, duration);
+    if (!quintics.may_keep(limits)) continue;
     bool satisfied = true;
-    for (Index k = 1; satisfied && k < steps + kLanding; ++k) {
-      const Index row = kHistory - 1 + k;
+    for (Index k = 1; satisfied && k <= steps; ++k) {
       if (k < steps)
-        quintic.at(static_cast<double>(k), stream.row(row));
+        quintics.at(static_cast<double>(k) / static_cast<double>(steps), stream.row(k));
       else
-        stream.row(row) = landing.row(k - steps);
-      satisfied = keeps(limits, stream, row);
+        stream.row(k) = landing.row(0);
+      satisfied = keeps(limits, stream, k);
     }
-    if (satisfied) return Bridge{stream.middleRows(kHistory, steps - 1), skipped};
+    if (satisfied) return Bridge{stream.middleRows(1, steps - 1), skipped};
   }
   return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<Bridge> bridge_to_start(const StepLimits& limits, const RowsRef& history,
+std::optional<Bridge> bridge_to_start(const StepLimits& limits, const RowsRef& start,
                                       const RowsRef& target, Index most_steps) {
-  return shortest(limits, history, target, most_steps, 0);
+  return shortest(limits, start, target, most_steps, 0);
 }
 
-std::optional<Bridge> bridge_on_time(const StepLimits& limits, const RowsRef& history,
+std::optional<Bridge> bridge_on_time(const StepLimits& limits, const RowsRef& start,
                                      const RowsRef& target, Index most_steps) {
-  return shortest(limits, history, target, most_steps, 1);
+  return shortest(limits, start, target, most_steps, 1);
 }
 
 }  // namespace leadthrough::guard

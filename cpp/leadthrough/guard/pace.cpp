@@ -23,12 +23,13 @@ constexpr Index kStopFractions = 8;
 // Periods in which the fastest joint of the path can stop: the time scale of changes of pace.
 Index gentle(const StepLimits& limits, const RowsRef& path) {
   double periods = 1.0;
-  for (Index j = 0; j < path.cols(); ++j) {
+  for (Index j = 0; j < limits.joints(); ++j) {
     double fastest = 0.0;
     for (Index i = 1; i < path.rows(); ++i)
       fastest = std::max(fastest, std::abs(path(i, j) - path(i - 1, j)));
-    fastest = std::min(fastest, limits.step[j]);
-    periods = std::max(periods, fastest / limits.bend[j] + limits.bend[j] / limits.twist[j]);
+    fastest = std::min(fastest / limits.period, limits.velocity[j]);
+    const double time = fastest / limits.acceleration[j] + limits.acceleration[j] / limits.jerk[j];
+    periods = std::max(periods, time / limits.period);
   }
   return static_cast<Index>(std::min(std::ceil(periods), static_cast<double>(path.rows()))) + 1;
 }
@@ -64,9 +65,19 @@ ArrayXd places_for(const ArrayXd& delay, Index most) {
   return places;
 }
 
-void run_along(const PathCurve& curve, const ArrayXd& places, Rows& samples) {
+// Samples whose parameters are a cubic spline of these control points, so that the pace is smooth.
+void run_along(const PathCurve& curve, ArrayXd& places, Rows& samples) {
+  const Index last = places.size() - 1;
   samples.resize(places.size(), samples.cols());
-  for (Index k = 0; k < places.size(); ++k) curve.at(places[k], samples.row(k));
+  const ArrayXd controls = places;
+  for (Index k = 0; k <= last; ++k) {
+    const double before = controls[std::max<Index>(k - 1, 0)];
+    const double after = controls[std::min(k + 1, last)];
+    const bool inner = k > 0 && k < last;
+    const double bend = inner ? after - 2.0 * controls[k] + before : 0.0;
+    places[k] += bend / 6.0;
+    curve.at(places[k], inner ? 0.5 * (after - before) : after - before, bend, samples.row(k));
+  }
 }
 
 class Pacing {
@@ -75,7 +86,7 @@ class Pacing {
       : limits_(limits),
         path_(path),
         most_samples_(most_samples),
-        curve_(path),
+        curve_(path, limits.period),
         width_(gentle(limits, path)) {}
 
   // The pace falls where a limit is exceeded for so many rounds, and then everywhere.
@@ -83,7 +94,7 @@ class Pacing {
     ArrayXd delay = ArrayXd::Zero(path_.rows());
     Rows samples(0, path_.cols());
     for (int round = 0; round < kRounds; ++round) {
-      const ArrayXd places = places_for(delay, most_samples_);
+      ArrayXd places = places_for(delay, most_samples_);
       run_along(curve_, places, samples);
       const Eigen::VectorXd needed = slowdowns(limits_, samples);
       const double worst = needed.maxCoeff();
@@ -117,6 +128,7 @@ class Pacing {
 }  // namespace
 
 std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path, Index most_samples) {
+  if (path.rows() == 1) return Paced{path, Eigen::VectorXd::Zero(1)};
   const Pacing pacing(limits, path, most_samples);
   std::optional<Paced> local = pacing.settled(kLocalRounds);
   if (local && local->places.size() == path.rows()) return local;
@@ -125,32 +137,33 @@ std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path, Index
   return local;
 }
 
-std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& history,
-                             const RowsRef& path) {
-  Rows rows(kHistory + path.rows(), path.cols());
-  rows << history, path;
-  const PathCurve curve(rows);
-  Rows stream(2 * path.rows() + 2 + 2 * kHistory, path.cols());
+std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& start, const RowsRef& path) {
+  Rows rows(1 + path.rows(), path.cols());
+  rows << start, path;
+  const PathCurve curve(rows, limits.period);
+  Rows stream(2 * path.rows() + 3, path.cols());
   stream.topRows(rows.rows()) = rows;
   ArrayXd places(stream.rows());
   for (Index stop = 2; stop / 2 < path.rows(); stop += 1 + stop / kStopFractions) {
-    // The pace falls from 1 to 0 as 1 - 3 s^2 + 2 s^3, in half as many rows as periods. Rest
-    // afterwards is part of the stop. Attempts that are too short end within a few
-    // rows, and those after them begin at the same row or before.
+    // The pace falls from 1 to 0 as 1 - 3 s^2 + 2 s^3, in half as many rows as periods. Attempts
+    // that are too short end within a few rows, and those after them begin at the same row or
+    // before.
     const Index first = path.rows() - 1 - stop / 2;
     bool satisfied = true;
-    for (Index k = 1; satisfied && k <= stop + kHistory; ++k) {
-      const double s = static_cast<double>(std::min(k, stop)) / static_cast<double>(stop);
+    for (Index k = 1; satisfied && k <= stop; ++k) {
+      const double s = static_cast<double>(k) / static_cast<double>(stop);
       const double gone = static_cast<double>(stop) * s * (1.0 - s * s * (1.0 - 0.5 * s));
-      const Index row = kHistory + first + k - 1;
-      places[first + k - 1] = static_cast<double>(first - 1) + gone;
-      curve.at(static_cast<double>(kHistory) + places[first + k - 1], stream.row(row));
+      const double rate = k < stop ? 1.0 - s * s * (3.0 - 2.0 * s) : 0.0;
+      const double bend = -6.0 * s * (1.0 - s) / static_cast<double>(stop);
+      const Index row = first + k;
+      places[row - 1] = static_cast<double>(first - 1) + gone;
+      curve.at(1.0 + places[row - 1], rate, bend, stream.row(row));
       satisfied = keeps(limits, stream, row);
     }
     if (!satisfied) continue;
     for (Index k = 0; k < first; ++k) places[k] = static_cast<double>(k);
     const Index count = first + stop;
-    return Paced{stream.middleRows(kHistory, count), places.head(count).matrix()};
+    return Paced{stream.middleRows(1, count), places.head(count).matrix()};
   }
   return std::nullopt;
 }

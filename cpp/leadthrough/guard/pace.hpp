@@ -1,6 +1,6 @@
 #pragma once
 
-// The same path at another pace: a smooth curve through samples, slowed down or stopped.
+// The same path at another pace: the curve through samples, slowed down or stopped.
 
 #include <optional>
 
@@ -14,13 +14,13 @@ struct Paced {
   Eigen::VectorXd places;
 };
 
-// Along a path (n, joints), n >= 3, from its first row to its last, as slowly as the limits demand
+// Along a path (n, 3 joints) from its first row to its last, as slowly as the limits demand
 // but in at most `most_samples`; exactly that many if even then a limit is exceeded.
 std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path,
                             Eigen::Index most_samples);
 
-// A stop on a path (n, joints) that satisfies the limits after its history: as given up to the
-// latest row from which it can stop at or before the last one.
-std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& history, const RowsRef& path);
+// A stop on a path (n, 3 joints) that satisfies the limits after a state: as given up to the latest
+// row from which it can stop at or before the last one.
+std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& start, const RowsRef& path);
 
 }  // namespace leadthrough::guard

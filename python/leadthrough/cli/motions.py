@@ -145,7 +145,8 @@ def guard(
 
     from leadthrough.cli import errors, parse, reading
     from leadthrough.cli import robot as robots
-    from leadthrough.guard.admission import from_state
+    from leadthrough.guard.admission import states_of, trajectory
+    from leadthrough.guard.rules import row_of
 
     reading.check_output(out, format)
     arm = robots.load(robot, details)
@@ -162,14 +163,10 @@ def guard(
         answer = admits.admit(chunk, here)
     rest = answer.to_rest
     now = chunk.times[0] - 1.0 / per_second
-    events = [replace(each, time=each.time - now) for each in rest.events]
-    written = from_state(
-        here,
-        np.concatenate([here[None], rest.positions]),
-        names=arm.joint_names,
-        period=1.0 / per_second,
-        events=tuple(events),
-    )
+    events = tuple(replace(each, time=each.time - now) for each in rest.events)
+    states = np.concatenate([row_of(here, len(arm.joint_names)), states_of(rest)])
+    times = np.arange(len(states)) / per_second
+    written = trajectory(times, states, arm.joint_names, events)
     if answer.safe:
         reading.write_motion(written, out, format)
     found = {
@@ -185,7 +182,6 @@ def guard(
     output.facts(found, as_json=as_json, units=units)
     if answer.safe and not as_json and reading.can_read(out):
         words = (*output.arm_words(ctx), *output.typed(ctx, "obstacle"))
-        # Commands of a guard keep the limits where they are run straight, one a period.
-        output.hint(ctx, "leadthrough", "check", out, *words, "--rate", f"{per_second:.12g}")
+        output.hint(ctx, "leadthrough", "check", out, *words)
     if answer.verdict == "braking" or not answer.safe:
         raise typer.Exit(1)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput
@@ -37,8 +38,8 @@ class CommandedState(ShortRepr):
 
     Attributes:
         q: (joints,) in rad (m for prismatic joints).
-        qd: (joints,) in rad/s (m/s); the step since the command before, over the period.
-        qdd: (joints,) in rad/s^2 (m/s^2); the change of that, over the period.
+        qd: (joints,) in rad/s (m/s).
+        qdd: (joints,) in rad/s^2 (m/s^2).
     """
 
     q: Float64Array
@@ -113,29 +114,17 @@ class Admission(ShortRepr):
 
     @property
     def to_rest(self) -> JointTrajectory:
-        """The motion followed by the brake, without velocities if the motion has none."""
+        """The motion followed by the brake."""
         if self.verdict == "braking":
             return self.motion
-        parts = (self.motion, self.brake)
-        return JointTrajectory(
-            np.concatenate([each.times for each in parts]),
-            np.concatenate([each.positions for each in parts]),
-            _joined([each.velocities for each in parts]),
-            _joined([each.accelerations for each in parts]),
-            self.brake.joint_names,
-            self.motion.events,
-        )
+        states = np.concatenate([states_of(self.motion), states_of(self.brake)])
+        times = np.concatenate([self.motion.times, self.brake.times])
+        return trajectory(times, states, self.brake.joint_names, self.motion.events)
 
     def __str__(self) -> str:
         why = "; ".join(str(each) for each in self.reasons)
         unsafe = "" if self.safe else " (NOT SAFE)"
         return f"{self.verdict}{unsafe}{': ' if why else ''}{why}"
-
-
-def _joined(parts: list[Float64Array | None]) -> Float64Array | None:
-    """The rows one after the other; None if the first part has none."""
-    known = [rows for rows in parts if rows is not None]
-    return np.concatenate(known) if len(known) == len(parts) else None
 
 
 _SAME_PERIOD = 1e-6  # relative; clocks that differ by less are one
@@ -147,9 +136,14 @@ class Chunk:
 
     rows: Float64Array  # (n, joints), perhaps not finite
     start: float  # time of the first one on the chunk's own clock, s
-    given: JointTrajectory | None = None
+    states: Float64Array | None = None  # (n, 3 joints), where it has all rates
     events: tuple[Event, ...] = ()  # of it
     resampled: bool = False  # whether its clock was another
+
+    def following(self, start: Float64Array, period: float) -> Float64Array:
+        """States (n, 3 joints) of the samples, by the parabolas through three of them."""
+        times = period * np.arange(len(self.rows), dtype=np.float64)
+        return core.with_rates(times, np.ascontiguousarray(self.rows), start, period)
 
 
 def chunk_of(value: JointTrajectory | ArrayLike, arm: Arm, period: float) -> Chunk:
@@ -163,7 +157,10 @@ def chunk_of(value: JointTrajectory | ArrayLike, arm: Arm, period: float) -> Chu
     start = float(own.times[0])
     steps = np.diff(own.times)
     if (np.abs(steps - period) <= _SAME_PERIOD * period + 1e-12 * np.abs(own.times[1:])).all():
-        return Chunk(own.positions, start, own, own.events)
+        states = None
+        if own.velocities is not None and own.accelerations is not None:
+            states = states_of(own)
+        return Chunk(own.positions, start, states, own.events)
     count = 1 + int(np.floor((own.times[-1] - start) / period * (1.0 + 1e-9)))
     at = np.minimum(start + period * np.arange(count), own.times[-1])
     return Chunk(_interpolated(own, at), start, None, own.events, resampled=True)
@@ -180,67 +177,28 @@ def _interpolated(own: JointTrajectory, at: Float64Array) -> Float64Array:
     return np.asarray(CubicSpline(own.times, own.positions, bc_type="natural")(at))
 
 
-def trajectories(
-    history: Float64Array,
-    rows: Float64Array,
-    kept: int,
-    *,
+def states_of(motion: JointTrajectory) -> Float64Array:
+    """Positions, velocities and accelerations (n, 3 joints) of a motion that has them."""
+    assert motion.velocities is not None
+    assert motion.accelerations is not None
+    return np.hstack([motion.positions, motion.velocities, motion.accelerations])
+
+
+def parts_of(states: Float64Array) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """Views of the positions, velocities and accelerations (n, joints) of states."""
+    joints = states.shape[1] // 3
+    return states[:, :joints], states[:, joints : 2 * joints], states[:, 2 * joints :]
+
+
+def trajectory(
+    times: Float64Array,
+    states: Float64Array,
     names: tuple[str, ...],
-    start: float,
-    period: float,
-    events: tuple[Event, ...] = (),
-) -> tuple[JointTrajectory, JointTrajectory]:
-    """The kept rows, and those after them; the last row where there is none.
-
-    Velocities are central differences, so that they and the accelerations are inside limits that
-    the differences of the positions keep.
-
-    Args:
-        history: (k, joints), the commands before.
-        rows: (n, joints), n > 0, to rest.
-        kept: how many belong to the first trajectory, > 0.
-        names: of the joints.
-        start: time of the first row, s.
-        period: between rows, s.
-        events: of the first trajectory.
-    """
-    around = np.concatenate([history[-1:], rows, rows[-1:]])
-    velocities = (around[2:] - around[:-2]) / (2.0 * period)
-    accelerations = np.diff(around, 2, axis=0) / period**2
-    times = start + period * np.arange(len(rows) + 1, dtype=np.float64)
-    after = slice(kept, None) if kept < len(rows) else slice(len(rows) - 1, None)
-    first = times[:kept]
-    then = times[kept : kept + max(1, len(rows) - kept)]
-    motion = computed_joints(
-        first,
-        rows[:kept],
-        velocities[:kept],
-        accelerations[:kept],
-        joint_names=names,
-        events=events,
-    )
-    brake = computed_joints(
-        then, rows[after], velocities[after], accelerations[after], joint_names=names
-    )
-    return motion, brake
-
-
-def from_state(
-    before: Float64Array,
-    rows: Float64Array,
-    *,
-    names: tuple[str, ...],
-    period: float,
     events: tuple[Event, ...] = (),
 ) -> JointTrajectory:
-    """The motion of commands, the first of which is the present one, at time 0."""
-    motion, _ = trajectories(
-        before[None], rows, len(rows), names=names, start=0.0, period=period, events=events
-    )
-    assert motion.velocities is not None
-    velocities = motion.velocities.copy()
-    velocities[0] = (rows[0] - before) / period  # as commanded, and zero for an arm at rest
-    return replace(motion, velocities=velocities)
+    """The motion of states (n, 3 joints)."""
+    parts = [np.ascontiguousarray(part) for part in parts_of(states)]
+    return computed_joints(times, *parts, joint_names=names, events=events)
 
 
 def moved_events(

@@ -12,8 +12,9 @@ import leadthrough._core as core
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.errors import LimitsInfeasible, NoPath
-from leadthrough.guard.admission import CommandedState, chunk_of, from_state
-from leadthrough.guard.rules import HISTORY, Contact, Rules, history_of, rules_for
+from leadthrough.guard.admission import Chunk, CommandedState, chunk_of
+from leadthrough.guard.admission import trajectory as motion_of
+from leadthrough.guard.rules import Contact, Rules, row_of, rules_for
 from leadthrough.joint_names import in_order
 from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import SceneLike, as_scene
@@ -34,8 +35,8 @@ def connect(
     as the limits of position, velocity, acceleration and jerk allow; after the last sample the arm
     brakes as fast as it may. Both are certified to be clear between samples. Joints that may turn
     further take the whole turns that bring the motion nearest to the state. The samples themselves
-    stay as they are, but for these turns; `lt.Guard` and `Arm.check` judge them. The limits are
-    kept where each sample is commanded when due: `check_limits` with `linear_rate` judges that.
+    stay as they are, but for these turns; `lt.Guard` and `Arm.check` judge them. If they carry no
+    accelerations, their rates are those of the parabolas through three samples.
 
     Args:
         state: commanded now: a `CommandedState`, or positions (joints,) at which the arm rests.
@@ -58,30 +59,36 @@ def connect(
         raise InvalidInput("trajectory: expected at least two samples, got one")
     period = float(np.diff(trajectory.times).min())
     rules = rules_for(arm, as_scene(scene), period)
-    history = history_of(state, len(arm.joint_names), period)
+    start = row_of(state, len(arm.joint_names))
     chunk = chunk_of(trajectory, arm, period)
-    rows = _unwrapped(chunk.rows, history[-1], arm)
-    ease = _ease_in(rules, history, rows)
-    ended = np.concatenate([history, ease, rows])
-    stopping = rules.braked(ended[-HISTORY:], rows[:0])
+    rows = _states(chunk, _unwrapped(chunk.rows, start[0, : len(arm.joint_names)], arm), period)
+    ease = _ease_in(rules, start, rows)
+    stopping = rules.braked(rows[-1:], rows[:0])
     if stopping is None:
-        raise _infeasible(rules, ended[-HISTORY:], "to rest after the last sample")
-    if found := rules.contact(ended[-HISTORY:], stopping.rows, 0.0):
+        raise _infeasible(rules, rows[-1:], "to rest after the last sample")
+    if found := rules.contact(rows[-1:], stopping.rows, 0.0):
         raise _blocked(found, "ease_out", "braking after the last sample")
-    commands = np.concatenate([history[-1:], ease, rows, stopping.rows])
+    commands = np.concatenate([start, ease, rows, stopping.rows])
     shift = period * (1 + len(ease)) - chunk.start
     events = tuple(replace(each, time=each.time + shift) for each in chunk.events)
-    return from_state(history[-2], commands, names=arm.joint_names, period=period, events=events)
+    times = period * np.arange(len(commands), dtype=np.float64)
+    return motion_of(times, commands, arm.joint_names, events)
 
 
-def _ease_in(rules: Rules, history: Float64Array, rows: Float64Array) -> Float64Array:
-    resting = max(0, LANDING - len(rows))
-    target = np.concatenate([rows, np.repeat(rows[-1:], resting, axis=0)])
-    joined = joined_at_start(rules, history, target)
+def _states(chunk: Chunk, positions: Float64Array, period: float) -> Float64Array:
+    """The chunk's states at positions that differ from its own by whole turns."""
+    joints = positions.shape[1]
+    if chunk.states is not None:
+        return np.hstack([positions, chunk.states[:, joints:]])
+    return replace(chunk, rows=positions).following(np.empty((0, 3 * joints)), period)
+
+
+def _ease_in(rules: Rules, start: Float64Array, rows: Float64Array) -> Float64Array:
+    joined = joined_at_start(rules, start, rows)
     if joined is None:
-        raise _infeasible(rules, history, "onto the first sample")
+        raise _infeasible(rules, start, "onto the first sample")
     ease = joined[0]
-    if found := rules.contact(history, np.concatenate([ease, rows[:1]]), 0.0):
+    if found := rules.contact(start, np.concatenate([ease, rows[:1]]), 0.0):
         raise _blocked(found, "ease_in", "the bridge onto the first sample")
     return ease
 
@@ -103,8 +110,8 @@ def _unwrapped(rows: Float64Array, now: Float64Array, arm: Arm) -> Float64Array:
     return result
 
 
-def _infeasible(rules: Rules, history: Float64Array, where: str) -> LimitsInfeasible:
-    _, _, joint, _ = rules.stop_excess(history) or (0, 0, 0, 0.0)
+def _infeasible(rules: Rules, start: Float64Array, where: str) -> LimitsInfeasible:
+    _, _, joint, _ = rules.stop_excess(start) or (0, 0, 0, 0.0)
     name = rules.joints.joint_names[joint]
     return LimitsInfeasible(
         f"no motion inside the limits leads {where}; the joint nearest its limits is {name}",
@@ -122,34 +129,28 @@ def _blocked(found: Contact, reason: str, what: str) -> NoPath:
 
 
 _JUMP = 3.0  # times its neighbours a step is longer that is a jump
-_MAX_STRETCH = 20  # factor by which a piece may be stretched
+_MAX_STRETCH = 10  # factor by which a piece may be stretched
 
 
 @dataclass(frozen=True, eq=False)
 class Changed:
     """Rows inside the limits."""
 
-    rows: Float64Array  # (n, joints)
+    rows: Float64Array  # (n, 3 joints)
     places: Float64Array  # which sample of the chunk each is, with fractions in between, (n,)
     complete: bool  # whether they lead to the end of the chunk
 
 
-def changed(rules: Rules, history: Float64Array, samples: Float64Array) -> Changed:
-    """The samples, brought inside the limits."""
+def changed(rules: Rules, start: Float64Array, samples: Float64Array) -> Changed:
+    """The samples (n, joints), brought inside the limits."""
     inside = np.clip(samples, rules.joints.lower, rules.joints.upper)
-    rows, places = [history], [np.arange(-HISTORY, 0, dtype=np.float64)]
+    rows, places = [start], [np.full(1, -1.0)]
     complete = True
     for first, end in pairwise(_pieces(inside, rules.joints.velocity * rules.period)):
-        piece = inside[first:end]
-        if len(piece) < LANDING and end < len(inside):
+        if end - first < _SHORT_PIECE and end < len(inside):
             continue
-        last = rows[-1][-HISTORY:]
-        if beyond_reach(rules, last[-1], piece):
-            complete = False
-            break
-        resting = max(0, LANDING - len(piece))
-        path = np.concatenate([piece, np.repeat(piece[-1:], resting, axis=0)])
-        run = core.slowed(rules.limits, path, _MAX_STRETCH * len(path))
+        last = rows[-1][-1:]
+        run = _paced(rules, last, inside[first:end])
         if run is None:
             complete = False
             break
@@ -165,7 +166,18 @@ def changed(rules: Rules, history: Float64Array, samples: Float64Array) -> Chang
         between = since + (at[0] - since) * np.arange(1, len(bridge) + 1) / (len(bridge) + 1)
         rows += [bridge, target[skipped:]]
         places += [between, at]
-    return Changed(np.concatenate(rows)[HISTORY:], np.concatenate(places)[HISTORY:], complete)
+    return Changed(np.concatenate(rows)[1:], np.concatenate(places)[1:], complete)
+
+
+def _paced(
+    rules: Rules, last: Float64Array, piece: Float64Array
+) -> tuple[Float64Array, Float64Array] | None:
+    """A piece inside the limits of its rates, and its places; None if it is out of reach."""
+    if beyond_reach(rules, last, piece):
+        return None
+    none = np.empty((0, last.shape[1]))
+    path = Chunk(piece, 0.0).following(none, rules.period)
+    return core.slowed(rules.limits, path, _MAX_STRETCH * max(_SHORT_PIECE, len(path)))
 
 
 def _pieces(samples: Float64Array, step: Float64Array) -> list[int]:
@@ -177,7 +189,7 @@ def _pieces(samples: Float64Array, step: Float64Array) -> list[int]:
     return [0, *(np.flatnonzero(jumps) + 1).tolist(), len(samples)]
 
 
-LANDING = 3  # samples that a bridge has to fit to
+_SHORT_PIECE = 3  # samples: fewer between two jumps are left out
 _MAX_BRIDGE = 10.0  # s
 # A bridge over at most this fraction of the samples keeps to their clock.
 _ON_TIME = 0.25
@@ -187,32 +199,31 @@ Joined = tuple[Float64Array, int]
 
 
 def beyond_reach(rules: Rules, last: Float64Array, target: Float64Array) -> bool:
-    """Whether a joint is too far from a target for any bridge, however slow."""
+    """Whether a joint is too far from a target (n, joints) for any bridge, however slow."""
     periods = 2 * _most_periods(rules) + len(target)
-    return bool((np.abs(target[0] - last) > periods * rules.period * rules.joints.velocity).any())
+    away = np.abs(target[0] - last[0, : target.shape[1]])
+    return bool((away > periods * rules.period * rules.joints.velocity).any())
 
 
-def joined_on_time(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
+def joined_on_time(rules: Rules, start: Float64Array, target: Float64Array) -> Joined | None:
     """The shortest bridge onto a sample when that is due; the first is due a period from now."""
     soon = max(1, int(_ON_TIME * len(target)))
-    return core.bridge_on_time(rules.limits, history, target, soon)
+    return core.bridge_on_time(rules.limits, start, target, soon)
 
 
-def joined_at_start(rules: Rules, history: Float64Array, target: Float64Array) -> Joined | None:
+def joined_at_start(rules: Rules, start: Float64Array, target: Float64Array) -> Joined | None:
     """The shortest bridge onto the first sample; if none is short, one with a rest."""
     longest = _most_periods(rules)
-    found = core.bridge_to_start(rules.limits, history, target, longest)
+    found = core.bridge_to_start(rules.limits, start, target, longest)
     if found is not None:
         return found
-    stopping = rules.braked(history, target[:0])
+    stopping = rules.braked(start, target[:0])
     if stopping is None:
         return None
-    rest = (stopping.rows if len(stopping.rows) else history)[-1:]
-    pause = np.repeat(rest, HISTORY, axis=0)  # as long as differences reach
-    found = core.bridge_to_start(rules.limits, pause, target, longest)
+    found = core.bridge_to_start(rules.limits, stopping.rows[-1:], target, longest)
     if found is None:
         return None
-    return np.concatenate([stopping.rows, pause, found[0]]), found[1]
+    return np.concatenate([stopping.rows, found[0]]), found[1]
 
 
 def _most_periods(rules: Rules) -> int:

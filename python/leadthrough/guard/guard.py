@@ -21,17 +21,17 @@ from leadthrough.guard.admission import (
     Verdict,
     chunk_of,
     moved_events,
-    trajectories,
+    parts_of,
+    trajectory,
 )
 from leadthrough.guard.connect import Changed, changed
 from leadthrough.guard.rules import (
     ALL_WORK,
-    HISTORY,
     Contact,
     Rules,
     StoppingTrajectory,
     guarded_scene,
-    history_of,
+    row_of,
     rules_for,
 )
 from leadthrough.motion import Event, JointTrajectory
@@ -57,8 +57,9 @@ class Guard(ShortRepr):
     samples as well. A chunk only takes its place if there is such a motion that begins with it. So
     if chunks come late, or none comes any more, the arm follows what was admitted and brakes.
 
-    Velocity, acceleration and jerk are the differences of the commanded positions. Nothing is
-    random, and equal calls have equal answers.
+    The limits hold along the quintics through the commanded positions, velocities and
+    accelerations, as `lt.check_limits` judges them. Nothing is random, and equal calls have equal
+    answers.
 
     Args:
         arm: the arm; all limits of its joints have to be known.
@@ -82,7 +83,7 @@ class Guard(ShortRepr):
         self._scene = as_scene(scene)
         self._rules = rules_for(arm, self._scene, self._period)
         self._age = 0.0  # periods since the obstacles were seen
-        self._stream: Float64Array | None = None  # commanded from three rows before `_at` on
+        self._stream: Float64Array | None = None  # states; `_at` is that of the present command
         self._at = 0
         self._safe = True
 
@@ -103,10 +104,7 @@ class Guard(ShortRepr):
         Raises:
             InvalidInput: if no state was given yet.
         """
-        last = self._history()
-        velocity = (last[2] - last[1]) / self._period
-        before = (last[1] - last[0]) / self._period
-        return CommandedState(last[2].copy(), velocity, (velocity - before) / self._period)
+        return CommandedState(*self._now().copy().reshape(3, -1))
 
     @property
     def safe(self) -> bool:
@@ -116,7 +114,7 @@ class Guard(ShortRepr):
     @property
     def remaining(self) -> int:
         """Number of commands left until the arm rests."""
-        return 0 if self._stream is None else len(self._stream) - HISTORY - self._at
+        return 0 if self._stream is None else len(self._stream) - 1 - self._at
 
     def next(self) -> CommandedState:
         """Advances by one period; the state to command now. After the last command the arm rests.
@@ -124,12 +122,8 @@ class Guard(ShortRepr):
         Raises:
             InvalidInput: if no state was given yet.
         """
-        self._history()
-        assert self._stream is not None
-        if self.remaining == 0:
-            self._stream = np.concatenate([self._stream[-2:], self._stream[-1:]])
-            self._at = 0
-        else:
+        self._now()
+        if self.remaining:
             self._at += 1
         self._age += 1.0
         return self.state
@@ -154,7 +148,6 @@ class Guard(ShortRepr):
         given = chunk_of(chunk, self._arm, self._period)
         if state is not None:
             self._start(state)
-        history = self._history()
         times = given.start + self._period * np.arange(len(given.rows), dtype=np.float64)
         wrong = not_finite(given.rows, self._arm.joint_names, times)
         if wrong is not None:
@@ -162,16 +155,18 @@ class Guard(ShortRepr):
         reasons: tuple[Reason, ...] = ()
         if given.resampled:
             reasons = (Reason("resampled", given.start),)
-        if self._rules.excess(history, given.rows) is None:
-            stopping, contact = self._looked_at(given.rows, ALL_WORK)
+        now = self._now()
+        rows = given.states
+        if rows is None or self._rules.excess(now, rows) is not None:
+            rows = given.following(now, self._period)
+        if (worst := self._rules.excess(now, rows)) is None:
+            stopping, contact = self._looked_at(rows, ALL_WORK)
             if stopping is not None and contact is None:
                 return self._allowed(given, stopping, reasons)
-            places = np.arange(len(given.rows), dtype=np.float64)
-            return self._certified(
-                given.rows, places, given, reasons, stopping=stopping, contact=contact
-            )
-        reasons += exceeded(self._rules, history, given.rows, times)
-        return self._changed(changed(self._rules, history, given.rows), given, reasons)
+            places = np.arange(len(rows), dtype=np.float64)
+            return self._certified(rows, places, given, reasons, stopping=stopping, contact=contact)
+        reasons += exceeded(self._rules, now, rows, times, worst)
+        return self._changed(changed(self._rules, now, given.rows), given, reasons)
 
     def update_obstacles(self, obstacles: Iterable[Obstacle]) -> Admission | None:
         """Replaces the obstacles, resets their age and re-certifies the remaining commands.
@@ -189,8 +184,8 @@ class Guard(ShortRepr):
         if self._stream is None:
             return None
         # At rest the arm stands still, which has to be clear too.
-        rows = self._left() if len(self._left()) else self._history()[-1:]
-        contact = self._rules.contact(self._history(), rows, self._age)
+        rows = self._left() if len(self._left()) else self._now()
+        contact = self._rules.contact(self._now(), rows, self._age)
         if contact is None:
             return self._admitted(
                 StoppingTrajectory(rows, len(rows)), "allowed", (), start=self._period
@@ -216,49 +211,41 @@ class Guard(ShortRepr):
             now = self.state
             if all(map(np.array_equal, (now.q, now.qd, now.qdd), (state.q, state.qd, state.qdd))):
                 return
-        self._stream = history_of(state, len(self._arm.joint_names), self._period)
+        self._stream = row_of(state, len(self._arm.joint_names))
         self._at = 0
 
-    def _history(self) -> Float64Array:
+    def _now(self) -> Float64Array:
+        """The present command (1, 3 joints)."""
         if self._stream is None:
             raise InvalidInput(
                 "state: expected the joints at the first call of admit, got none; give the "
                 "positions that the arm is commanded to now"
             )
-        return self._stream[self._at : self._at + HISTORY]
+        return self._stream[self._at : self._at + 1]
 
     def _left(self) -> Float64Array:
         assert self._stream is not None
-        return self._stream[self._at + HISTORY :]
+        return self._stream[self._at + 1 :]
 
     def _allowed(
         self, given: Chunk, stopping: StoppingTrajectory, reasons: tuple[Reason, ...]
     ) -> Admission:
-        """The chunk as it is; its own velocities and accelerations only if they keep the limits."""
-        answer = self._admitted(
-            stopping,
-            "changed" if reasons else "allowed",
-            reasons,
-            start=given.start,
-            events=given.events,
-        )
-        own = given.given
-        if own is None or not _derivatives_kept(own, self._arm):
-            return answer
-        return replace(answer, motion=own)
+        """The chunk as it is."""
+        verdict: Verdict = "changed" if reasons else "allowed"
+        return self._admitted(stopping, verdict, reasons, start=given.start, events=given.events)
 
     def _looked_at(
         self, rows: Float64Array, most_work: int
     ) -> tuple[StoppingTrajectory | None, Contact | None]:
         """Rows inside the limits with the stop after them, and where they come too near a body."""
-        stopping = self._rules.braked(self._history(), rows)
+        stopping = self._rules.braked(self._now(), rows)
         tried = rows if stopping is None else stopping.rows
-        return stopping, self._rules.contact(self._history(), tried, self._age, most_work=most_work)
+        return stopping, self._rules.contact(self._now(), tried, self._age, most_work=most_work)
 
     def _changed(self, better: Changed, given: Chunk, reasons: tuple[Reason, ...]) -> Admission:
         """As much as is certified of rows that were made of a chunk."""
         rows, complete = better.rows, better.complete
-        wrong = self._rules.excess(self._history(), rows)
+        wrong = self._rules.excess(self._now(), rows)
         if wrong is not None:
             rows, complete = rows[: wrong[1]], False
         if not complete:
@@ -302,7 +289,7 @@ class Guard(ShortRepr):
         events: tuple[Event, ...],
     ) -> Admission:
         """As many of the rows, known to be clear, as leave room to brake."""
-        stopping = self._rules.cut(self._history(), rows, self._age)
+        stopping = self._rules.cut(self._now(), rows, self._age)
         if stopping is None or stopping.executed == 0:
             return self._braking(reasons, start=start, stopping=stopping)
         remaining = moved_events(
@@ -318,18 +305,18 @@ class Guard(ShortRepr):
         stopping: StoppingTrajectory | None = None,
     ) -> Admission:
         """The fastest stop, or what was certified before; where neither is, the fastest one."""
-        history, left = self._history(), self._left()
+        now, left = self._now(), self._left()
         if stopping is None:
-            stopping = self._rules.clear_braked(history, left[:0], self._age)
+            stopping = self._rules.clear_braked(now, left[:0], self._age)
         if stopping is None and len(left):
-            certified = self._safe or self._rules.contact(history, left, self._age) is None
+            certified = self._safe or self._rules.contact(now, left, self._age) is None
             stopping = StoppingTrajectory(left, 0) if certified else None
         if stopping is not None:
             return self._admitted(stopping, "braking", reasons, start=start)
-        stopping = self._rules.braked(history, left[:0])
+        stopping = self._rules.braked(now, left[:0])
         if stopping is None:
-            stopping = StoppingTrajectory(left if len(left) else self._rules.stop(history), 0)
-        contact = self._rules.contact(history, stopping.rows, self._age)
+            stopping = StoppingTrajectory(left if len(left) else self._rules.stop(now), 0)
+        contact = self._rules.contact(now, stopping.rows, self._age)
         if contact is not None:
             places = np.arange(len(stopping.rows), dtype=np.float64)
             reason = _contact_reason(contact, places, start, self._period)
@@ -340,7 +327,7 @@ class Guard(ShortRepr):
 
     def _stop_reason(self, rows: Float64Array, places: Float64Array, start: float) -> Reason:
         """The limit that the fastest stop after the rows exceeds."""
-        end = np.concatenate([self._history(), rows])[-HISTORY:]
+        end = np.concatenate([self._now(), rows])[-1:]
         wrong = self._rules.stop_excess(end)
         assert wrong is not None
         order, row, joint, ratio = wrong
@@ -359,18 +346,15 @@ class Guard(ShortRepr):
         safe: bool = True,
     ) -> Admission:
         """Commands a stopping trajectory from now on."""
-        history = self._history()
-        rows = stopping.rows if len(stopping.rows) else history[-1:]
-        motion, brake = trajectories(
-            history,
-            rows,
-            stopping.executed or len(rows),
-            names=self._arm.joint_names,
-            start=start,
-            period=self._period,
-            events=events,
-        )
-        self._stream = np.concatenate([history, rows])
+        now = self._now()
+        rows = stopping.rows if len(stopping.rows) else now
+        kept = stopping.executed or len(rows)
+        times = start + self._period * np.arange(len(rows) + 1, dtype=np.float64)
+        names = self._arm.joint_names
+        motion = trajectory(times[:kept], rows[:kept], names, events)
+        after = min(kept, len(rows) - 1)  # the last row where there is none
+        brake = trajectory(times[kept:][: len(rows) - after], rows[after:], names)
+        self._stream = np.concatenate([now, rows])
         self._at = 0
         self._safe = safe
         return Admission(motion, brake, verdict, safe, reasons)
@@ -383,16 +367,6 @@ def _contact_reason(contact: Contact, places: Float64Array, start: float, period
     place = float(places[min(row, len(places) - 1)]) + beyond if len(places) else 0.0
     kind: Kind = "contact" if contact.bodies else "cut short"
     return Reason(kind, start + period * max(0.0, place), bodies=contact.bodies)
-
-
-def _derivatives_kept(own: JointTrajectory, arm: Arm) -> bool:
-    """Whether the velocities and accelerations given with positions are inside the limits."""
-    limits = arm.limits
-    pairs = ((own.velocities, limits.velocity), (own.accelerations, limits.acceleration))
-    return all(
-        given is None or limit is None or bool((np.abs(given) <= limit * (1.0 + 1e-6)).all())
-        for given, limit in pairs
-    )
 
 
 _ROUNDING = 1e-9  # rad or m
@@ -408,29 +382,36 @@ def not_finite(rows: Float64Array, names: tuple[str, ...], times: Float64Array) 
 
 
 def exceeded(
-    rules: Rules, history: Float64Array, rows: Float64Array, times: Float64Array
+    rules: Rules,
+    start: Float64Array,
+    rows: Float64Array,
+    times: Float64Array,
+    worst: tuple[int, int, int, float],
 ) -> tuple[Reason, ...]:
-    """The first excess of each kind that rows have."""
-    limits, period = rules.joints, rules.period
-    names = limits.joint_names
+    """The first excess of each kind that rows (n, 3 joints) have at a row, or else the `worst`."""
+    limits, names = rules.joints, rules.joints.joint_names
+    q, _, qdd = parts_of(np.concatenate([start, rows]))
     found: list[Reason] = []
-    outside = (rows < limits.lower - _ROUNDING) | (rows > limits.upper + _ROUNDING)
+    outside = (q[1:] < limits.lower - _ROUNDING) | (q[1:] > limits.upper + _ROUNDING)
     if (at := _first(outside)) is not None:
-        found.append(Reason("position", float(times[at[0]]), names[at[1]], ratio=float(rows[at])))
-    stream = np.concatenate([history, rows])
+        value = float(q[1:][at])
+        found.append(Reason("position", float(times[at[0]]), names[at[1]], ratio=value))
+    used = (np.diff(q, axis=0) / rules.period, qdd[1:], np.diff(qdd, axis=0) / rules.period)
     jumped = slice(0)  # rows whose higher orders reach over a jump
-    for order, kind in enumerate(_RATES, 1):
-        used = np.abs(np.diff(stream, order, axis=0)[HISTORY - order :])
-        ratio = used / (getattr(limits, kind) * period**order)
+    for kind, rates in zip(_RATES, used, strict=True):
+        ratio = np.abs(rates) / getattr(limits, kind)
         over = ratio > 1.0 + _EXCESS
         over[jumped] = False
         if (at := _first(over)) is None:
             continue
-        named: Kind = "jump" if kind == "velocity" and _is_jump(used, at) else kind
+        named: Kind = "jump" if kind == "velocity" and _is_jump(ratio, at) else kind
         if named == "jump":
-            jumped = slice(at[0], at[0] + HISTORY)
+            jumped = slice(max(0, at[0] - 1), at[0] + 2)
         time, name = float(times[at[0]]), names[at[1]]
         found.append(Reason(named, time, name, ratio=float(ratio[at])))
+    if not found:
+        order, row, joint, most = worst
+        found.append(Reason(KINDS[order], float(times[row]), names[joint], ratio=most))
     return tuple(found)
 
 

@@ -1,4 +1,7 @@
-"""Limits and margins of a stream of commanded positions, and stops that keep them."""
+"""Limits and margins of a stream of commanded states, and stops that keep them.
+
+A stream has one row a period: positions, velocities and accelerations of all joints, (3 joints,).
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,6 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard.admission import CommandedState
 from leadthrough.shapes import Scene, compiled
 
-HISTORY = 3  # commanded positions that the next differences reach back to
 ALL_WORK = sys.maxsize
 _WORK_OF_STOP = 4000  # pairs of shapes that are looked at along a stop
 _RATES = ("velocity", "acceleration", "jerk")
@@ -25,7 +27,7 @@ _RATES = ("velocity", "acceleration", "jerk")
 class StoppingTrajectory:
     """Commands to rest."""
 
-    rows: Float64Array  # (n, joints), one a period, the last at rest
+    rows: Float64Array  # (n, 3 joints), one a period, the last at rest
     executed: int  # how many of them come before the arm brakes
 
 
@@ -48,18 +50,16 @@ class Rules:
 
     joints: JointLimits  # the limits of the joints
     period: float  # between commands, s
-    limits: core.StepLimits  # of the joints, per period
+    limits: core.StepLimits  # of the joints
     scene: core.GuardedScene  # the arm and its obstacles
 
-    def excess(
-        self, history: Float64Array, rows: Float64Array
-    ) -> tuple[int, int, int, float] | None:
-        """The first limit that rows (n, joints) exceed: its order, row, joint and ratio."""
-        return core.first_excess(self.limits, history, rows)
+    def excess(self, start: Float64Array, rows: Float64Array) -> tuple[int, int, int, float] | None:
+        """The first limit that rows (n, 3 joints) exceed: its order, row, joint and ratio."""
+        return core.first_excess(self.limits, start, rows)
 
     def contact(
         self,
-        history: Float64Array,
+        start: Float64Array,
         rows: Float64Array,
         age: float,
         *,
@@ -69,68 +69,66 @@ class Rules:
         """The first contact along rows; None if the margins are kept."""
         if before >= len(rows):
             return None
-        start = rows[before - 1] if before else history[-1]
-        found = core.first_contact(self.scene, start, rows[before:], age + before, most_work)
+        first = rows[before - 1] if before else start[0]
+        found = core.first_contact(self.scene, first, rows[before:], age + before, most_work)
         if found is None:
             return None
         return Contact(before + found[0], found[1:] if found[1] else None)
 
-    def stop(self, history: Float64Array) -> Float64Array:
-        """The fastest stop (n, joints); at rest one command, which has to keep the rules too."""
-        rows = core.brake(self.limits, history)
-        return rows if len(rows) else history[-1:]
+    def stop(self, start: Float64Array) -> Float64Array:
+        """The fastest stop (n, 3 joints); at rest one command, which has to keep the rules too."""
+        rows = core.brake(self.limits, start)
+        return rows if len(rows) else start
 
-    def braked(self, history: Float64Array, rows: Float64Array) -> StoppingTrajectory | None:
+    def braked(self, start: Float64Array, rows: Float64Array) -> StoppingTrajectory | None:
         """Rows, then the fastest stop; None if that leaves a limit."""
-        end = np.concatenate([history, rows])[-HISTORY:]
+        end = np.concatenate([start, rows])[-1:]
         stop = core.brake(self.limits, end) if len(rows) else self.stop(end)
         if self.excess(end, stop) is not None:
             return None
         return StoppingTrajectory(np.concatenate([rows, stop]), len(rows))
 
-    def stop_excess(self, history: Float64Array) -> tuple[int, int, int, float] | None:
+    def stop_excess(self, start: Float64Array) -> tuple[int, int, int, float] | None:
         """The first limit that the fastest stop leaves: its order, row, joint and ratio."""
-        return self.excess(history, self.stop(history))
+        return self.excess(start, self.stop(start))
 
     def clear_braked(
         self,
-        history: Float64Array,
+        start: Float64Array,
         rows: Float64Array,
         age: float,
         *,
         most_work: int = ALL_WORK,
     ) -> StoppingTrajectory | None:
         """Rows known to be clear, then the fastest stop; None if that is not certified."""
-        stopping = self.braked(history, rows)
+        stopping = self.braked(start, rows)
         if stopping is None:
             return None
-        found = self.contact(history, stopping.rows, age, before=len(rows), most_work=most_work)
+        found = self.contact(start, stopping.rows, age, before=len(rows), most_work=most_work)
         return stopping if found is None else None
 
-    def cut(
-        self, history: Float64Array, rows: Float64Array, age: float
-    ) -> StoppingTrajectory | None:
+    def cut(self, start: Float64Array, rows: Float64Array, age: float) -> StoppingTrajectory | None:
         """As many of the rows as can be executed before the arm has to brake, and the stop."""
-        if len(rows) and (stopping := self._stopped(history, rows, age)):
+        if len(rows) and (stopping := self._stopped(start, rows, age)):
             return stopping
-        best = self.clear_braked(history, rows[:0], age)
+        best = self.clear_braked(start, rows[:0], age)
         low, high = 0, len(rows)
         while best is not None and high - low > 1:
             middle = (low + high) // 2
-            stopping = self.clear_braked(history, rows[:middle], age, most_work=_WORK_OF_STOP)
+            stopping = self.clear_braked(start, rows[:middle], age, most_work=_WORK_OF_STOP)
             low, high = (low, middle) if stopping is None else (middle, high)
             best = best if stopping is None else stopping
         return best
 
     def _stopped(
-        self, history: Float64Array, rows: Float64Array, age: float
+        self, start: Float64Array, rows: Float64Array, age: float
     ) -> StoppingTrajectory | None:
         """The rows with a stop on them; None if that is not certified."""
-        stopped = core.stopped(self.limits, history, rows)
+        stopped = core.stopped(self.limits, start, rows)
         if stopped is None:
             return None
         executed = int(np.count_nonzero(stopped[1] == np.arange(len(stopped[1]))))
-        found = self.contact(history, stopped[0], age, before=executed, most_work=_WORK_OF_STOP)
+        found = self.contact(start, stopped[0], age, before=executed, most_work=_WORK_OF_STOP)
         return StoppingTrajectory(stopped[0], executed) if found is None else None
 
 
@@ -141,18 +139,18 @@ def rules_for(arm: Arm, scene: Scene, period: float) -> Rules:
     return Rules(arm.limits, period, limits, guarded_scene(arm, scene, period))
 
 
-def history_of(state: CommandedState | ArrayLike, joints: int, period: float) -> Float64Array:
-    """The three commands (3, joints) that end in a state."""
+def row_of(state: CommandedState | ArrayLike, joints: int) -> Float64Array:
+    """The row (1, 3 joints) of a state."""
     if not isinstance(state, CommandedState):
-        return np.repeat(check.array(state, "state", shape=(joints,))[None], HISTORY, axis=0)
-    q = check.array(state.q, "state.q", shape=(joints,))
-    step = check.array(state.qd, "state.qd", shape=(joints,)) * period
-    bend = check.array(state.qdd, "state.qdd", shape=(joints,)) * period**2
-    return np.stack([q - step - (step - bend), q - step, q])
+        q = check.array(state, "state", shape=(joints,))
+        return np.concatenate([q, np.zeros(2 * joints)])[None]
+    names = ("q", "qd", "qdd")
+    parts = [check.array(getattr(state, n), f"state.{n}", shape=(joints,)) for n in names]
+    return np.concatenate(parts)[None]
 
 
 def step_limits(limits: JointLimits, period: float) -> core.StepLimits:
-    """Limits per period."""
+    """Limits at a rate."""
     for name in _RATES:
         value = getattr(limits, name)
         if value is None or not (np.isfinite(value) & (value > 0.0)).all():
@@ -166,9 +164,10 @@ def step_limits(limits: JointLimits, period: float) -> core.StepLimits:
     return core.StepLimits(
         limits.lower,
         limits.upper,
-        limits.velocity * period,
-        limits.acceleration * period**2,
-        limits.jerk * period**3,
+        limits.velocity,
+        limits.acceleration,
+        limits.jerk,
+        period,
     )
 
 

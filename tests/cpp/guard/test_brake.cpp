@@ -12,26 +12,32 @@ namespace {
 constexpr Eigen::Index kJoints = 7;
 constexpr double kRounding = 1e-12;
 
-guard::StepLimits limits_of(double step, double bend, double twist) {
+// Per period of 1 s.
+guard::StepLimits limits_of(double velocity, double acceleration, double jerk) {
   const auto all = [](double value) { return Eigen::VectorXd::Constant(kJoints, value); };
-  return {all(-10.0), all(10.0), all(step), all(bend), all(twist)};
+  return {all(-10.0), all(10.0), all(velocity), all(acceleration), all(jerk), 1.0};
 }
 
-Rows history_of(const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration) {
-  Rows rows = Rows::Zero(guard::kHistory, kJoints);
-  rows.row(1) = rows.row(2) - velocity.transpose();
-  rows.row(0) = rows.row(1) - (velocity - acceleration).transpose();
-  return rows;
-}
-
-Rows with_rest(const Rows& history, const Rows& stop) {
-  Rows rows(history.rows() + stop.rows() + guard::kHistory, history.cols());
-  rows << history, stop, (stop.rows() ? stop : history).bottomRows(1).replicate(guard::kHistory, 1);
-  return rows;
+Rows start_of(const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration) {
+  Rows row(1, 3 * kJoints);
+  row << Eigen::RowVectorXd::Zero(kJoints), velocity.transpose(), acceleration.transpose();
+  return row;
 }
 
 Rows difference(const Rows& rows) {
   return rows.bottomRows(rows.rows() - 1) - rows.topRows(rows.rows() - 1);
+}
+
+// Simpson's rule integrates the quadratic velocities exactly.
+void expect_integrated(const Rows& rows) {
+  const Rows a = rows.rightCols(kJoints), v = rows.middleCols(kJoints, kJoints);
+  const Rows change = difference(v), moved = difference(rows.leftCols(kJoints));
+  for (Eigen::Index i = 0; i + 1 < rows.rows(); ++i)
+    for (Eigen::Index j = 0; j < kJoints; ++j) {
+      EXPECT_NEAR(change(i, j), 0.5 * (a(i, j) + a(i + 1, j)), kRounding);
+      const double middle = v(i, j) + 0.375 * a(i, j) + 0.125 * a(i + 1, j);
+      EXPECT_NEAR(moved(i, j), (v(i, j) + 4.0 * middle + v(i + 1, j)) / 6.0, kRounding);
+    }
 }
 
 // The fewest steps to rest by the acceleration at every step that leaves the most of the sum to
@@ -63,17 +69,20 @@ TEST_P(BrakeTest, RestsInsideTheLimitsInTheFewestSteps) {
         Eigen::VectorXd::NullaryExpr(kJoints, [&] { return size * step * unit(random); });
     const Eigen::VectorXd acceleration =
         Eigen::VectorXd::NullaryExpr(kJoints, [&] { return bend * unit(random); });
-    const Rows history = history_of(velocity, acceleration);
-    const Rows stop = guard::brake(limits, history);
-    const Rows first = difference(with_rest(history, stop));
-    const Rows second = difference(first), third = difference(second);
+    const Rows start = start_of(velocity, acceleration);
+    const Rows stop = guard::brake(limits, start);
+    Rows rows(1 + stop.rows(), start.cols());
+    rows << start, stop;
+    expect_integrated(rows);
+    const Rows second = rows.rightCols(kJoints);
     EXPECT_LE(second.cwiseAbs().maxCoeff(), bend + kRounding);
-    EXPECT_LE(third.cwiseAbs().maxCoeff(), twist + kRounding);
-    EXPECT_LE(first.bottomRows(guard::kHistory).cwiseAbs().maxCoeff(), kRounding);
+    EXPECT_LE(difference(second).cwiseAbs().maxCoeff(), twist + kRounding);
+    EXPECT_EQ(stop.bottomRightCorner(1, 2 * kJoints).cwiseAbs().maxCoeff(), 0.0);
     int fewest = 0;
     for (Eigen::Index j = 0; j < kJoints; ++j)
-      fewest = std::max(fewest, fewest_steps(velocity[j], acceleration[j], bend, twist));
-    EXPECT_EQ(stop.rows(), fewest);
+      fewest = std::max(
+          fewest, fewest_steps(velocity[j] + 0.5 * acceleration[j], acceleration[j], bend, twist));
+    EXPECT_EQ(stop.rows(), fewest + 1);
   }
 }
 
@@ -81,8 +90,9 @@ TEST_P(BrakeTest, RestsInsideTheLimitsInTheFewestSteps) {
 INSTANTIATE_TEST_SUITE_P(Jerks, BrakeTest, testing::Values(1e-4, 2e-3, 0.1));
 
 TEST(BrakeTest, NothingIsLeftToDoAtRest) {
-  const Rows history = Rows::Constant(guard::kHistory, kJoints, 0.3);
-  EXPECT_EQ(guard::brake(limits_of(0.04, 0.006, 1e-3), history).rows(), 0);
+  Rows start = Rows::Zero(1, 3 * kJoints);
+  start.leftCols(kJoints).setConstant(0.3);
+  EXPECT_EQ(guard::brake(limits_of(0.04, 0.006, 1e-3), start).rows(), 0);
 }
 
 TEST(BrakeTest, WhereItRestsChangesSmoothlyWithTheVelocity) {
@@ -91,8 +101,8 @@ TEST(BrakeTest, WhereItRestsChangesSmoothlyWithTheVelocity) {
   double last = 0.0;
   for (int i = 0; i <= 4000; ++i) {
     const double velocity = 0.04 * i / 4000.0;
-    const Rows history = history_of(Eigen::VectorXd::Constant(kJoints, velocity), acceleration);
-    const Rows stop = guard::brake(limits, history);
+    const Rows start = start_of(Eigen::VectorXd::Constant(kJoints, velocity), acceleration);
+    const Rows stop = guard::brake(limits, start);
     const double rest = stop(stop.rows() - 1, 0);
     if (i > 0) {
       EXPECT_LT(std::abs(rest - last), 1e-3);

@@ -400,27 +400,29 @@ SLOPE = {"parameters": 2.0 * BREAKS, "q": np.array([[0.0], [2.0]])}
 call(core.cubic_through, [[0.0], [1.0], [0.0], [0.0]], **SLOPE)
 call(core.spline_slopes, [[0.0], [0.0]], **SLOPE, at_rest=True)
 
-# Calls of the guard: limits per sample of 1, 0.1 and 0.01 rad, two joints.
+# Calls of the guard: limits of 1, 0.1 and 0.01 rad per s, s^2 and s^3, two joints, 1 Hz.
 ROOMY = np.full(2, 10.0)
 limits = make(
     core.StepLimits,
     lower=-ROOMY,
     upper=ROOMY,
-    step=np.ones(2),
-    bend=np.full(2, 0.1),
-    twist=np.full(2, 0.01),
+    velocity=np.ones(2),
+    acceleration=np.full(2, 0.1),
+    jerk=np.full(2, 0.01),
+    period=1.0,
 )
-REST = np.zeros((3, 2))
-SLOW = 0.005 * np.ones((6, 2)) * np.minimum(np.arange(6), 1.0)[:, None]
-JUMP = np.array([[0.0, 0.0], [0.0, 2.0]])
-SMALL = {"limits": limits, "history": REST}
+REST = np.zeros((1, 6))
+SLOW = np.zeros((6, 6))
+JUMP = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 2.0, 0.0, 0.0]])
+SMALL = {"limits": limits, "start": REST}
 
 call(core.first_excess, 1, **SMALL, samples=JUMP)  # the order of the difference
-call(core.brake, np.zeros((0, 2)), **SMALL)
+call(core.with_rates, REST, times=np.zeros(1), positions=REST[:, :2], start=REST, period=1.0)
+call(core.brake, np.zeros((0, 6)), **SMALL)
 call(core.bridge_to_start, SLOW[1:1], **SMALL, target=SLOW, most_steps=10)
 call(core.bridge_on_time, SLOW[1:1], **SMALL, target=SLOW, most_steps=10)
 call(core.slowed, SLOW, limits=limits, path=SLOW, most_samples=60)
-call(core.stopped, None, **SMALL, path=SLOW)
+call(core.stopped, SLOW, **SMALL, path=SLOW)
 scene = make(
     core.GuardedScene, model=model, obstacles=[], growth=[], margin=0.0, self_collision_margin=0.0
 )

@@ -50,7 +50,7 @@ def test_the_hinted_check_agrees_with_the_guard(tmp_path, robot):
     lt.write_motion(motion, tmp_path / "moving.npz")
     files = (tmp_path / "moving.npz", "-o", tmp_path / "safe.npz")
     assert facts("guard", *files, "--robot", robot)["safe"]
-    found = facts("check", tmp_path / "safe.npz", "--robot", robot, "--rate", "100")
+    found = facts("check", tmp_path / "safe.npz", "--robot", robot)
     assert found["limits_kept"]
 
 
@@ -77,11 +77,9 @@ def test_a_way_leads_onto_the_motion_from_where_the_arm_is(written):
     assert found["verdict"] == "changed"
     motion, arm = lt.read_motion(written / "safe.npz"), lt.Arm.load("panda")
     assert np.array_equal(motion.positions[0], here)
-    # Commands are run one a period, straight from each to the next.
-    rate = 1.0 / (motion.times[1] - motion.times[0])
-    assert lt.check_limits(motion, arm.limits, linear_rate=rate).ok
+    assert lt.check_limits(motion, arm.limits).ok
     shown = lt.read_motion(written / "jump.npz")
-    assert np.array_equal(motion.positions[-1], shown.positions[-1])
+    assert np.abs(motion.positions[-1] - shown.positions[-1]).max() < 1e-3
     assert motion.events[0].time > shown.events[0].time
 
 

@@ -51,9 +51,28 @@ def test_a_chunk_that_is_allowed_passes_to_the_bit(panda, guard):
     assert_kept(panda, np.concatenate([Q[None], rows, answer.brake.positions]))
 
 
-def test_a_trajectory_that_is_allowed_is_the_answer_itself(panda, guard):
-    motion = lt.JointTrajectory(TIMES, wave(0.1), joint_names=panda.joint_names)
-    assert guard.admit(motion, Q).motion is motion
+def test_a_trajectory_that_is_allowed_comes_back_with_its_own_rates(panda, guard):
+    times = np.append(0.0, TIMES)[:, None]
+    rates = [
+        0.1 * np.linspace(0.2, 1, 7) * each
+        for each in (np.pi * np.sin(np.pi * times), np.pi**2 * np.cos(np.pi * times))
+    ]
+    rates[1][0] = 0.0
+    motion = lt.JointTrajectory(TIMES, wave(0.1), *(each[1:] for each in rates))
+    found = guard.admit(motion, Q)
+    assert found.verdict == "allowed"
+    for part in ("positions", "velocities", "accelerations"):
+        assert np.array_equal(getattr(found.motion, part), getattr(motion, part))
+
+
+def test_rates_that_belong_to_another_motion_are_replaced(panda, guard):
+    wrong = np.full((50, 7), 0.3)
+    motion = lt.JointTrajectory(TIMES, wave(0.1), wrong, wrong)
+    found = guard.admit(motion, Q)
+    assert found.verdict == "allowed"
+    assert np.array_equal(found.motion.positions, motion.positions)
+    middle = (motion.positions[2:] - motion.positions[:-2]) / (2.0 * PERIOD)
+    np.testing.assert_allclose(found.motion.velocities[1:-1], middle, atol=1e-9)
 
 
 def test_without_a_new_chunk_the_arm_brakes_and_rests(panda, guard):
@@ -91,7 +110,7 @@ def test_a_bridge_takes_even_steps_from_one_sample_to_the_next(panda):
     rows = wave(0.1)
     rows[20:] += 0.3
     rules = rules_for(panda, lt.Scene(), PERIOD)
-    places = changed(rules, np.tile(Q, (3, 1)), rows).places
+    places = changed(rules, np.append(Q, np.zeros(14))[None], rows).places
     bridge = places[(places >= 19.0) & (places <= 20.0)]
     assert len(bridge) > 10
     np.testing.assert_allclose(bridge, np.linspace(19.0, 20.0, len(bridge)), atol=1e-12)
@@ -148,13 +167,13 @@ def test_a_motion_is_cut_before_a_contact(panda, guard, hit):
 
 def test_nan_refuses_the_chunk_and_brakes(panda, guard):
     guard.admit(wave(0.2), Q)
-    run(guard, 20)
+    before = run(guard, 20)
     bad = wave(0.2)
     bad[3, 2] = np.nan
     answer = guard.admit(bad)
     assert (answer.verdict, answer.safe) == ("braking", True)
     assert str(answer.reasons[0]) == "a value of panda_joint3 is not finite at 0.080 s"
-    assert_kept(panda, finished(guard))
+    assert_kept(panda, np.concatenate([Q[None], before, finished(guard)[1:]]))
 
 
 def test_chunks_replace_each_other_on_their_clock(panda, guard):
