@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from pinocchio_peer import Peer
-from refusals import refused
+from refusals import raised, refused
 from urdfs import one_joint
 
 import leadthrough as lt
@@ -113,8 +113,7 @@ def test_batches_are_their_rows_also_from_several_threads(arm, motions):
 def test_a_robot_without_masses_is_refused():
     arm = lt.Arm.from_urdf(one_joint()).with_payload(1.0)
     for compute in (arm.gravity_torques, arm.mass_matrix):
-        with pytest.raises(InvalidRobot, match="mass"):
-            compute([0.1])
+        assert "mass" in str(raised(InvalidRobot, compute, [0.1]))
 
 
 @pytest.mark.parametrize("bad", [np.zeros(3), "q", None, [[1.0], [1.0, 2.0]], np.nan])

@@ -5,6 +5,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from foreign_arms import urdf_in_package
+from refusals import raised
 from urdfs import CUBE, one_joint, two_wheels, with_mesh
 
 import leadthrough as lt
@@ -258,8 +259,7 @@ def test_a_mesh_that_is_missing_is_named_when_it_is_needed(tmp_path):
 def test_a_mesh_without_a_volume_is_refused(tmp_path, content):
     (tmp_path / "flat.obj").write_text(content)
     arm = lt.Arm.from_urdf(with_mesh("flat.obj"), mesh_folders=[tmp_path])
-    with pytest.raises(InvalidRobot, match="link 'b'"):
-        arm.self_distance([0.0])
+    assert "link 'b'" in str(raised(InvalidRobot, arm.self_distance, [0.0]))
 
 
 @pytest.mark.parametrize("folders", ["here", 3, [3], None])
@@ -324,8 +324,7 @@ def test_a_mesh_outside_is_named_with_what_to_do(tmp_path):
     (tmp_path / "cube.obj").write_text(CUBE)
     document = with_mesh(tmp_path / "cube.obj")
     arm = lt.Arm.from_urdf(document)
-    with pytest.raises(InvalidRobot, match="name its folder in mesh_folders"):
-        arm.check([[0.0]])
+    assert "name its folder in mesh_folders" in str(raised(InvalidRobot, arm.check, [[0.0]]))
     arm = lt.Arm.from_urdf(document, mesh_folders=[tmp_path])
     assert arm.check([[0.0]]).ok
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from kinds import kind
 from motions import motion_of
-from refusals import refused
+from refusals import raised, refused
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
@@ -79,8 +79,7 @@ def test_none_is_too_few_but_for_a_planner(case):
     if isinstance(model, lt.FastMarching):
         model.fit([])
     else:
-        with pytest.raises(FitError, match="at least 1, got none"):
-            model.fit([])
+        assert "at least 1, got none" in str(raised(FitError, model.fit, []))
 
 
 def test_other_things_and_types_are_refused_with_what_came_and_where(case):
@@ -91,8 +90,7 @@ def test_other_things_and_types_are_refused_with_what_came_and_where(case):
     refused("expected", model.fit, [motion, POSES if motion is POINTS else POINTS])
     model, motion = case
     large = type(motion)(T, 1e101 * LINE, *([motion.orientations] if motion is POSES else []))
-    with pytest.raises(FitError, match="use another unit"):
-        model.fit([large])
+    assert "use another unit" in str(raised(FitError, model.fit, [large]))
 
 
 PAUSED_TIMES = np.linspace(0.0, 3.0, 300)

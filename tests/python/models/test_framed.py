@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kinds import kind
-from refusals import refused
+from refusals import raised, refused
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -226,8 +226,7 @@ def test_what_the_skill_inside_does_not_take_is_refused_by_name(case):
         with pytest.raises(UnsupportedQuery, match=f"{name}: a skill of kind 'promp'"):
             promp.generate(**{name: value})
     for ask in (promp.begin, lambda: promp.policy((0.0, 0.0, 0.0))):
-        with pytest.raises(UnsupportedQuery, match="Framed"):
-            ask()
+        assert "Framed" in str(raised(UnsupportedQuery, ask))
     hoffmann = Framed(pose_primitive(form="hoffmann")).fit([shown], frames=[[HERE]])
     with pytest.raises(UnsupportedQuery, match="final_velocity"):
         hoffmann.generate(final_velocity=(0.1, 0.0, 0.0))

@@ -511,5 +511,4 @@ def test_limits_that_are_missing_or_never_kept_are_refused():
     free = JointLimits(("a", "b"), [-9, -9], [9, 9], [inf, 1], [inf, 1], [inf, 1])
     refused("finite limit", lt.retime, [[0.0, 0.0], [1.0, 0.0]], free)
     stuck = JointLimits(("a", "b"), [-9, -9], [9, 9], [1, 0], [1, 1], [1, 1])
-    with pytest.raises(LimitsInfeasible, match="b moves"):
-        lt.retime([[0.0, 0.0], [1.0, 0.1]], stuck)
+    assert "b moves" in str(raised(LimitsInfeasible, lt.retime, [[0.0, 0.0], [1.0, 0.1]], stuck))

@@ -174,8 +174,7 @@ def test_goal_scaling_scales_and_the_default_does_not():
 
 def test_goal_scaling_needs_a_distance():
     closed = lt.Trajectory([0.0, 1.0, 2.0], [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0]])
-    with pytest.raises(FitError, match="channel 1"):
-        fitted(closed, form="ijspeert")
+    assert "channel 1" in str(raised(FitError, fitted, closed, form="ijspeert"))
     assert fitted(closed).generate().positions[-1] == pytest.approx([1.0, 0.0])
 
 
@@ -390,8 +389,7 @@ def test_joints_keep_limits_and_know_no_obstacles():
     for _ in range(400):
         state = skill.step(state, 0.005, limits=limits)
         assert state.position[1] <= 0.03 + 1e-9
-    with pytest.raises(UnsupportedQuery, match="obstacles"):
-        skill.generate(obstacles=[WALL])
+    assert "obstacles" in str(raised(UnsupportedQuery, skill.generate, obstacles=[WALL]))
 
 
 def test_ends_outside_the_limits_are_refused_by_name():

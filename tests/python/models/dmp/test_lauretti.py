@@ -12,7 +12,7 @@ from models.dmp.turns import (
     turn,
     turned_by,
 )
-from refusals import refused
+from refusals import raised, refused
 from scipy.integrate import solve_ivp
 
 import leadthrough as lt
@@ -110,8 +110,7 @@ def returning(u, lift=0.0):
 
 def test_a_channel_that_ends_where_it_began_is_refused():
     u = np.linspace(0.0, 1.0, 401)
-    with pytest.raises(FitError, match="channel 1 ends where it began"):
-        PLANNER.fit([returning(u)])
+    assert "channel 1 ends where it began" in str(raised(FitError, PLANNER.fit, [returning(u)]))
     poured = rotations.exp(np.outer(np.sin(np.pi * minimum_jerk(u)), [0.0, 1.5, 0.0]))
     with pytest.raises(FitError, match="channel 4 ends where it began"):
         PLANNER.fit([demonstration(u, poured)])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from refusals import refused
+from refusals import raised, refused
 from scipy.stats import multivariate_normal
 
 import leadthrough as lt
@@ -212,8 +212,7 @@ def test_identical_points_are_no_trouble():
 
 def test_bad_arguments_are_refused_by_name():
     mixture = random_mixture()
-    with pytest.raises(FitError, match="components"):
-        fit_mixture(np.zeros((3, 2)), 4)
+    assert "components" in str(raised(FitError, fit_mixture, np.zeros((3, 2)), 4))
     refused("inputs", mixture.regress, [[0.0]], inputs=[7])
     refused("outputs", mixture.regress, [[0.0]], inputs=[0], outputs=[0])
     refused("weights", Mixture, [0.5, 0.6], np.zeros((2, 1)), np.ones((2, 1, 1)))

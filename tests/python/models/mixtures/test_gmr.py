@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from refusals import refused
+from refusals import raised, refused
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -69,8 +69,7 @@ def test_tiny_and_singular_sets_give_usable_models(family):
         motion = lt.GMR().fit(given).generate(start=(0.1, 0.1))
         assert np.isfinite(motion.positions).all()
         np.testing.assert_allclose(motion.positions[0], (0.1, 0.1), atol=1e-12)
-    with pytest.raises(FitError, match="none"):
-        lt.GMR().fit([])
+    assert "none" in str(raised(FitError, lt.GMR().fit, []))
 
 
 def test_the_order_of_the_demonstrations_does_not_matter(family):
@@ -182,8 +181,7 @@ def test_a_frame_that_moves_joints_shifts_them():
 def test_skill_with_frames_of_its_own_says_how_to_ask_it(tmp_path):
     shown, frames = placed(4, seed=0)
     skill = TaskGMR(3).fit(shown, frames=frames)
-    with pytest.raises(UnsupportedQuery, match="at"):
-        skill.generate(start=(0.0, 0.0))
+    assert "at" in str(raised(UnsupportedQuery, skill.generate, start=(0.0, 0.0)))
     refused("frames", skill.at, frames[0][:1])
     refused("axes", Frame, (0.0, 0.0), 2.0 * np.eye(2))
     skill.save(tmp_path / "skill.npz")

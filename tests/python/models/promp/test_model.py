@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from refusals import refused
+from refusals import raised, refused
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -151,8 +151,7 @@ def test_rhythmic_motion_closes_and_repeats():
         )
     np.testing.assert_allclose(np.linalg.norm(skill.distribution(times)[0], axis=1), 1.0, atol=1e-3)
     assert "goal" not in skill.supports
-    with pytest.raises(UnsupportedQuery, match="goal"):
-        skill.generate(goal=(1.0, 0.0))
+    assert "goal" in str(raised(UnsupportedQuery, skill.generate, goal=(1.0, 0.0)))
 
 
 def test_skill_with_limits_and_joints_is_saved(skill, tmp_path):
