@@ -17,10 +17,6 @@ ARMS = {
 }
 
 
-# A Panda whose fingers move.
-ERD_PANDA = ("example-robot-data", "panda.urdf")
-
-
 def urdf_in_package(package, file):
     """The path of a URDF among a package's files."""
     for entry in importlib.metadata.distribution(package).files:

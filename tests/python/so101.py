@@ -11,7 +11,7 @@ import pyarrow as pa
 from motions import minimum_jerk
 from pyarrow import parquet
 
-URDF = """<robot name="five_joints_and_a_gripper">
+LINKS = """<robot name="five_joints_and_a_gripper">
 <link name="base_link"/><link name="shoulder_link"/><link name="wrist_link"/>
 <link name="upper_arm_link"><collision><origin xyz="-0.06 -0.02 0"/><geometry>
  <sphere radius="0.03"/></geometry></collision></link>
@@ -20,34 +20,23 @@ URDF = """<robot name="five_joints_and_a_gripper">
 <link name="gripper_link"><collision><origin xyz="0 0 -0.06"/><geometry>
  <sphere radius="0.03"/></geometry></collision></link>
 <link name="gripper_frame_link"/><link name="jaw_link"/>
-<joint name="shoulder_pan" type="revolute">
- <parent link="base_link"/><child link="shoulder_link"/>
- <origin xyz="0.039 0 0.062" rpy="3.14159265 0 -3.14159265"/><axis xyz="0 0 1"/>
- <limit effort="10" velocity="10" lower="-1.91986" upper="1.91986"/></joint>
-<joint name="shoulder_lift" type="revolute">
- <parent link="shoulder_link"/><child link="upper_arm_link"/>
- <origin xyz="-0.030 -0.018 -0.054" rpy="-1.57079633 -1.57079633 0"/><axis xyz="0 0 1"/>
- <limit effort="10" velocity="10" lower="-1.74533" upper="1.74533"/></joint>
-<joint name="elbow_flex" type="revolute">
- <parent link="upper_arm_link"/><child link="lower_arm_link"/>
- <origin xyz="-0.113 -0.028 0" rpy="0 0 1.57079633"/><axis xyz="0 0 1"/>
- <limit effort="10" velocity="10" lower="-1.69" upper="1.69"/></joint>
-<joint name="wrist_flex" type="revolute">
- <parent link="lower_arm_link"/><child link="wrist_link"/>
- <origin xyz="-0.135 0.005 0" rpy="0 0 -1.57079633"/><axis xyz="0 0 1"/>
- <limit effort="10" velocity="10" lower="-1.65806" upper="1.65806"/></joint>
-<joint name="wrist_roll" type="revolute">
- <parent link="wrist_link"/><child link="gripper_link"/>
- <origin xyz="0 -0.061 0.018" rpy="1.57079633 0.0486795 3.14159265"/><axis xyz="0 0 1"/>
- <limit effort="10" velocity="10" lower="-2.74385" upper="2.84121"/></joint>
 <joint name="gripper_frame_joint" type="fixed">
  <parent link="gripper_link"/><child link="gripper_frame_link"/>
- <origin xyz="-0.008 0 -0.098" rpy="0 3.14159265 0"/></joint>
-<joint name="gripper" type="revolute">
- <parent link="gripper_link"/><child link="jaw_link"/>
- <origin xyz="0.020 0.019 -0.023" rpy="1.57079633 0 0"/><axis xyz="0 0 1"/>
- <limit effort="10" velocity="10" lower="-0.174533" upper="1.74533"/></joint>
-</robot>"""
+ <origin xyz="-0.008 0 -0.098" rpy="0 3.14159265 0"/></joint>"""
+# Name, parent, child, origin, rotation and limits of each joint that moves.
+CHAIN = """
+shoulder_pan; base; shoulder; 0.039 0 0.062; 3.14159265 0 -3.14159265; -1.91986; 1.91986
+shoulder_lift; shoulder; upper_arm; -.030 -.018 -.054; -1.57079633 -1.57079633 0; -1.74533; 1.74533
+elbow_flex; upper_arm; lower_arm; -0.113 -0.028 0; 0 0 1.57079633; -1.69; 1.69
+wrist_flex; lower_arm; wrist; -0.135 0.005 0; 0 0 -1.57079633; -1.65806; 1.65806
+wrist_roll; wrist; gripper; 0 -0.061 0.018; 1.57079633 0.0486795 3.14159265; -2.74385; 2.84121
+gripper; gripper; jaw; 0.020 0.019 -0.023; 1.57079633 0 0; -0.174533; 1.74533
+"""
+MOVING = """<joint name="{}" type="revolute"><parent link="{}_link"/><child link="{}_link"/>
+<origin xyz="{}" rpy="{}"/><axis xyz="0 0 1"/>
+<limit effort="10" velocity="10" lower="{}" upper="{}"/></joint>"""
+_JOINTS = "".join(MOVING.format(*row.split("; ")) for row in CHAIN.split("\n")[1:-1])
+URDF = LINKS + _JOINTS + "</robot>"
 TIP = "gripper_frame_link"
 JOINTS = ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll")
 MOTORS = [f"{name}.pos" for name in (*JOINTS, "gripper")]

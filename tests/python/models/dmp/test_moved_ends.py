@@ -44,7 +44,6 @@ def yaw(orientations):
 @pytest.mark.parametrize("kind", [lambda m: m, as_joints], ids=["points", "joints"])
 @pytest.mark.parametrize("goal", [0.2, 0.6])
 def test_moved_goal_is_neither_passed_nor_approached_during_the_hold(kind, goal):
-    """Today's blend over the whole duration: to 0.372 m first, then 6 cm and more of sliding."""
     made = fitted(kind(reach())).generate(goal=(goal, 0.0, 0.0), duration=4.0)
     x = made.positions[:, 0]
     assert x.max() <= goal + 1e-3
@@ -163,7 +162,6 @@ def highest(motion):
 
 
 def test_goal_moved_along_the_way_is_not_reached_faster_than_a_person_showed():
-    """Twice the way: 2.0 times the speed today."""
     skill = fitted(hook())
     made = skill.generate(goal=2.0 * hook().positions[-1], dt=0.002)
     assert highest(made) <= 1.301 * highest(skill.generate(dt=0.002))
@@ -176,7 +174,6 @@ def test_goal_moved_along_the_way_is_not_reached_faster_than_a_person_showed():
 
 
 def test_goal_turned_along_the_way_is_not_reached_faster_than_a_person_showed():
-    """90 degrees more than the 90 shown: 2.0 times the speed today."""
     turned = rotations.exp(
         np.outer(minimum_jerk_time_scaling(TIMES / 4.0), [0.0, 0.0, np.pi / 2.0])
     )

@@ -102,7 +102,6 @@ def test_fit_is_as_likely_as_the_best_of_five_of_scikit_learn(count, size, seed)
 
 @pytest.mark.parametrize("name", ["Angle", "CShape", "JShape"])
 def test_handwriting_is_as_likely_as_with_the_best_of_five_of_scikit_learn(name):
-    """Twice as many trials cut short after 20 iterations ended up to 6 % below."""
     sklearn_mixture = pytest.importorskip("sklearn.mixture")
     points = sampled(lt.io.lasa.load(name)).points
     points = (points - points.mean(axis=0)) / points.std(axis=0)

@@ -86,7 +86,6 @@ def test_moved_ends_move_no_phase_by_more_than_the_bound(name, kind, share_goal)
 
 @pytest.mark.parametrize("name", MODELS)
 def test_a_turned_goal_moves_the_path_no_more_than_its_lever_does(name):
-    """Today's 1.4 m for a milliradian came from thin Gaussians crossing far away."""
     rng = np.random.default_rng(2)
     for count in COUNTS:
         skill = MODELS[name].fit(family("poses", count))
