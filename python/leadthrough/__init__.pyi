@@ -31,6 +31,7 @@ from .io import (
 from .models import (
     DMP,
     GMR,
+    AlignedMean,
     FastMarching,
     ProMP,
     RhythmicDMP,
@@ -51,6 +52,7 @@ __all__ = [
     "DMP",
     "GMR",
     "Admission",
+    "AlignedMean",
     "Arm",
     "Box",
     "Capsule",

@@ -1,3 +1,4 @@
+from .aligned.model import AlignedMean, AlignedMeanSkill
 from .archive import FittedSkill, load_skill
 from .certificate import Certificate, ConfidenceInterval
 from .demonstrations import MisalignmentWarning
@@ -33,6 +34,8 @@ __all__ = [
     "GMR",
     "LPVDS",
     "SEDS",
+    "AlignedMean",
+    "AlignedMeanSkill",
     "Certificate",
     "Clusters",
     "ConfidenceInterval",

@@ -57,10 +57,25 @@ def speed_of(progress: Float64Array) -> Float64Array:
 
 def rest_to_rest(progress: Float64Array) -> Float64Array:
     """The progress (1001,), smoothed, starting and ending at rest."""
-    speed = speed_of(progress)
     u = np.linspace(0.0, 1.0, SAMPLES)
     x = np.clip(np.minimum(u, 1.0 - u) / _RAMP, 0.0, 1.0)
-    speed = minimum_jerk_time_scaling(x, speed)
+    return _progress_at(minimum_jerk_time_scaling(x, speed_of(progress)))
+
+
+def smoothed(progress: Float64Array) -> Float64Array:
+    """The progress (1001,), smoothed, with its own speeds at the start and at the end."""
+    even = uniform_progress()
+    ahead = progress - even
+    width = int(_SMOOTHING * SAMPLES) | 1
+    # Mirrored through both ends, where it is 0, by as much as two averages take away.
+    ahead = np.concatenate([-ahead[width - 1 : 0 : -1], ahead, -ahead[-2 : -width - 1 : -1]])
+    for _ in range(2):
+        ahead = np.convolve(ahead, np.full(width, 1.0 / width), mode="valid")
+    return np.asarray(np.maximum.accumulate(np.clip(even + ahead, 0.0, 1.0)))
+
+
+def _progress_at(speed: Float64Array) -> Float64Array:
+    """The progress (1001,) at speeds (1001,)."""
     total = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
     return np.asarray(total / total[-1])
 

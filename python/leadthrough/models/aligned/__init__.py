@@ -1,0 +1,1 @@
+"""The mean of aligned demonstrations, conditioned on its ends."""

@@ -1,0 +1,159 @@
+"""Demonstrations as curves over a common phase, apart from their timing, and their ways.
+
+Two phases: the fraction of the arc length, and an elastic one that brings each demonstration to
+the mean of all by dynamic programming (Sakoe and Chiba 1978) on position and tangent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leadthrough.check import Float64Array
+from leadthrough.preprocess.align import FREE, warp
+from leadthrough.preprocess.noise import without_noise
+
+# Rows of a curve: as few as keep all samples within a fraction of the extent, doubled from the
+# first number up to the last.
+_ROWS, _MOST_ROWS, _DETAIL = 200, 3200, 1e-3
+_ALIGNED_ROWS = 400  # to which curves are aligned, as the pairs of rows grow with their square
+# Fraction of a curve's length that time adds to it, so that phases rise during pauses.
+_PAUSE = 1e-4
+_TANGENT = 0.3  # weight of the unit tangent against the position in units of the extent
+_ROUNDS = 2
+# Demonstrations of two ways lie farther apart than this fraction of their length, and this many
+# times as far as those of one way.
+_APART, _GAP = 0.05, 2.5
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Demonstrations (k, n, width) at n even phases, with the times (k, n) of these."""
+
+    rows: Float64Array
+    times: Float64Array
+
+    def at(self, phases: Float64Array) -> Curves:
+        """Those at phases (k, n) of each."""
+        even = even_phases(self.rows.shape[1])
+        rows = [interpolated(u, even, each) for u, each in zip(phases, self.rows, strict=True)]
+        times = [np.interp(u, even, each) for u, each in zip(phases, self.times, strict=True)]
+        return Curves(np.array(rows), np.array(times))
+
+    def coarse(self, count: int) -> Curves:
+        """The same at some of the phases, about as many as a number."""
+        step = max(1, self.rows.shape[1] // count)
+        return Curves(_thinned(self.rows, step), _thinned(self.times, step))
+
+
+def _thinned(rows: Float64Array, step: int) -> Float64Array:
+    """Every so manieth of the rows (k, n, ...), and the last."""
+    return np.concatenate([rows[:, :-1:step], rows[:, -1:]], axis=1)
+
+
+def even_phases(count: int) -> Float64Array:
+    """Evenly spaced phases (n,) from 0 to 1."""
+    return np.linspace(0.0, 1.0, count)
+
+
+def interpolated(at: Float64Array, phases: Float64Array, rows: Float64Array) -> Float64Array:
+    """Rows (m, width) at phases (m,), linearly between rows (n, width) at phases (n,)."""
+    return np.column_stack([np.interp(at, phases, column) for column in rows.T])
+
+
+def arc_phases(rows: Float64Array) -> Float64Array:
+    """The fraction (n,) of the length covered at each row (n, width), rising also in a pause."""
+    steps = np.linalg.norm(np.diff(rows, axis=0), axis=1)
+    steps += (_PAUSE * steps.sum() or 1.0) / len(steps)
+    covered = np.concatenate([[0.0], np.cumsum(steps)])
+    return np.asarray(covered / covered[-1])
+
+
+def by_arc(columns: Sequence[Float64Array], times: Sequence[Float64Array]) -> Curves:
+    """Demonstrations (n, width) each, with their times (n,) from 0 on, by their arc length."""
+    smooth = [without_noise(each) for each in columns]
+    phases = [arc_phases(each) for each in smooth]
+    even = even_phases(_row_count(smooth, phases))
+    rows = [interpolated(even, u, each) for u, each in zip(phases, smooth, strict=True)]
+    timed = [np.interp(even, u, each) for u, each in zip(phases, times, strict=True)]
+    return Curves(np.array(rows), np.array(timed))
+
+
+def _row_count(columns: Sequence[Float64Array], phases: Sequence[Float64Array]) -> int:
+    """The number of even rows between which no sample lies far from the line."""
+    count = _ROWS
+    while count < _MOST_ROWS:
+        even = even_phases(count)
+        missed = [
+            np.linalg.norm(each - interpolated(u, even, interpolated(even, u, each)), axis=1).max()
+            / float(np.linalg.norm(np.ptp(each, axis=0)))
+            for u, each in zip(phases, columns, strict=True)
+        ]
+        if max(missed) <= _DETAIL:
+            break
+        count *= 2
+    return count
+
+
+def elastic(curves: Curves) -> Curves:
+    """Curves by arc length, each aligned to the mean of all."""
+    if len(curves.rows) < 2:
+        return curves
+    coarse = curves.rows[:, :: max(1, curves.rows.shape[1] // _ALIGNED_ROWS)]
+    even = even_phases(coarse.shape[1])
+    features = [_features(each) for each in _with_mean_ends(coarse)]
+    apart = [sum(float(np.abs(a - b).mean()) for b in features) for a in features]
+    middle = features[int(np.argmin(apart))]
+    for _ in range(_ROUNDS):
+        warps = [warp(middle, each, rigidity=FREE) for each in features]
+        aligned = [interpolated(u, even, each) for u, each in zip(warps, coarse, strict=True)]
+        middle = _features(_with_mean_ends(np.array(aligned)).mean(axis=0))
+    fine = even_phases(curves.rows.shape[1])
+    return curves.at(np.array([np.interp(fine, even, each) for each in warps]))
+
+
+def _features(rows: Float64Array) -> Float64Array:
+    """Position and direction (n, 2 width) of a curve in units of the extent."""
+    tangent = np.gradient(rows, axis=0)
+    length = np.linalg.norm(tangent, axis=1, keepdims=True)
+    return np.hstack([rows, _TANGENT * tangent / np.where(length > 0.0, length, 1.0)])
+
+
+def _with_mean_ends(rows: Float64Array) -> Float64Array:
+    """Curves (k, n, width) shifted to their mean ends."""
+    return with_ends(rows, *rows[:, [0, -1]].mean(axis=0))
+
+
+def with_ends(rows: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
+    """Curves (..., n, width) whose ends' offsets from a start and a goal fade linearly."""
+    u = even_phases(rows.shape[-2])[:, None]
+    offsets = start - rows[..., :1, :], goal - rows[..., -1:, :]
+    return np.asarray(rows + (1.0 - u) * offsets[0] + u * offsets[1])
+
+
+def ways(rows: Float64Array) -> NDArray[np.int64]:
+    """The way (k,) that each of the curves (k, n, width) goes, numbered from 0.
+
+    Shifted to the same ends, those of one way lie near each other: the distances at which single
+    linkage joins them have a gap.
+    """
+    from scipy.cluster.hierarchy import fcluster, linkage
+    from scipy.spatial.distance import pdist
+
+    one_way = np.zeros(len(rows), dtype=np.int64)
+    if len(rows) < 3:
+        return one_way
+    length = np.linalg.norm(np.diff(rows, axis=1), axis=2).sum(axis=1).mean()
+    flat = _with_mean_ends(rows).reshape(len(rows), -1) / np.sqrt(rows.shape[1])
+    joined = linkage(pdist(flat) / length, "single")
+    at = joined[:, 2]
+    gaps = np.where(at[1:] > _APART, at[1:] / np.maximum(at[:-1], 1e-12), 0.0)
+    widest = int(np.argmax(gaps))
+    if gaps[widest] < _GAP:
+        return one_way
+    groups = fcluster(joined, np.sqrt(at[widest] * at[widest + 1]), "distance")
+    _, first, numbers = np.unique(groups, return_index=True, return_inverse=True)
+    return np.asarray(np.argsort(np.argsort(first))[numbers], dtype=np.int64)
