@@ -36,6 +36,7 @@ from .models import (
     ProMP,
     RhythmicDMP,
     SkillLibrary,
+    learn,
     load_skill,
 )
 from .motion import Demonstration, Event, JointTrajectory, PoseTrajectory, Trajectory
@@ -86,6 +87,7 @@ __all__ = [
     "io",
     "judge_demonstrations",
     "keep_timing",
+    "learn",
     "load_skill",
     "models",
     "motion_planning",

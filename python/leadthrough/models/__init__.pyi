@@ -1,6 +1,7 @@
 from .aligned.model import AlignedMean, AlignedMeanSkill
 from .archive import FittedSkill, load_skill
 from .certificate import Certificate, ConfidenceInterval
+from .choice import Choice
 from .demonstrations import MisalignmentWarning
 from .dmp.discrete import DMP, DMPSkill
 from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
@@ -15,6 +16,7 @@ from .framed import Framed, FramedSkill, FramedState
 from .gaussians.fitting import FittedMixture, choose_components, fit_mixture, trace_mixture
 from .gaussians.kmeans import Clusters, kmeans
 from .gaussians.mixture import Mixture
+from .learn import learn
 from .library import OutsideTargets, SkillLibrary
 from .marching.model import FastMarching, FastMarchingSkill
 from .mixtures.gmr import GMR, GMRSkill
@@ -37,6 +39,7 @@ __all__ = [
     "AlignedMean",
     "AlignedMeanSkill",
     "Certificate",
+    "Choice",
     "Clusters",
     "ConfidenceInterval",
     "DMPSkill",
@@ -77,6 +80,7 @@ __all__ = [
     "generate_all",
     "infer",
     "kmeans",
+    "learn",
     "load_skill",
     "model_entry",
     "model_names",

@@ -7,6 +7,7 @@ import json
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import asdict
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -21,6 +22,7 @@ from leadthrough.errors import UnsupportedQuery
 from leadthrough.io import npz
 from leadthrough.io.files import StrPath, replacing
 from leadthrough.models.certificate import Certificate
+from leadthrough.models.choice import Choice
 from leadthrough.models.protocol import (
     Demonstrations,
     Distributed,
@@ -40,7 +42,7 @@ if TYPE_CHECKING:
 
 FORMAT = "leadthrough skill"
 VERSION = 1
-_CERTIFICATE = "certificate"
+_CERTIFICATE, _CHOICE = "certificate", "choice"
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -132,6 +134,18 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         vars(same)[_CERTIFICATE] = certificate
         return same
 
+    @property
+    def choice(self) -> Choice | None:
+        """The families that `lt.learn` compared before it chose this one; None of other skills."""
+        choice: Choice | None = vars(self).get(_CHOICE)
+        return choice
+
+    def with_choice(self, choice: Choice) -> Self:
+        """The same skill with the reason for its family, also saved in its file."""
+        same = copy.copy(self)
+        vars(same)[_CHOICE] = choice
+        return same
+
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads.
 
@@ -141,7 +155,8 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         Raises:
             InvalidInput: if the file cannot be written.
         """
-        write(path, self.kind, *self.to_archive(), certificate=self.certificate)
+        archive = self.to_archive()
+        write(path, self.kind, *archive, certificate=self.certificate, choice=self.choice)
 
     @cached_property
     def _own_motion(self) -> Motion | None:
@@ -248,9 +263,14 @@ def load_skill(path: StrPath) -> Skill:
     Raises:
         InvalidInput: if it is no skill, is damaged, or of a newer format version.
     """
-    kind, settings, arrays, certificate = read(path)
-    skill = restored(path, kind, settings, arrays)
-    return skill if certificate is None else skill.certified(certificate)
+    head, arrays = _read(path)
+    skill: Any = restored(path, head["kind"], head["settings"], arrays)
+    if _CHOICE in head:
+        skill = skill.with_choice(head[_CHOICE])
+    if _CERTIFICATE in head:
+        skill = skill.certified(head[_CERTIFICATE])
+    loaded: Skill = skill
+    return loaded
 
 
 def restored(path: StrPath, kind: str, settings: dict[str, Any], arrays: Arrays) -> Skill:
@@ -269,11 +289,14 @@ def write(
     arrays: Arrays,
     *,
     certificate: Certificate | None = None,
+    choice: Choice | None = None,
 ) -> None:
     """Writes a skill to a file."""
     head = {"format": FORMAT, "version": VERSION, "kind": kind, "settings": dict(settings)}
     if certificate is not None:
         head[_CERTIFICATE] = certificate.to_settings()
+    if choice is not None:
+        head[_CHOICE] = asdict(choice)
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez(file, allow_pickle=False, head=np.array(json.dumps(head)), **dict(arrays))
 
@@ -282,6 +305,12 @@ def read(
     path: StrPath,
 ) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]], Certificate | None]:
     """Kind, settings, arrays and certificate of a skill in a file."""
+    head, arrays = _read(path)
+    return head["kind"], head["settings"], arrays, head.get(_CERTIFICATE)
+
+
+def _read(path: StrPath) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """The checked head of a skill in a file, and its arrays."""
     with suppress(OSError):  # a name that no file can have: reading says so
         if isinstance(path, str | PathLike) and not Path(path).exists():
             raise InvalidInput(f"path: no such file: {path}")
@@ -290,7 +319,10 @@ def read(
         head = json.loads(str(arrays.pop("head")))
         if head["format"] != FORMAT:
             raise InvalidInput(f"format: expected {FORMAT!r}, got {head['format']!r}")
-        kind, version, settings = str(head["kind"]), int(head["version"]), dict(head["settings"])
+        version = int(head["version"])
+        head |= {"kind": str(head["kind"]), "settings": dict(head["settings"])}
+        if _CHOICE in head:
+            head[_CHOICE] = Choice(**head[_CHOICE])
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InvalidInput(f"path: expected a saved skill, got {path} ({error})") from None
     if version > VERSION:
@@ -298,6 +330,6 @@ def read(
             f"path: expected a skill of format version {VERSION} or earlier, got {path} of version "
             f"{version}; update leadthrough"
         )
-    stored = head.get(_CERTIFICATE)
-    certificate = None if stored is None else Certificate.from_settings(stored)
-    return kind, settings, arrays, certificate
+    if _CERTIFICATE in head:
+        head[_CERTIFICATE] = Certificate.from_settings(head[_CERTIFICATE])
+    return head, arrays

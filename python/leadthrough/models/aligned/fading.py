@@ -9,11 +9,12 @@ demonstrations best are averaged.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.models.aligned.curves import (
@@ -21,11 +22,10 @@ from leadthrough.models.aligned.curves import (
     arc_phases,
     even_phases,
     interpolated,
-    with_ends,
 )
 
-# Width of the weights in median distances of the ends.
-_WIDTHS = (np.inf, 1.0, 0.4, 0.15)
+# Width of the weights in median distances of the ends; with the first all are as good as equal.
+_WIDTHS = (1e3, 1.0, 0.4, 0.15)
 # Weight of the linear fade against the demonstrations'; infinite: the linear fade alone.
 _PRIORS = (0.03, 0.3, 3.0, np.inf)
 ROTATED = 1.0 / 3.0
@@ -37,6 +37,7 @@ _AVERAGED = 10
 # An option is preferred as far as it surely predicts better than the first, at this confidence.
 _SURE = 0.975
 _COMPARED = 100  # even rows, at which a prediction is compared with the left-out curve
+_MOST_LEFT_OUT = 16  # demonstrations, evenly chosen
 _TINY = 1e-300
 
 
@@ -56,14 +57,6 @@ class Option:
 
 
 DEFAULT = Option(0, 1.0, np.inf, ROTATED)
-TIMING = Option(1, 1.0, np.inf)
-
-
-def options(*, rotating: bool) -> list[Option]:
-    """All options, the default first."""
-    linear = [Option(*each) for each in product((0, 1), _WIDTHS, _PRIORS)]
-    rotated = [Option(phase, width, np.inf, ROTATED) for phase in (0, 1) for width in _WIDTHS]
-    return sorted(rotated, key=lambda each: each != DEFAULT) + linear if rotating else linear
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,65 +66,80 @@ class Predictor:
     Attributes:
         phased: by arc length, and elastically.
         size: number of columns of the position; the others have fades of their own.
+        rotating: whether positions may rotate with the chord between their ends.
     """
 
     phased: tuple[Curves, Curves]
     size: int
+    rotating: bool
+
+    @cached_property
+    def options(self) -> list[Option]:
+        """All options, in the order of `between`."""
+        kinds = [(np.inf, ROTATED)] * self.rotating + [(prior, 0.0) for prior in _PRIORS]
+        return [Option(phase, w, *kind) for phase in (0, 1) for kind in kinds for w in _WIDTHS]
 
     def between(
-        self, option: Option, ends: Float64Array, *, without: int | None = None
-    ) -> tuple[Float64Array, Float64Array]:
-        """Rows (n, width) between ends (2, width) over the phase, and the demonstrations' weights.
+        self, ends: Float64Array, without: NDArray[np.int64] | None = None
+    ) -> Iterator[Float64Array]:
+        """For each option the rows (m, n, width) over the phase between ends (m, 2, width).
 
         Args:
-            option: weights and fade.
-            ends: start and goal.
-            without: a demonstration to leave out.
+            ends: starts and goals.
+            without: for each of them the number of a demonstration to leave out.
         """
-        rows = self.phased[option.phase].rows
-        weights = _weights(rows[:, [0, -1]], ends, option.width, without)
-        if option.rotated:
-            rotated = self._rotated(rows, ends, option.rotated)
-            return np.asarray(np.tensordot(weights, rotated, 1)), weights
-        mean = np.asarray(np.tensordot(weights, rows, 1))
-        off, progress = rows - mean, arc_phases(mean)
-        groups = [slice(0, self.size), slice(self.size, rows.shape[2])]
-        for group in groups if rows.shape[2] > self.size else groups[:1]:
-            left = fades(off[:, :, group], weights, option.prior, progress)
-            mean[:, group] += left.T @ (ends[:, group] - mean[[0, -1], group])
-        return mean, weights
+        for curves in self.phased:
+            rows = curves.rows
+            weights = _weights(rows[:, [0, -1]], ends, without)
+            if self.rotating:
+                yield from np.einsum("wmk,mknd->wmnd", weights, self._rotated(rows, ends))
+            means = np.einsum("wmk,knd->wmnd", weights, rows)
+            progress = np.array([[arc_phases(each) for each in own] for own in means])
+            linear = np.stack([1.0 - progress, progress], axis=2)
+            groups = [slice(0, self.size), slice(self.size, rows.shape[2])]
+            ready = [
+                _Fade(rows[:, :, each], weights, means[..., each], ends[:, :, each])
+                for each in (groups if rows.shape[2] > self.size else groups[:1])
+            ]
+            for prior in _PRIORS:
+                yield from np.concatenate([each.rows(linear, prior) for each in ready], axis=-1)
 
-    def _rotated(self, rows: Float64Array, ends: Float64Array, fraction: float) -> Float64Array:
-        """Curves with new ends, partly shifted and partly rotated with their chords."""
-        result = with_ends(rows, *ends)
-        for shifted, each in zip(result, rows, strict=True):
-            position = each[:, : self.size]
-            own = fraction * _directed(position)
-            if own and (turned := _turned(position, *ends[:, : self.size])) is not None:
-                shifted[:, : self.size] += own * (turned - shifted[:, : self.size])
-        return result
+    def _rotated(self, rows: Float64Array, ends: Float64Array) -> Float64Array:
+        """Curves (m, k, n, width) with new ends, partly shifted and partly rotated."""
+        u = even_phases(rows.shape[1])[:, None]
+        offsets = ends[:, None] - rows[:, [0, -1]]
+        result = rows + (1.0 - u) * offsets[:, :, :1] + u * offsets[:, :, 1:]
+        position = rows[:, :, : self.size]
+        turned, fraction = _turned(position, ends[:, :, : self.size])
+        shifted = result[..., : self.size]
+        shifted += (ROTATED * fraction)[..., None, None] * (turned - shifted)
+        return np.asarray(result)
 
-    def chosen(self, *, rotating: bool) -> list[Option]:
+    def chosen(self) -> list[Option]:
         """The options to average: those that surely predict left-out demonstrations best."""
-        every, count = options(rotating=rotating), len(self.phased[0].rows)
+        count = len(self.phased[0].rows)
+        default = self.options.index(DEFAULT) if self.rotating else self.options.index(_PLAIN)
         if count < 3:
-            return every[:1]
+            return [self.options[default]]
         from scipy.stats import t
 
-        few = Predictor(
-            (self.phased[0].coarse(_COMPARED), self.phased[1].coarse(_COMPARED)), self.size
+        out = np.unique(np.linspace(0, count - 1, min(count, _MOST_LEFT_OUT)).round().astype(int))
+        phased = self.phased[0].coarse(_COMPARED), self.phased[1].coarse(_COMPARED)
+        few = Predictor(phased, self.size, self.rotating)
+        wanted = phased[0].rows[out]
+        missed = np.array(
+            [
+                [
+                    np.linalg.norm(_evened(a) - b, axis=1).mean()
+                    for a, b in zip(found, wanted, strict=True)
+                ]
+                for found in few.between(wanted[:, [0, -1]], out)
+            ]
         )
-        missed = np.array([[few._missed(each, i) for i in range(count)] for each in every])
-        gain = np.log(missed + _TINY) - np.log(missed[0] + _TINY)
-        error = gain.std(axis=1, ddof=1) / np.sqrt(count)
-        order = np.argsort(gain.mean(axis=1) + t.ppf(_SURE, count - 1) * error, kind="stable")
-        return [every[i] for i in order[:_AVERAGED]]
-
-    def _missed(self, option: Option, index: int) -> float:
-        """The mean distance of a left-out demonstration from its prediction."""
-        rows = self.phased[0].rows[index]
-        found, _ = self.between(option, rows[[0, -1]], without=index)
-        return float(np.linalg.norm(_evened(found) - rows, axis=1).mean())
+        gain = np.log(missed + _TINY) - np.log(missed[default] + _TINY)
+        error = gain.std(axis=1, ddof=1) / np.sqrt(len(out))
+        order = np.argsort(gain.mean(axis=1) + t.ppf(_SURE, len(out) - 1) * error, kind="stable")
+        return [self.options[i] for i in order[:_AVERAGED]]
 
     def predicted(
         self, chosen: Sequence[Option], ends: Float64Array
@@ -140,13 +148,18 @@ class Predictor:
 
         With the phases (n,) of the elastic curves there, and the times (n,).
         """
-        rows = np.mean([_evened(self.between(each, ends)[0]) for each in chosen], axis=0)
+        every = dict(zip(self.options, self.between(ends[None]), strict=True))
+        rows = np.mean([_evened(every[each][0]) for each in chosen], axis=0)
         rows[[0, -1]] = ends
-        timed, weights = self.between(TIMING, ends)
-        even = even_phases(len(rows))
-        phases = np.interp(even, arc_phases(timed), even)
-        clock = np.interp(phases, even, weights @ self.phased[TIMING.phase].times)
+        aligned, even = self.phased[1], even_phases(len(rows))
+        phases = np.interp(even, arc_phases(every[_TIMING][0]), even)
+        weights = _weights(aligned.rows[:, [0, -1]], ends[None], None)[_WIDTHS.index(_TIMING.width)]
+        clock = np.interp(phases, even, weights[0] @ aligned.times)
         return rows, phases, np.maximum.accumulate(clock)
+
+
+_PLAIN = Option(0, 1.0, np.inf)
+_TIMING = Option(1, 1.0, np.inf)
 
 
 def _evened(rows: Float64Array) -> Float64Array:
@@ -155,63 +168,69 @@ def _evened(rows: Float64Array) -> Float64Array:
 
 
 def _weights(
-    demonstrated: Float64Array, ends: Float64Array, width: float, without: int | None
+    demonstrated: Float64Array, ends: Float64Array, without: NDArray[np.int64] | None
 ) -> Float64Array:
-    """Weights (k,) of demonstrations by the nearness of their ends (k, 2, width); sum 1."""
-    kept = np.ones(len(demonstrated))
+    """Weights (widths, m, k) of demonstrations by the nearness of their ends; sum 1."""
+    squared = ((ends[:, None] - demonstrated) ** 2).sum(axis=(2, 3))
     if without is not None:
-        kept[without] = 0.0
-    if np.isfinite(width):
-        squared = ((demonstrated - ends) ** 2).sum(axis=(1, 2))
-        nearest_first = np.sort(squared[kept > 0.0])
-        wide = 2.0 * width**2 * float(nearest_first[len(nearest_first) // 2]) + _TINY
-        kept *= np.exp(-(squared - nearest_first[0]).clip(0.0) / wide)
-    return np.asarray(kept / kept.sum())
+        squared[np.arange(len(ends)), without] = np.inf
+    ranked = np.sort(squared, axis=1)
+    kept = squared.shape[1] - (without is not None)
+    wide = 2.0 * np.square(_WIDTHS)[:, None, None] * ranked[:, kept // 2, None] + _TINY
+    weights = np.exp(-(squared - ranked[:, :1]) / wide)
+    return np.asarray(weights / weights.sum(axis=2, keepdims=True))
 
 
-def fades(
-    off: Float64Array, weights: Float64Array, prior: float, progress: Float64Array
-) -> Float64Array:
-    """The fraction (2, n) of the offsets of start and goal that is left at each phase.
+class _Fade:
+    """Regression of curves (k, n, d) on their ends, around means (widths, m, n, d)."""
 
-    Args:
-        off: demonstrations (k, n, d) relative to their mean.
-        weights: weights (k,), sum 1.
-        prior: weight of the linear fade; infinite for that alone.
-        progress: fraction (n,) of the mean's length.
+    def __init__(
+        self, rows: Float64Array, weights: Float64Array, means: Float64Array, ends: Float64Array
+    ) -> None:
+        self._means, self._offsets = means, ends - means[:, :, [0, -1]]
+        off = rows[:, [0, -1]] - means[:, :, None, [0, -1]]
+        self._gram = np.einsum("wmk,wmkid,wmkjd->wmij", weights, off, off)
+        # The mean's own part of the product vanishes, as the offsets' mean does.
+        self._seen = np.einsum("wmk,wmkid,knd->wmin", weights, off, rows)
+        self._variance = np.trace(self._gram, axis1=2, axis2=3) / rows.shape[2] + _TINY
+
+    def rows(self, linear: Float64Array, prior: float) -> Float64Array:
+        """Rows (widths, m, n, d) with the ends asked for.
+
+        Args:
+            linear: fractions (widths, m, 2, n) of the offsets in a linear fade.
+            prior: weight of the linear fade; infinite for that alone.
+        """
+        left = linear
+        if np.isfinite(prior):
+            pull = (prior * self._variance)[..., None, None]
+            left = np.linalg.solve(self._gram + pull * np.eye(2), self._seen + pull * linear)
+            left[..., [0, -1]] = np.eye(2)
+        return np.asarray(self._means + np.einsum("wmin,wmid->wmnd", left, self._offsets))
+
+
+def _turned(rows: Float64Array, ends: Float64Array) -> tuple[Float64Array, Float64Array]:
+    """Curves (k, n, d) rotated about new goals and scaled to new starts, (m, k, n, d).
+
+    With the fractions (m, k) in [0, 1] to which these are of use.
     """
-    linear = np.stack([1.0 - progress, progress])
-    if not np.isfinite(prior):
-        return linear
-    ends = off[:, [0, -1]]
-    gram = np.einsum("k,kid,kjd->ij", weights, ends, ends)
-    pull = prior * (np.trace(gram) / off.shape[2] + _TINY)
-    seen = np.einsum("k,knd,kid->in", weights, off, ends)
-    left = np.linalg.solve(gram + pull * np.eye(2), seen + pull * linear)
-    left[:, [0, -1]] = np.eye(2)
-    return np.asarray(left)
-
-
-def _directed(rows: Float64Array) -> float:
-    """0 for a curve that returns to its start, 1 for one that leads somewhere."""
-    length = float(np.linalg.norm(np.diff(rows, axis=0), axis=1).sum())
-    ratio = float(np.linalg.norm(rows[-1] - rows[0])) / (length or 1.0)
-    return min(max((ratio - _RETURNING[0]) / (_RETURNING[1] - _RETURNING[0]), 0.0), 1.0)
-
-
-def _turned(rows: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array | None:
-    """The curve rotated about the goal and scaled so that it begins at the start, or None."""
-    own, wanted = rows[0] - rows[-1], start - goal
-    before, after = float(np.linalg.norm(own)), float(np.linalg.norm(wanted))
-    if not _SCALES[0] * before < after < _SCALES[1] * before:
-        return None
-    a, b = own / before, wanted / after
-    if float(a @ b) < _MIN_COSINE:
-        return None
-    points, between = rows - rows[-1], a + b
-    rotated = (
-        points
-        - np.outer(points @ between, between) / (1.0 + float(a @ b))
-        + 2.0 * np.outer(points @ a, b)
+    own, wanted = rows[:, 0] - rows[:, -1], ends[:, 0] - ends[:, 1]
+    before, after = np.linalg.norm(own, axis=1), np.linalg.norm(wanted, axis=1)[:, None]
+    a = own / np.maximum(before, _TINY)[:, None]
+    b = wanted / np.maximum(after, _TINY)
+    cosine = b @ a.T
+    scale = after / np.maximum(before, _TINY)
+    length = np.linalg.norm(np.diff(rows, axis=1), axis=2).sum(axis=1)
+    directed = (before / np.maximum(length, _TINY) - _RETURNING[0]) / (
+        _RETURNING[1] - _RETURNING[0]
     )
-    return np.asarray(goal + after / before * rotated)
+    sound = (cosine > _MIN_COSINE) & (scale > _SCALES[0]) & (scale < _SCALES[1])
+    points = rows - rows[:, -1:]
+    between = a + b[:, None]
+    across = (
+        np.einsum("knd,mkd->mkn", points, between) / np.where(sound, 1.0 + cosine, 1.0)[..., None]
+    )
+    along = 2.0 * np.einsum("knd,kd->kn", points, a)
+    rotated = points - across[..., None] * between[:, :, None] + along[..., None] * b[:, None, None]
+    turned = ends[:, 1][:, None, None] + np.where(sound, scale, 1.0)[..., None, None] * rotated
+    return turned, np.where(sound, np.clip(directed, 0.0, 1.0), 0.0)

@@ -185,7 +185,7 @@ def _restored(settings: dict[str, Any], arrays: Arrays) -> Way:
     return Way(
         coordinates,
         check.frozen(arrays["scale"], "scale", shape=(coordinates.width,)),
-        Predictor(phased, coordinates.size),
+        Predictor(phased, coordinates.size, coordinates.kind != "joints"),
         tuple(Option.of_row(row) for row in options),
     )
 
@@ -207,8 +207,8 @@ def _learned(motions: Sequence[MotionT]) -> Way[MotionT]:
     coordinates = coordinates_of(
         motions, phases, middle=lambda _: np.repeat(reference, len(NODES), 0)
     )
-    predictor = Predictor((curves, aligned), coordinates.size)
-    options = predictor.chosen(rotating=coordinates.kind != "joints")
+    predictor = Predictor((curves, aligned), coordinates.size, coordinates.kind != "joints")
+    options = predictor.chosen()
     return Way(coordinates, scale, predictor, tuple(options))
 
 

@@ -1,0 +1,125 @@
+"""The family of models that predicts left-out demonstrations best, learned from all of them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from leadthrough import rotations
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.errors import LeadthroughError
+from leadthrough.models.choice import Choice
+from leadthrough.models.demonstrations import Demonstrations, MisalignmentWarning, motions_of
+from leadthrough.models.protocol import Model, Skill
+from leadthrough.models.registry import model_entry
+from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory
+from leadthrough.preprocess.resample import arc_length
+
+# The first is taken where nothing can be left out.
+CANDIDATES = ("aligned-mean", "fast-marching", "promp", "dmp")
+_COMPARED = 100  # rows, evenly spaced along each motion
+_MOST_LEFT_OUT = 8  # demonstrations, evenly chosen
+# Weight of the orientations' extent against the positions'; smaller turns than the least are noise.
+_TURNING, _MIN_TURN = 0.3, 0.1  # , rad
+
+
+def learn(
+    demonstrations: Demonstrations[MotionT], *, candidates: Sequence[str | Model] = CANDIDATES
+) -> Skill[MotionT]:
+    """A skill of the family that predicts left-out demonstrations best.
+
+    Each demonstration (of more than eight, eight of them) is left out, and reproduced by each
+    family from the others, given its start and goal. `skill.choice` has the errors.
+
+    Args:
+        demonstrations: one or more demonstrations, or motions, of one type.
+        candidates: names of models, as `models.model_names`, or models with settings. Families
+            that do not learn this type of motion are left out.
+
+    Raises:
+        FitError: if no candidate can learn the demonstrations.
+        InvalidInput: if no candidate is of this type of motion.
+    """
+    motions = motions_of(demonstrations)
+    models = _models(candidates, motions[0])
+    folds = _left_out(len(motions))
+    errors = {
+        name: _mean_error(model, demonstrations, motions, folds) for name, model in models.items()
+    }
+    chosen = min(errors, key=lambda name: errors[name])
+    skill: Any = models[chosen].fit(demonstrations)
+    return skill.with_choice(Choice(chosen, errors, len(folds)))
+
+
+def _models(candidates: Sequence[str | Model], motion: Motion) -> dict[str, Model]:
+    """The candidates for a type of motion, by name."""
+    kind = "points"
+    if isinstance(motion, PoseTrajectory | JointTrajectory):
+        kind = "poses" if isinstance(motion, PoseTrajectory) else "joints"
+    found: dict[str, Model] = {}
+    for each in candidates:
+        if not isinstance(each, str):
+            found[repr(each)] = each
+        elif kind in (entry := model_entry(each)).motions:
+            found[each] = entry.load()()
+    if not found:
+        raise InvalidInput(f"candidates: expected a model that learns {kind}, got {candidates!r}")
+    return found
+
+
+def _left_out(count: int) -> list[int]:
+    """The indices of the demonstrations to leave out."""
+    if count < 2:
+        return []
+    return [int(i) for i in np.linspace(0, count - 1, min(count, _MOST_LEFT_OUT)).round()]
+
+
+def _mean_error(
+    model: Model,
+    demonstrations: Demonstrations[Motion],
+    motions: Sequence[Motion],
+    folds: list[int],
+) -> float:
+    errors = []
+    for i in folds:
+        rest = [each for j, each in enumerate(demonstrations) if j != i]
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", MisalignmentWarning)
+                start, goal = (_end(motions[i], row) for row in (0, -1))
+                made = model.fit(rest).generate(start=start, goal=goal)
+        except LeadthroughError:
+            return float("inf")
+        errors.append(_distance(motions[i], made))
+    return float(np.mean(errors)) if errors else 0.0
+
+
+def _end(motion: Motion, row: int) -> Any:
+    """The first or last row of a motion as a target."""
+    if isinstance(motion, PoseTrajectory):
+        return motion.positions[row], motion.orientations[row]
+    return motion.positions[row]
+
+
+def _distance(shown: Motion, made: Motion) -> float:
+    """Mean distance of evenly spaced rows, in units of the shown motion's extent."""
+    extent = float(np.linalg.norm(np.ptp(shown.positions, axis=0))) or 1.0
+    apart = (_even(shown, shown.positions) - _even(made, made.positions)) / extent
+    if isinstance(shown, PoseTrajectory) and isinstance(made, PoseTrajectory):
+        turned = [_even(each, rotations.lift(each.orientations)) for each in (shown, made)]
+        turns = [rotations.exp(each) for each in turned]
+        reach = float(rotations.distance(turns[0], turns[0][:1].repeat(_COMPARED, 0)).max())
+        angle = rotations.distance(*turns) * (_TURNING / max(reach, _MIN_TURN))
+        apart = np.column_stack([apart, angle])
+    return float(np.linalg.norm(apart, axis=1).mean())
+
+
+def _even(motion: Motion, rows: Float64Array) -> Float64Array:
+    """Rows (100, d) at even steps along a motion's positions, in time where they stand still."""
+    covered = arc_length(motion.positions)
+    along = covered / covered[-1] if covered[-1] > 0.0 else np.linspace(0.0, 1.0, len(covered))
+    at = np.linspace(0.0, 1.0, _COMPARED)
+    return np.column_stack([np.interp(at, along, column) for column in rows.T])

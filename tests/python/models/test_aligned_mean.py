@@ -1,0 +1,127 @@
+"""The mean of aligned demonstrations, and the choice among families."""
+
+import motions
+import numpy as np
+import pytest
+
+import leadthrough as lt
+from leadthrough.errors import FitError, InvalidInput
+from leadthrough.models.aligned.fading import _Fade
+from leadthrough.preprocess import frechet_distance
+from leadthrough.preprocess.resample import by_arc_length
+
+TIMES = np.linspace(0.0, 2.0, 201)
+U = TIMES / 2.0
+
+
+def stroke(start=(0.0, 0.0), goal=(1.0, 0.0), height=0.3, fade=None):
+    """A hump whose start's offset fades by a law of the phase, linearly by default."""
+    left = (1.0 - U) if fade is None else fade
+    path = np.column_stack([U, height * np.sin(np.pi * U)])
+    path = path + left[:, None] * np.asarray(start)
+    return lt.Trajectory(TIMES, path + U[:, None] * (np.asarray(goal) - (1.0, 0.0)))
+
+
+def apart(a, b):
+    return frechet_distance(by_arc_length(a.positions, 200), by_arc_length(b.positions, 200))
+
+
+def test_one_demonstration_is_reproduced():
+    shown = stroke()
+    made = lt.AlignedMean().fit([shown]).generate()
+    assert apart(shown, made) < 2e-3
+    assert made.duration == pytest.approx(2.0)
+
+
+def test_where_the_start_is_forgotten_is_learned():
+    forgotten = np.clip(1.0 - U / 0.3, 0.0, 1.0)  # the hand joins the common path at 30 %
+    starts = [(0.0, y) for y in np.linspace(-0.2, 0.2, 9)]
+    skill = lt.AlignedMean().fit([stroke(start, fade=forgotten) for start in starts])
+    wanted = stroke((0.0, 0.12), fade=forgotten)
+    made = skill.generate(start=(0.0, 0.12), goal=(1.0, 0.0))
+    assert apart(made, wanted) < 0.01
+    assert apart(stroke((0.0, 0.12)), wanted) > 0.05  # of a linear fade
+
+
+def test_two_ways_are_told_apart():
+    heights = (0.4, 0.42, 0.38, -0.4, -0.42, -0.38)
+    starts = [(0.0, 0.02 * np.sign(height)) for height in heights]
+    shown = [stroke(s, height=h) for s, h in zip(starts, heights, strict=True)]
+    skill = lt.AlignedMean().fit(shown)
+    assert [len(way.ends) for way in skill.ways] == [3, 3]
+    for side in (1.0, -1.0):
+        made = skill.generate(start=(0.0, 0.02 * side), goal=(1.0, 0.0))
+        alone = lt.AlignedMean().fit(
+            [m for m, h in zip(shown, heights, strict=True) if h * side > 0]
+        )
+        assert apart(made, alone.generate(start=(0.0, 0.02 * side), goal=(1.0, 0.0))) < 1e-9
+
+
+def test_pauses_change_the_timing_and_not_the_shape():
+    shown = [stroke(height=height) for height in (0.28, 0.3, 0.33)]
+    paused = []
+    for i, each in enumerate(shown):
+        row = 60 + 40 * i
+        rows = np.insert(each.positions, [row] * 100, each.positions[row], axis=0)
+        paused.append(lt.Trajectory(np.arange(len(rows)) * 0.01, rows))
+    plain, delayed = (lt.AlignedMean().fit(each).generate() for each in (shown, paused))
+    assert apart(plain, delayed) < 2e-3
+    assert delayed.duration == pytest.approx(plain.duration + 1.0, abs=0.01)
+
+
+def test_the_fade_is_the_mean_of_a_gaussian_conditioned_on_both_ends():
+    rng = np.random.default_rng(3)
+    n, prior, weights = 7, 0.3, np.full(5, 0.2)
+    rows = rng.normal(size=(5, n, 1))
+    mean = rows.mean(axis=0)
+    ends = rng.normal(size=(2, 1))
+    linear = np.stack([1.0 - np.linspace(0.0, 1.0, n), np.linspace(0.0, 1.0, n)])
+    fade = _Fade(rows, weights[None, None], mean[None, None], ends[None])
+    found = fade.rows(linear[None, None], prior)[0, 0, :, 0]
+    off = (rows - mean)[:, :, 0]
+    variance = (off[:, [0, -1]] ** 2).sum() / 5
+    joint = off.T @ off / 5 + prior * variance * linear.T @ linear
+    outer = joint[:, [0, -1]] @ np.linalg.inv(joint[np.ix_([0, -1], [0, -1])])
+    truth = mean[:, 0] + outer @ (ends - mean[[0, -1]])[:, 0]
+    np.testing.assert_allclose(found, truth, atol=1e-12)
+
+
+def test_a_pose_reaches_orientations_far_from_the_goal_s():
+    shown = [motions.arch("poses", shift) for shift in (-0.02, 0.0, 0.02)]
+    made = lt.AlignedMean().fit(shown).generate()
+    gap = lt.rotations.distance(made.orientations[[0, -1]], shown[1].orientations[[0, -1]])
+    assert gap.max() < 0.02
+
+
+def test_the_family_that_predicts_left_out_demonstrations_is_learned(tmp_path):
+    shown = [stroke((0.0, y), height=0.3 + y) for y in (-0.1, -0.05, 0.0, 0.05, 0.1)]
+    skill = lt.learn(shown, candidates=["dmp", "aligned-mean"])
+    assert skill.choice.chosen == min(skill.choice.errors, key=skill.choice.errors.get)
+    assert isinstance(skill, type(lt.AlignedMean().fit(shown)))
+    skill.save(tmp_path / "skill.npz")
+    assert str(lt.load_skill(tmp_path / "skill.npz").choice) == str(skill.choice)
+    assert lt.AlignedMean().fit(shown).choice is None
+
+
+def test_a_model_with_settings_is_a_candidate():
+    shown = [stroke((0.0, y)) for y in (-0.1, 0.0, 0.1)]
+    skill = lt.learn(shown, candidates=[lt.ProMP(weights=12), "dmp"])
+    assert set(skill.choice.errors) == {repr(lt.ProMP(weights=12)), "dmp"}
+
+
+def test_a_single_demonstration_takes_the_first_candidate():
+    skill = lt.learn([stroke()])
+    assert skill.choice.chosen == "aligned-mean"
+    assert "cannot be left out" in str(skill.choice)
+
+
+def test_families_of_other_motions_are_no_candidates():
+    shown = [motions.arch("joints", shift) for shift in (-0.02, 0.0, 0.02)]
+    assert "fast-marching" not in lt.learn(shown).choice.errors
+    with pytest.raises(InvalidInput, match="candidates"):
+        lt.learn(shown, candidates=["fast-marching"])
+
+
+def test_learning_from_nothing_is_refused():
+    with pytest.raises(FitError, match="demonstrations"):
+        lt.learn([])
