@@ -50,8 +50,9 @@ def learn(
         name: _mean_error(model, demonstrations, motions, folds) for name, model in models.items()
     }
     chosen = min(errors, key=lambda name: errors[name])
-    skill: Any = models[chosen].fit(demonstrations)
-    return skill.with_choice(Choice(chosen, errors, len(folds)))
+    fitted: Any = models[chosen].fit(demonstrations)
+    skill: Skill[MotionT] = fitted.with_choice(Choice(chosen, errors, len(folds)))
+    return skill
 
 
 def _models(candidates: Sequence[str | Model], motion: Motion) -> dict[str, Model]:

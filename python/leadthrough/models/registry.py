@@ -65,8 +65,8 @@ def _system(name: str, model: str) -> ModelEntry:
 
 
 MODELS = (
-    ModelEntry("aligned-mean", "leadthrough.models.aligned.model:AlignedMean", ("aligned_mean",)),
     ModelEntry("dmp", "leadthrough.models.dmp.discrete:DMP", ("dmp", "pose_dmp")),
+    ModelEntry("aligned-mean", "leadthrough.models.aligned.model:AlignedMean", ("aligned_mean",)),
     ModelEntry("promp", "leadthrough.models.promp.model:ProMP", ("promp",)),
     ModelEntry("gmr", "leadthrough.models.mixtures.gmr:GMR", ("gmr",)),
     ModelEntry("task-gmr", "leadthrough.models.mixtures.task_gmr:TaskGMR", ("task_gmr",)),

@@ -6,7 +6,6 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models.aligned.fading import _Fade
 from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 
@@ -67,23 +66,6 @@ def test_pauses_change_the_timing_and_not_the_shape():
     plain, delayed = (lt.AlignedMean().fit(each).generate() for each in (shown, paused))
     assert apart(plain, delayed) < 2e-3
     assert delayed.duration == pytest.approx(plain.duration + 1.0, abs=0.01)
-
-
-def test_the_fade_is_the_mean_of_a_gaussian_conditioned_on_both_ends():
-    rng = np.random.default_rng(3)
-    n, prior, weights = 7, 0.3, np.full(5, 0.2)
-    rows = rng.normal(size=(5, n, 1))
-    mean = rows.mean(axis=0)
-    ends = rng.normal(size=(2, 1))
-    linear = np.stack([1.0 - np.linspace(0.0, 1.0, n), np.linspace(0.0, 1.0, n)])
-    fade = _Fade(rows, weights[None, None], mean[None, None], ends[None])
-    found = fade.rows(linear[None, None], prior)[0, 0, :, 0]
-    off = (rows - mean)[:, :, 0]
-    variance = (off[:, [0, -1]] ** 2).sum() / 5
-    joint = off.T @ off / 5 + prior * variance * linear.T @ linear
-    outer = joint[:, [0, -1]] @ np.linalg.inv(joint[np.ix_([0, -1], [0, -1])])
-    truth = mean[:, 0] + outer @ (ends - mean[[0, -1]])[:, 0]
-    np.testing.assert_allclose(found, truth, atol=1e-12)
 
 
 def test_a_pose_reaches_orientations_far_from_the_goal_s():

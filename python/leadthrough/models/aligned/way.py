@@ -1,0 +1,162 @@
+"""Aligned demonstrations that go one way, and the motions that they predict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
+from functools import cached_property
+from typing import Any, Generic
+
+import numpy as np
+
+from leadthrough import check, rotations
+from leadthrough.check import Float64Array
+from leadthrough.models import phase
+from leadthrough.models.aligned.curves import Curves, by_arc, elastic, even_phases
+from leadthrough.models.aligned.fading import Option, Predictor
+from leadthrough.models.archive import Arrays
+from leadthrough.models.coordinates import NODES, Coordinates, coordinates_of
+from leadthrough.models.mean_orientation import mean_orientations
+from leadthrough.models.queries import CheckedQuery, even_times
+from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
+
+# Weight of the orientations' extent against the positions'; smaller turns than the least are noise.
+_TURNING, _MIN_TURN = 0.3, 0.1  # , rad
+_TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True, eq=False)
+class Way(Generic[MotionT_co]):
+    """Aligned demonstrations that go one way.
+
+    Attributes:
+        coordinates: meaning of the columns; orientations are rotation vectors from one reference.
+        scale: lengths and angles (width,) by which columns are divided.
+        predictor: the demonstrations, in these columns.
+        options: the options that are averaged.
+    """
+
+    coordinates: Coordinates[MotionT_co]
+    scale: Float64Array
+    predictor: Predictor
+    options: tuple[Option, ...]
+
+    @cached_property
+    def ends(self) -> Float64Array:
+        """Starts and goals (k, 2, width) of the demonstrations, scaled."""
+        return self.predictor.phased[0].rows[:, [0, -1]]
+
+    def asked(self, query: CheckedQuery) -> Float64Array:
+        """Start and goal (2, width) of a query, scaled; by default the demonstrations' mean."""
+        wanted = self.ends.mean(axis=0) * self.scale
+        for row, (value, name) in enumerate(((query.start, "start"), (query.goal, "goal"))):
+            if value is not None:
+                given = self.coordinates.target(value, name, float(row))
+                if self.coordinates.kind == "poses" and len(given) > 3:
+                    given[3:] = _continued(given[3:], wanted[row, 3:])
+                wanted[row, : len(given)] = given
+        return np.asarray(wanted / self.scale)
+
+    def distance(self, query: CheckedQuery) -> float:
+        """Of the query's ends from those of the nearest demonstration, scaled."""
+        apart = np.linalg.norm(self.ends - self.asked(query), axis=2)
+        asked = [query.start is not None, query.goal is not None]
+        return float(apart[:, asked].sum(axis=1).min())
+
+    def motion(self, query: CheckedQuery) -> MotionT_co:
+        """The motion that answers a query."""
+        from scipy.interpolate import CubicSpline
+
+        rows, phases, clock = self.predictor.predicted(self.options, self.asked(query))
+        even = even_phases(len(rows))
+        times = even_times(query.end(float(clock[-1])), query.dt)
+        at = np.linspace(0.0, clock[-1], phase.SAMPLES)
+        rising = np.concatenate([[True], np.diff(clock) > 0.0])
+        progress = phase.smoothed(np.interp(at, clock[rising], even[rising]))
+        covered = np.interp(times / times[-1], even_phases(len(progress)), progress)
+        columns = CubicSpline(even, rows * self.scale)(covered)
+        return self.coordinates.motion(times, np.interp(covered, even, phases), columns)
+
+    def arrays(self) -> Arrays:
+        """Its arrays by name, for a file."""
+        arc, aligned = self.predictor.phased
+        return {
+            "scale": self.scale,
+            "options": np.array([astuple(each) for each in self.options]),
+            "rows": np.stack([arc.rows, aligned.rows]),
+            "clocks": np.stack([arc.times, aligned.times]),
+            **self.coordinates.arrays(),
+        }
+
+
+def restored(settings: dict[str, Any], arrays: Arrays) -> Way:
+    """The way that `Coordinates.settings` and `Way.arrays` took apart."""
+    coordinates = Coordinates.from_archive(settings, arrays)
+    rows = check.frozen(arrays["rows"], "rows", shape=(2, "k", "n", coordinates.width))
+    clocks = check.frozen(arrays["clocks"], "clocks", shape=rows.shape[:3])
+    options = check.with_gaps(arrays["options"], "options", shape=("m", 4))
+    phased = Curves(rows[0], clocks[0]), Curves(rows[1], clocks[1])
+    return Way(
+        coordinates,
+        check.frozen(arrays["scale"], "scale", shape=(coordinates.width,)),
+        Predictor(phased, coordinates.size, coordinates.kind != "joints"),
+        tuple(Option.of_row(row) for row in options),
+    )
+
+
+def learned(motions: Sequence[MotionT]) -> Way[MotionT]:
+    """Demonstrations of one way."""
+    columns = [each.positions for each in motions]
+    poses = [each for each in motions if isinstance(each, PoseTrajectory)]
+    reference = np.empty((1, 4))
+    if poses:
+        reference = mean_orientations([each.orientations[-1:] for each in poses])
+        columns = [np.hstack([each.positions, _lifted(each, reference)]) for each in poses]
+    scale = scale_of(columns, motions[0].positions.shape[1])
+    clocks = clocks_of(motions)
+    curves = by_arc([each / scale for each in columns], clocks)
+    aligned = elastic(curves)
+    even = even_phases(aligned.rows.shape[1])
+    phases = [np.interp(own, at, even) for own, at in zip(clocks, aligned.times, strict=True)]
+    coordinates = coordinates_of(
+        motions, phases, middle=lambda _: np.repeat(reference, len(NODES), 0)
+    )
+    predictor = Predictor((curves, aligned), coordinates.size, coordinates.kind != "joints")
+    options = predictor.chosen()
+    return Way(coordinates, scale, predictor, tuple(options))
+
+
+def clocks_of(motions: Sequence[Motion]) -> list[Float64Array]:
+    """The times (n,) of each motion from 0 on, s."""
+    return [each.times - each.times[0] for each in motions]
+
+
+def _lifted(motion: PoseTrajectory, reference: Float64Array) -> Float64Array:
+    """Rotation vectors (n, 3) from a reference (1, 4), continuous, the last at most pi long."""
+    back = rotations.inverse(np.repeat(reference, len(motion.times), 0))
+    return rotations.lift(rotations.compose(back, motion.orientations), anchor="goal")
+
+
+def _continued(vector: Float64Array, near: Float64Array) -> Float64Array:
+    """The rotation vector (3,) of the same rotation that lies nearest to another."""
+    angle = float(np.linalg.norm(vector))
+    if angle == 0.0:
+        return vector
+    axis = vector / angle
+    turns = np.round((float(axis @ near) - angle) / _TURN)
+    return np.asarray(axis * (angle + _TURN * turns))
+
+
+def scale_of(columns: Sequence[Float64Array], size: int) -> Float64Array:
+    """The extent (width,) of positions, and that of orientations for their weight."""
+    width = columns[0].shape[1]
+    extent = [float(np.mean([_extent(each[:, :size]) for each in columns]))]
+    if width > size:
+        turn = np.mean([_extent(each[:, size:]) for each in columns])
+        extent.append(max(float(turn), _MIN_TURN) / _TURNING)
+    scale = np.repeat([each or 1.0 for each in extent], [size, width - size][: len(extent)])
+    return np.asarray(scale, dtype=np.float64)
+
+
+def _extent(rows: Float64Array) -> float:
+    return float(np.linalg.norm(np.ptp(rows, axis=0)))
