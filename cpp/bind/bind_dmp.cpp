@@ -281,6 +281,15 @@ py::tuple coordinates(const Curve& curve, const Path& offset, double phase,
   return py::make_tuple(result.value, result.slope);
 }
 
+// Pickles and copies are made anew of the arguments.
+template <typename Class, typename Arguments>
+void bind_reduce(Class& type, const Arguments& arguments) {
+  type.def("__reduce__", [arguments](const py::object& self) {
+    const auto& object = self.cast<const typename Class::type&>();
+    return py::make_tuple(py::type::of(self), arguments(object));
+  });
+}
+
 template <typename State>
 void bind_common(py::class_<State>& type) {
   type.def_property_readonly("phase", [](const State& s) { return s.state.phase; })
@@ -302,15 +311,19 @@ void bind_dmp(py::module_& module) {
   py::class_<Forces, std::shared_ptr<Forces>>(module, "DmpForces")
       .def(py::init(&make_forces), py::arg("nodes").noconvert(), py::arg("fade").noconvert(),
            py::arg("rate"), py::arg("rhythmic"));
-  py::class_<Path, std::shared_ptr<Path>>(module, "DmpPath")
-      .def(py::init<>())
+  py::class_<Path, std::shared_ptr<Path>> path(module, "DmpPath");
+  path.def(py::init<>())
       .def(py::init(&make_path), py::arg("breaks").noconvert(), py::arg("coefficients").noconvert())
       .def_property_readonly("start", [](const Path& p) { return offset_at(p, &first_of); })
       .def_property_readonly("end", [](const Path& p) { return offset_at(p, &dmp::end_of); })
       .def("superposed", &corrected, py::arg("phase"), py::arg("until"),
            py::arg("value").noconvert(), py::arg("slope").noconvert(),
            py::arg("shift").noconvert());
-  py::class_<Course, std::shared_ptr<Course>>(module, "DmpCourse")
+  bind_reduce(path, [](const Path& p) -> py::tuple {
+    return p.empty() ? py::tuple() : py::make_tuple(p.breaks, p.coefficients);
+  });
+  py::class_<Course, std::shared_ptr<Course>> course(module, "DmpCourse");
+  course
       .def(py::init(&make_course), py::arg("breaks").noconvert(),
            py::arg("coefficients").noconvert(), py::arg("gain").noconvert(),
            py::arg("drive").noconvert())
@@ -321,10 +334,18 @@ void bind_dmp(py::module_& module) {
            py::arg("value").noconvert(), py::arg("slope").noconvert(), py::arg("shift").noconvert())
       .def_readonly("gain", &Course::gain)
       .def_readonly("drive", &Course::drive);
-  py::class_<Curve, std::shared_ptr<Curve>>(module, "DmpCurve")
-      .def(py::init(&make_curve), py::arg("controls").noconvert(), py::arg("steps").noconvert(),
-           py::arg("speeds").noconvert(), py::arg("covered").noconvert(), py::arg("zyz"),
-           py::arg("rhythmic"));
+  bind_reduce(course, [](const Course& c) {
+    return py::make_tuple(c.reference.breaks, c.reference.coefficients, c.gain, c.drive);
+  });
+  py::class_<Curve, std::shared_ptr<Curve>> curve(module, "DmpCurve");
+  curve.def(py::init(&make_curve), py::arg("controls").noconvert(), py::arg("steps").noconvert(),
+            py::arg("speeds").noconvert(), py::arg("covered").noconvert(), py::arg("zyz"),
+            py::arg("rhythmic"));
+  bind_reduce(curve, [](const Curve& c) {
+    return py::make_tuple(c.controls, c.steps, c.speeds, c.covered,
+                          c.representation == Representation::kZyz,
+                          c.canonical == canonical_of(true));
+  });
 
   py::class_<dmp::AvoidanceScene, std::shared_ptr<dmp::AvoidanceScene>>(module, "AvoidanceScene")
       .def(py::init(&make_avoidance_scene), py::arg("shapes"), py::arg("margins").noconvert(),
@@ -338,6 +359,9 @@ void bind_dmp(py::module_& module) {
       .def_property_readonly(
           "velocity", [](const PointState& s) { return Vector(s.state.slope / s.duration); });
   bind_common(point);
+  bind_reduce(point, [](const PointState& s) {
+    return py::make_tuple(s.course, s.state.value, s.state.slope, s.state.phase, s.duration);
+  });
 
   py::class_<PoseState> pose(module, "PoseState");
   pose.def(py::init(&make_pose_state), py::arg("course").none(false), py::arg("value").noconvert(),
@@ -356,6 +380,10 @@ void bind_dmp(py::module_& module) {
         return so3::Vector3(s.rotation().velocity / s.duration);
       });
   bind_common(pose);
+  bind_reduce(pose, [](const PoseState& s) {
+    return py::make_tuple(s.course, s.state.value, s.state.slope, s.state.phase, s.duration,
+                          s.curve, s.offset);
+  });
 
   module.def("dmp_rollout", &rollout, py::arg("forces"), py::arg("course"),
              py::arg("value").noconvert(), py::arg("slope").noconvert(),

@@ -21,6 +21,7 @@ import leadthrough._core as core
 
 Float64Array = NDArray[np.float64]
 Text = TypeVar("Text", bound=str)
+Kind = TypeVar("Kind")
 
 # Rounding in a file format moves a recorded quaternion off length 1; more is not a rotation.
 UNIT_LENGTH_TOLERANCE = 1e-2
@@ -87,6 +88,16 @@ def _checked_again(kind: Any, state: dict[str, Any]) -> Any:  # Any: a type of f
     value = kind(**{each.name: state[each.name] for each in fields(kind) if each.init})
     for name, part in state.items():
         object.__setattr__(value, name, freeze(part))
+    return value
+
+
+def computed(kind: type[Kind], **parts: Any) -> Kind:  # Any: the fields of `kind`
+    """A frozen dataclass of parts just computed, without another check of them."""
+    value = object.__new__(kind)
+    for part in parts.values():
+        if isinstance(part, np.ndarray):
+            part.setflags(write=False)
+    vars(value).update(parts)
     return value
 
 

@@ -34,7 +34,7 @@ KINDS: tuple[Kind, ...] = ("position", "velocity", "acceleration", "jerk")  # by
 
 @dataclass(frozen=True, eq=False)
 class CommandedState(ShortRepr):
-    """Commanded positions, velocities and accelerations of the joints.
+    """Commanded positions, velocities and accelerations of the joints; read-only copies.
 
     Attributes:
         q: (joints,) in rad (m for prismatic joints).
@@ -45,6 +45,11 @@ class CommandedState(ShortRepr):
     q: Float64Array
     qd: Float64Array
     qdd: Float64Array
+
+    def __post_init__(self) -> None:
+        q = check.frozen(self.q, "q", shape=("joints",))
+        rates = {n: check.frozen(getattr(self, n), n, shape=q.shape) for n in ("qd", "qdd")}
+        vars(self).update(q=q, **rates)
 
 
 @dataclass(frozen=True, eq=False)

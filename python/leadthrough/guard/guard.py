@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -87,6 +88,13 @@ class Guard(ShortRepr):
         self._at = 0
         self._safe = True
 
+    def __getstate__(self) -> dict[str, Any]:  # the rules are made again
+        return {name: value for name, value in vars(self).items() if name != "_rules"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._rules = rules_for(self._arm, self._scene, self._period)
+
     @property
     def arm(self) -> Arm:
         """The arm."""
@@ -104,7 +112,8 @@ class Guard(ShortRepr):
         Raises:
             InvalidInput: if no state was given yet.
         """
-        return CommandedState(*self._now().copy().reshape(3, -1))
+        q, qd, qdd = self._now().copy().reshape(3, -1)
+        return check.computed(CommandedState, q=q, qd=qd, qdd=qdd)
 
     @property
     def safe(self) -> bool:

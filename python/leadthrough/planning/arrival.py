@@ -6,6 +6,7 @@ order: Sethian 1999, "Fast marching methods".
 
 from __future__ import annotations
 
+import copy
 import math
 import threading
 from collections.abc import Sequence
@@ -220,14 +221,27 @@ class ArrivalField:
         self._grid = grid
         self._fastest = 0.0
         self._check_range(field)
+        with check.enough_memory(f"speed: a grid of shape {field.shape}"):
+            self._speed = np.array(field, self._precision, order="C")
+            self._march()
+
+    def _march(self) -> None:
+        """Arrival times from the sources."""
         single = self._precision == np.float32
         make = core.ArrivalFieldFloat32 if single else core.ArrivalFieldFloat64
         self._field: core.ArrivalFieldFloat32 | core.ArrivalFieldFloat64
-        with check.enough_memory(f"speed: a grid of shape {field.shape}"):
-            self._speed = np.array(field, self._precision, order="C")
-            self._field = make(self._speed, grid.spacing.tolist(), self._sources)
+        self._field = make(self._speed, self._grid.spacing.tolist(), self._sources)
         self._times: FloatArray | None = None
         self._lock = threading.RLock()
+
+    def __getstate__(self) -> dict[str, Any]:  # the times are computed again
+        parts = ("_precision", "_sources", "_grid", "_fastest", "_speed")
+        with self._lock:
+            return copy.deepcopy({name: getattr(self, name) for name in parts})
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._march()
 
     @property
     def grid(self) -> Grid:

@@ -187,7 +187,9 @@ def _run(real: SimulatedArm, plan: Plan) -> Run:
     q, dofs = real.q, real.plant.joints
     for k in range(count):
         after = min(k + 1, count - 1)
-        command = CommandedState(plan.q[after], plan.qd[after], plan.qdd[k])
+        command = check.computed(
+            CommandedState, q=plan.q[after], qd=plan.qd[after], qdd=plan.qdd[k]
+        )
         rows["q"][k], rows["qd"][k] = q, real.data.qvel[dofs]
         try:
             q = real.step(command, progress=plan.progress[k])

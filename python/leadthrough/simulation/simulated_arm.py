@@ -215,7 +215,9 @@ class SimulatedArm(ShortRepr):
             FloatingPointError: if the arm runs away: the gains are too high for the rate.
         """
         q, qd = self._measured()
-        target = CommandedState(self._target.q, self._target.qd, command.qdd)
+        target = check.computed(
+            CommandedState, q=self._target.q, qd=self._target.qd, qdd=command.qdd
+        )
         asked = self.law.torques(Moment(target, q, qd, progress))
         before = self.qd
         # The drives subtract what their own dampers give; these compare velocities at the end of

@@ -17,7 +17,8 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,7 +36,7 @@ _MIN_PERIOD, _MAX_PERIOD = 1e-7, 1e5
 
 @dataclass(frozen=True, eq=False)
 class FilterState(ShortRepr):
-    """Position, velocity and acceleration of a reference.
+    """Position, velocity and acceleration of a reference; read-only copies.
 
     Filters that do not bound the jerk return the mean acceleration of the last step, and need none.
 
@@ -49,6 +50,14 @@ class FilterState(ShortRepr):
     velocity: Float64Array
     acceleration: Float64Array
 
+    def __post_init__(self) -> None:
+        x = check.frozen(self.position, "position", shape=("d",))
+        rates = {
+            name: check.frozen(getattr(self, name), name, shape=x.shape)
+            for name in ("velocity", "acceleration")
+        }
+        vars(self).update(position=x, **rates)
+
     @staticmethod
     def at_rest(position: ArrayLike) -> FilterState:
         """At rest at a position.
@@ -57,7 +66,16 @@ class FilterState(ShortRepr):
             position: (d,).
         """
         x = check.frozen(position, "position", shape=("d",))
-        return FilterState(x, np.zeros_like(x), np.zeros_like(x))
+        return _computed(x, np.zeros_like(x), np.zeros_like(x))
+
+
+def _computed(
+    position: Float64Array, velocity: Float64Array, acceleration: Float64Array
+) -> FilterState:
+    """A state just computed."""
+    return check.computed(
+        FilterState, position=position, velocity=velocity, acceleration=acceleration
+    )
 
 
 class LinearFilter(ShortRepr, ABC):
@@ -79,7 +97,7 @@ class LinearFilter(ShortRepr, ABC):
         """
         x, goal, speed, dt = _inputs(state, target, velocity, period)
         lag, moved, change = self._moved(x - goal + speed * dt, state.velocity, speed, dt)
-        return FilterState(goal + lag, moved, change)
+        return _computed(goal + lag, moved, change)
 
     @abstractmethod
     def _moved(
@@ -207,7 +225,7 @@ class TimeOptimalFilter(ShortRepr):
             np.abs(chosen) <= 1e-9 * change
         )
         reached = np.where(rests, 0.0, side * chosen) + drift
-        return FilterState(np.where(rests, goal, moved), reached, (reached - state.velocity) / dt)
+        return _computed(np.where(rests, goal, moved), reached, (reached - state.velocity) / dt)
 
 
 def _inputs(
@@ -296,7 +314,7 @@ class JerkFilter(ShortRepr):
     def step(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
         """The state one period later, each dimension time-optimal by itself."""
         states, limits, goal = self._checked(state, target)
-        return FilterState(*core.step_each(states, limits, goal, check_period(period)))
+        return _computed(*core.step_each(states, limits, goal, check_period(period)))
 
     def step_together(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
         """The state one period later; all dimensions come to rest when the slowest of them can.
@@ -305,7 +323,7 @@ class JerkFilter(ShortRepr):
         its target cannot wait, and arrives earlier.
         """
         states, limits, goal = self._checked(state, target)
-        return FilterState(*core.step_together(states, limits, goal, check_period(period)))
+        return _computed(*core.step_together(states, limits, goal, check_period(period)))
 
     def durations(self, state: FilterState, target: ArrayLike) -> Float64Array:
         """Times (d,), s, that `step` takes to rest at the target."""
@@ -391,6 +409,26 @@ class LineState(FilterState):
     limits: JerkFilter
     scalar: JerkFilter
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        shape = self.position.shape
+        for name in ("origin", "direction"):
+            vars(self)[name] = check.frozen(getattr(self, name), name, shape=shape)
+        if not isinstance(self.along, FilterState):
+            raise InvalidInput(f"along: expected a FilterState, got {type(self.along).__name__}")
+        for name in ("limits", "scalar"):
+            check_filter(getattr(self, name), name)
+
+    def with_parts(self, **parts: Any) -> LineState:  # Any: its fields
+        """The state with other parts that are just computed."""
+        return check.computed(LineState, **(vars(self) | parts))
+
+
+def check_filter(value: object, name: str) -> None:
+    """Raises InvalidInput unless `value` is a JerkFilter."""
+    if not isinstance(value, JerkFilter):
+        raise InvalidInput(f"{name}: expected a JerkFilter, got {type(value).__name__}")
+
 
 @dataclass(frozen=True, eq=False)
 class StraightFilter(ShortRepr):
@@ -406,9 +444,7 @@ class StraightFilter(ShortRepr):
     limits: JerkFilter
 
     def __post_init__(self) -> None:
-        if not isinstance(self.limits, JerkFilter):
-            what = type(self.limits).__name__
-            raise InvalidInput(f"limits: expected a JerkFilter, got {what}")
+        check_filter(self.limits, "limits")
 
     def step(self, state: FilterState, target: ArrayLike, period: float) -> LineState:
         """The state one period later.
@@ -428,19 +464,19 @@ class StraightFilter(ShortRepr):
         stop = line.scalar.resting_place(line.along) if place is None else np.array([place])
         along = line.scalar.step(line.along, stop, period)
         there = place is not None and along.position[0] == place and not _moves(along)
-        moved = goal if there else line.origin + along.position * line.direction
+        moved = goal.copy() if there else line.origin + along.position * line.direction
         velocity, acceleration = (
             rate * line.direction for rate in (along.velocity, along.acceleration)
         )
-        return replace(
-            line, position=moved, velocity=velocity, acceleration=acceleration, along=along
+        return line.with_parts(
+            position=moved, velocity=velocity, acceleration=acceleration, along=along
         )
 
     def _on_a_line(self, state: FilterState) -> LineState:
         if isinstance(state, LineState):
             if state.limits is self.limits:
                 return state
-            return replace(state, limits=self.limits, scalar=self.limits.along(state.direction))
+            return state.with_parts(limits=self.limits, scalar=self.limits.along(state.direction))
         if not isinstance(state, FilterState):
             raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
         if _moves(state):

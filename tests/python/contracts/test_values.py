@@ -21,7 +21,7 @@ from leadthrough import arm as arms
 from leadthrough import shapes, simulation, trajectories, validation
 from leadthrough.check import Frozen
 from leadthrough.errors import InvalidInput
-from leadthrough.planning import Grid
+from leadthrough.planning import ArrivalField, Grid
 
 TIMES = np.array([0.0, 0.4, 1.0])
 POINTS = np.array([[0.0, 0.1, 0.2], [0.3, 0.1, 0.0], [0.5, -0.1, 0.1]])
@@ -35,6 +35,8 @@ CURVE = trajectories.Bezier(POINTS, (0.0, 2.0))
 SPHERE = lt.Sphere(0.1, (0.1, 0.2, 0.3))
 
 VALUES = {
+    "guard.CommandedState": lambda: lt.guard.CommandedState(*POINTS),
+    "trajectories.FilterState": lambda: trajectories.FilterState(*POINTS),
     "Event": lambda: lt.Event(0.2, "closed"),
     "Box": lambda: lt.Box((0.1, 0.2, 0.3), (0.1, 0.2, 0.3), TURNS[1]),
     "Capsule": lambda: lt.Capsule(0.1, 0.2, (0.1, 0.2, 0.3)),
@@ -71,6 +73,9 @@ VALUES = {
     "trajectories.FirstOrderFilter": lambda: trajectories.FirstOrderFilter(2.0),
     "trajectories.JerkFilter": lambda: trajectories.JerkFilter([1.0, 2.0], 3.0, 4.0),
     "trajectories.Lagrange": lambda: trajectories.Lagrange(TIMES, POINTS),
+    "trajectories.LineState": lambda: trajectories.StraightFilter(
+        trajectories.JerkFilter(1.0, 2.0, 3.0)
+    ).step(trajectories.FilterState.at_rest(POINTS[0]), POINTS[1], 0.1),
     "trajectories.Nurbs": lambda: trajectories.Nurbs(POINTS, [1, 2, 1], [0, 0, 0, 1, 1, 1], 2),
     "trajectories.PoseCurve": lambda: trajectories.PoseCurve(
         CURVE, trajectories.Slerp([0.0, 0.5, 2.0], TURNS)
@@ -172,6 +177,33 @@ def test_skills_are_read_only_after_copies_and_pickles(name):
     for way in ("deepcopy", "pickle"):
         writeable = [part for part, a in arrays_in(WAYS[way](skill)) if a.flags.writeable]
         assert not writeable, f"after {way}"
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_copied_states_go_on_to_the_bit(name):
+    of = KINDS[name]
+    skill = of.build().fit(demonstrations(of))
+    if not hasattr(skill, "step") or not hasattr(skill, "begin"):
+        return
+    state = skill.step(skill.begin(), 0.02)
+    expected = skill.step(state, 0.02)
+    for way in ("copy", "deepcopy", "pickle"):
+        again = skill.step(WAYS[way](state), 0.02)
+        np.testing.assert_array_equal(again.position, expected.position)
+        np.testing.assert_array_equal(again.velocity, expected.velocity)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_a_copied_field_of_arrival_times_is_updated_alike(dtype):
+    grid = Grid((0.0, 0.0), 0.05, (20, 16))
+    speed = np.random.default_rng(1).uniform(0.5, 2.0, grid.shape)
+    field = ArrivalField(speed, grid, [0.2, 0.3], dtype=dtype)
+    field.update_part((slice(8, 12), slice(4, 9)), 0.1)
+    for way in ("copy", "deepcopy", "pickle"):
+        again = WAYS[way](field)
+        np.testing.assert_array_equal(again.times, field.times)
+        again.update_part((slice(2, 4), slice(2, 4)), 3.0)
+        assert (again.times != field.times).any()
 
 
 MASKED = np.ma.masked_array(POINTS, mask=[[0, 0, 0], [0, 1, 0], [0, 0, 0]])

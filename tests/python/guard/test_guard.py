@@ -1,5 +1,8 @@
 """A guard's verdicts: chunks allowed, changed and refused, with the reasons."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 from guard.adversary import HOMES, RATE, smooth
@@ -7,6 +10,7 @@ from guard.judge import EXCESS, worst_use
 from refusals import refused
 
 import leadthrough as lt
+from leadthrough.errors import InvalidInput
 from leadthrough.guard import CommandedState
 from leadthrough.guard.connect import changed
 from leadthrough.guard.rules import rules_for
@@ -350,3 +354,29 @@ def test_a_stop_that_leaves_a_limit_is_reported_when_it_does(panda):
     reason = answer.reasons[-1]
     assert (reason.kind, reason.joint) == ("position", "panda_joint7")
     assert reason.time == pytest.approx(11 * PERIOD)
+
+
+@pytest.mark.parametrize(
+    ("q", "qd", "qdd"),
+    [
+        ([np.nan], [0.0], [0.0]),
+        ([0.0], [0.0, 0.0], [0.0]),
+        ([0.0], [0.0], ["fast"]),
+        (0.0, 0.0, 0.0),
+    ],
+)
+def test_a_commanded_state_that_is_none_is_refused(q, qd, qdd):
+    with pytest.raises(InvalidInput, match=r"^q(d|dd)?: expected"):
+        CommandedState(q, qd, qdd)
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda each: pickle.loads(pickle.dumps(each))])
+def test_a_copied_guard_goes_on_as_the_one_it_was_copied_from(guard, copied):
+    guard.admit(wave(0.2), Q)
+    run(guard, 20)
+    other = copied(guard)
+    assert np.array_equal(run(guard, 5), run(other, 5))
+    rows = wave(0.3)
+    mine, theirs = guard.admit(rows), other.admit(rows)
+    assert str(mine) == str(theirs)
+    assert np.array_equal(mine.to_rest.positions, theirs.to_rest.positions)

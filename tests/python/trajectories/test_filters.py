@@ -403,3 +403,16 @@ def test_limits_lowered_in_flight_are_come_back_to():
         for _ in range(1200):
             now = after(now, [3.0, 3.0], 0.01)
         assert rests(now, [3.0, 3.0]).all()
+
+
+def test_a_state_copies_what_it_is_given_and_is_read_only():
+    """Lists are taken; the positions that filters return cannot be changed either."""
+    own = np.array([1.0])
+    state = tr.FilterState(own, [0.0], [0.0])
+    own[0] = np.nan
+    moved = tr.JerkFilter(1.0, 1.0, 1.0).step(state, [2.0], 0.1)
+    on_line = tr.StraightFilter(tr.JerkFilter(1.0, 1.0, 1.0)).step(state, [2.0], 0.1)
+    for each in (state, moved, on_line):
+        assert np.isfinite(each.position).all()
+        with pytest.raises(ValueError, match="read-only"):
+            each.position[0] = 3.0
