@@ -1,4 +1,4 @@
-"""Checks of users' arguments, each done once, where the argument enters the package.
+"""Checks of users' arguments, each done once, where they enter the package; every exception.
 
 Every function returns the checked value in the form that the rest of the package works with, and
 raises InvalidInput, with the argument's name, what is right and what came. Values come in as
@@ -12,6 +12,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
+from importlib import import_module
 from typing import Any, SupportsIndex, TypeVar
 
 import numpy as np
@@ -65,6 +66,131 @@ class InvalidInput(LeadthroughError, ValueError):
     @property
     def argument(self) -> str | None:
         return super().argument if self._argument is None else self._argument
+
+
+class UnsupportedQuery(InvalidInput):
+    """The fitted skill cannot honour this part of a query."""
+
+
+class FitError(LeadthroughError):
+    """No model can be fitted to these demonstrations."""
+
+
+class NotFitted(LeadthroughError, AttributeError):
+    """A model was used like a fitted skill."""
+
+
+class NoPath(LeadthroughError):
+    """No path exists between start and goal.
+
+    Attributes:
+        reason: short code such as "start_in_wall" or "goal_enclosed".
+    """
+
+    def __init__(self, message: str, *, reason: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+
+class NoContinuousLogarithm(LeadthroughError):
+    """A motion's rotation vectors cannot be continued without a jump.
+
+    Attributes:
+        index: sample at which the continuation breaks.
+    """
+
+    def __init__(self, message: str, *, index: int) -> None:
+        super().__init__(message)
+        self.index = index
+
+
+class SchedulerUnreachable(LeadthroughError):
+    """The scheduler of a Dask cluster does not answer any more; what was finished is stored."""
+
+
+class CodeMismatch(InvalidInput):
+    """A worker of a Dask cluster has other code than the machine that sends the tasks."""
+
+
+class IkFailure(LeadthroughError):
+    """No joint configuration reaches a sample of a motion.
+
+    Attributes:
+        index: sample that is not reached.
+        status: why the solver stopped.
+        residual: remaining errors (position in m, orientation in rad).
+        q: closest joint configuration found, (n,) rad (m for prismatic joints).
+        limiting_joints: the joints whose limits bar the way.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        index: int,
+        status: str,
+        residual: tuple[float, float],
+        q: Float64Array,
+        limiting_joints: tuple[str, ...] = (),
+    ) -> None:
+        super().__init__(message)
+        self.index = index
+        self.status = status
+        self.residual = residual
+        self.q = q
+        self.limiting_joints = limiting_joints
+
+
+class LimitsInfeasible(LeadthroughError):
+    """No slower execution brings this motion inside the limits.
+
+    Attributes:
+        joint: name of the joint whose limits cannot be met.
+    """
+
+    def __init__(self, message: str, *, joint: str) -> None:
+        super().__init__(message)
+        self.joint = joint
+
+
+class InvalidRobot(LeadthroughError, ValueError):
+    """A robot description is malformed or contradicts itself.
+
+    Attributes:
+        where: element at fault.
+        why: the fault.
+    """
+
+    def __init__(self, where: str, why: str) -> None:
+        super().__init__(f"{where}: {why}")
+        self.where = where
+        self.why = why
+
+
+class MissingDependency(LeadthroughError, ImportError):
+    """An optional package is not installed.
+
+    Attributes:
+        package: name of the package.
+        extra: extra of leadthrough that installs it.
+    """
+
+    def __init__(self, package: str, *, extra: str) -> None:
+        super().__init__(
+            f"{package} is not installed; install it with: pip install 'leadthrough[{extra}]'"
+        )
+        self.package = package
+        self.extra = extra
+
+
+def package(module: str, *, extra: str) -> Any:  # Any: few of these packages declare types
+    """The module of a package that only some functions need, loaded when one of these is called."""
+    name = module.partition(".")[0]
+    try:
+        import_module(name)
+        return import_module(module)
+    except ImportError:
+        raise MissingDependency(name, extra=extra) from None
 
 
 class Frozen:

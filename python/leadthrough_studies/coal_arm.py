@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import optional, rotations
+from leadthrough import check, rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.errors import InvalidInput
@@ -35,8 +35,8 @@ class CoalArm:
     """
 
     def __init__(self, arm: Arm) -> None:
-        self._pin = optional.load("pinocchio", extra="test")
-        self._coal = optional.load("coal", extra="mesh")
+        self._pin = check.package("pinocchio", extra="test")
+        self._coal = check.package("coal", extra="mesh")
         self._model = self._pin.buildModelFromXML(arm.document)
         self._geometry = self._pin.buildGeomFromUrdfString(
             self._model, arm.document, self._pin.GeometryType.COLLISION

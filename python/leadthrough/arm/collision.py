@@ -17,9 +17,8 @@ import leadthrough._core as core
 from leadthrough import check, sanity
 from leadthrough.arm.kinematics import joint_rows
 from leadthrough.arm.robot_files import hull_vertices
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
 from leadthrough.drawing import Drawn, Line, Panel, palette
-from leadthrough.errors import InvalidRobot
 from leadthrough.joint_names import in_order
 from leadthrough.motion import JointTrajectory
 from leadthrough.repr import ShortRepr

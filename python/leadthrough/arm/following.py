@@ -32,8 +32,7 @@ from leadthrough.arm.tracking import (
     least_rotated,
     starts,
 )
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import LimitsInfeasible
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.joint_names import in_order
 from leadthrough.motion import (
     JointTrajectory,

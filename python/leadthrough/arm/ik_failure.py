@@ -18,8 +18,7 @@ from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.link_poses import link_poses
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.tip_path import TipPath, Track
-from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure
+from leadthrough.check import Float64Array, IkFailure
 
 # A joint this near to a limit is at it, rad (m).
 _AT_LIMIT = 1e-4

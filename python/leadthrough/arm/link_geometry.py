@@ -10,8 +10,7 @@ import numpy as np
 import leadthrough._core as core
 from leadthrough import rotations
 from leadthrough.arm.robot_files import find_mesh, hull_vertices
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import MissingDependency
+from leadthrough.check import Float64Array, InvalidInput, MissingDependency
 from leadthrough.shapes.primitives import PRIMITIVES
 from leadthrough.shapes.shape import ConvexPart, Primitive
 from leadthrough.shapes.surface import Surface

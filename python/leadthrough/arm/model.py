@@ -16,9 +16,8 @@ from leadthrough.arm import kinematics
 from leadthrough.arm.attachment import Attachment, Load
 from leadthrough.arm.collision import collision_model
 from leadthrough.arm.limits import JointLimits, checked_values, require_inside, require_unlocked
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
 from leadthrough.drawing.drawn import Drawn
-from leadthrough.errors import InvalidRobot
 from leadthrough.shapes import Shape, Solid
 
 # m/s^2, down in a base frame whose z axis points up.

@@ -21,8 +21,7 @@ import numpy as np
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits, read_limits
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import InvalidRobot
+from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
 
 # Bytes: above the core's own bound, which refuses the document with a reason.
 _MAX_FILE = 2**25

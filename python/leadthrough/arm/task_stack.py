@@ -23,9 +23,8 @@ from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.limits import known_acceleration
 from leadthrough.arm.tasks import ArmTask, JointLimitTask, PostureTask
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
 from leadthrough.drawing import Drawn, Panel, over
-from leadthrough.errors import InvalidRobot
 from leadthrough.motion import JointTrajectory, with_derivatives
 from leadthrough.repr import ShortRepr
 

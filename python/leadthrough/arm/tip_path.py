@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 import leadthrough._core as core
 from leadthrough import check, rotations, shapes
 from leadthrough.arm.inverse_kinematics import Axis, IkOptions, all_axes, compiled, free_axes
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import IkFailure
+from leadthrough.check import Float64Array, IkFailure, InvalidInput
 from leadthrough.motion import PoseTrajectory, Trajectory
 from leadthrough.shapes import Scene, SceneLike
 from leadthrough.shapes.scene import PLANNING_TOLERANCE

@@ -27,8 +27,7 @@ from leadthrough.arm.tip_path import (
     clear_path,
     solve_sample,
 )
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import IkFailure
+from leadthrough.check import Float64Array, IkFailure, InvalidInput
 
 _SAMPLE_ITERATIONS = 60
 # Damping to try where the arm may leave the path, m^2 per rad^2: from none to (0.1 m per rad)^2,

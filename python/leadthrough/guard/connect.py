@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import LimitsInfeasible, NoPath
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.guard.admission import Chunk, CommandedState, chunk_of
 from leadthrough.guard.admission import trajectory as motion_of
 from leadthrough.guard.rules import Contact, Rules, row_of, rules_for

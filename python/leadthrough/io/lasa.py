@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from leadthrough import check
-from leadthrough.errors import MissingDependency
+from leadthrough.check import MissingDependency
 from leadthrough.io import mat
 from leadthrough.io.columns import recording
 from leadthrough.io.table import Request

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import optional
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import headers
 from leadthrough.io.columns import is_gripper
@@ -36,7 +36,7 @@ Extent = tuple[float, float]
 
 def tables(path: Path) -> list[ArrayTable]:
     """One table per episode."""
-    parquet = optional.load("pyarrow.parquet", extra="lerobot")
+    parquet = check.package("pyarrow.parquet", extra="lerobot")
     several = files(path)
     names = _state_names(path)
     limits = ReadLimits()
@@ -156,7 +156,7 @@ def _columns(file: Any, limits: ReadLimits) -> dict[str, Float64Array]:
 
 
 def _is_numeric(kind: Any) -> bool:
-    types = optional.load("pyarrow.types", extra="lerobot")
+    types = check.package("pyarrow.types", extra="lerobot")
     if types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind):
         kind = kind.value_type
     return bool(types.is_integer(kind) or types.is_floating(kind))
@@ -173,7 +173,7 @@ def _array(column: Any, name: str, limits: ReadLimits) -> Float64Array | None:
     width = len(flat) // rows if rows else 0
     if column.null_count or len(flat) != rows * width or not 0 < width <= MAX_WIDTH:
         return None
-    compute = optional.load("pyarrow.compute", extra="lerobot")
+    compute = check.package("pyarrow.compute", extra="lerobot")
     lengths = set(compute.list_value_length(column).unique().to_pylist()) if rows else {width}
     if lengths != {width}:
         raise InvalidInput(f"{name}: expected lists of one length, got {sorted(lengths)}")

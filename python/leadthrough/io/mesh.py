@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough import check, optional
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import reader_process
 from leadthrough.io.files import ReadLimits, StrPath, read_bytes, refusing_damage
@@ -125,7 +125,7 @@ def _lines(content: bytes) -> Iterator[bytes]:
 
 def through_coal(path: Path) -> _Triangles:
     """Vertices (n, 3) and triangles (m, 3) of a mesh that coal reads."""
-    coal = optional.load("coal", extra="mesh")
+    coal = check.package("coal", extra="mesh")
     limits = ReadLimits()
     limits.bytes(path.stat().st_size, "the file")
     with refusing_damage("mesh"):

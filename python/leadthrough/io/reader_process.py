@@ -27,8 +27,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.check import InvalidInput, LeadthroughError
-from leadthrough.errors import MissingDependency
+from leadthrough.check import InvalidInput, LeadthroughError, MissingDependency
 from leadthrough.io.table import ArrayTable, Request
 from leadthrough.motion import Event
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import optional
+from leadthrough import check
 from leadthrough.check import InvalidInput
 from leadthrough.io.files import MAX_WIDTH, ReadLimits, refusing_damage
 from leadthrough.io.table import ArrayTable, Request
@@ -28,14 +28,14 @@ _ROLES = {
 
 def labels(path: Path) -> list[str]:
     """The names of the demonstrations, in the order of their numbers."""
-    h5py = optional.load("h5py", extra="hdf5")
+    h5py = check.package("h5py", extra="hdf5")
     with refusing_damage("robomimic HDF5 file"), h5py.File(path, "r") as file:
         return _labels(file)
 
 
 def tables(path: Path, request: Request | None = None) -> list[ArrayTable]:
     """One table per demonstration, in the order of their numbers."""
-    h5py = optional.load("h5py", extra="hdf5")
+    h5py = check.package("h5py", extra="hdf5")
     with refusing_damage("robomimic HDF5 file"), h5py.File(path, "r") as file:
         return _tables(file, request.part if request else None)
 

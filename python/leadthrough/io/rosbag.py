@@ -21,7 +21,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from leadthrough import optional
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import joint_trajectory
 from leadthrough.io.files import ReadLimits, StrPath, making_folder, refusing_damage, replacing
@@ -81,7 +81,7 @@ def motions(topics: Mapping[str, str]) -> list[str]:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    highlevel = optional.load("rosbags.highlevel", extra="ros")
+    highlevel = check.package("rosbags.highlevel", extra="ros")
     store = humble_types()
     with refusing_damage("ROS bag"):
         for file in path.glob("*.mcap") if path.is_dir() else [path]:
@@ -93,7 +93,7 @@ def _opened(path: Path) -> Iterator[Any]:
 
 def humble_types() -> Any:  # Any: rosbags is optional
     """The message types of ROS 2 Humble; older SQLite bags don't carry their own."""
-    typesys = optional.load("rosbags.typesys", extra="ros")
+    typesys = check.package("rosbags.typesys", extra="ros")
     return typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
 
 
@@ -451,7 +451,7 @@ class _Bag:
 
 @contextmanager
 def _bag(path: StrPath) -> Iterator[_Bag]:
-    rosbag2 = optional.load("rosbags.rosbag2", extra="ros")
+    rosbag2 = check.package("rosbags.rosbag2", extra="ros")
     types = humble_types()
     if not isinstance(path, str | os.PathLike):
         raise InvalidInput(f"path: expected a path, got {path!r}")

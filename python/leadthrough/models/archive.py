@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough.check import InvalidInput
+from leadthrough.check import InvalidInput, UnsupportedQuery
 from leadthrough.drawing import Drawn
-from leadthrough.errors import UnsupportedQuery
 from leadthrough.io import npz
 from leadthrough.io.files import StrPath, replacing
 from leadthrough.models.certificate import Certificate

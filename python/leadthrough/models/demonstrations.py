@@ -8,8 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from leadthrough import sanity
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import FitError
+from leadthrough.check import FitError, Float64Array, InvalidInput
 from leadthrough.joint_names import alike
 from leadthrough.motion import (
     Demonstration,

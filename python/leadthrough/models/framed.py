@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import UnsupportedQuery
+from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, SteppedSkill
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.frame import Frame, checked_frames

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import LeadthroughError
+from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.models.choice import Choice
 from leadthrough.models.demonstrations import Demonstrations, MisalignmentWarning, motions_of
 from leadthrough.models.protocol import Model, Skill

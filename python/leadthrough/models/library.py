@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import FitError, UnsupportedQuery
+from leadthrough.check import FitError, Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.io.files import StrPath
 from leadthrough.joint_names import alike
 from leadthrough.models import archive

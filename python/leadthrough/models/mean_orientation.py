@@ -11,8 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import FitError
+from leadthrough.check import FitError, Float64Array, InvalidInput
 from leadthrough.preprocess.align import frechet_distance
 
 # For a middle without a quarter turn around it: how much more the rotations must agree on it than

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, Generic, NoReturn, Protocol, runtime_chec
 
 from numpy.typing import ArrayLike
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import NotFitted
+from leadthrough.check import Float64Array, NotFitted
 from leadthrough.io.files import StrPath
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.demonstrations import Demonstrations

@@ -10,8 +10,7 @@ import numpy as np
 
 from leadthrough.arm.following import slowed, velocities_of
 from leadthrough.arm.limits import JointLimits, known_acceleration
-from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure
+from leadthrough.check import Float64Array, IkFailure
 from leadthrough.motion import (
     JointTrajectory,
     PoseTrajectory,

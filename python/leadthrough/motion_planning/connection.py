@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, optional
+from leadthrough import check
 from leadthrough.arm import Arm, check_arm
 from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array, InvalidInput
@@ -112,7 +112,7 @@ def _ways(
 ) -> list[Float64Array]:
     """A way that is clear at this resolution, shortened first, then as found; none without one."""
     base, geometric, util = (
-        optional.load(f"ompl.{name}", extra="ompl") for name in ("base", "geometric", "util")
+        check.package(f"ompl.{name}", extra="ompl") for name in ("base", "geometric", "util")
     )
     with _quiet(util):
         util.RNG.setSeed(seed)

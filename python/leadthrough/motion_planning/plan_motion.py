@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm, FollowOptions, check_arm
-from leadthrough.check import InvalidInput
-from leadthrough.errors import IkFailure
+from leadthrough.check import IkFailure, InvalidInput
 from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times
 from leadthrough.motion_planning.blocked_segment import CollisionFreeIk

@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import IkFailure, NoPath
+from leadthrough.check import Float64Array, IkFailure, NoPath
 from leadthrough.models.protocol import Mapped, Skill
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target, frozen_target

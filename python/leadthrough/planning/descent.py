@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import NoPath
+from leadthrough.check import Float64Array, InvalidInput, NoPath
 from leadthrough.planning.arrival import FloatArray
 from leadthrough.planning.grid import Grid
 

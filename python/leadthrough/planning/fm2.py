@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import NoPath
+from leadthrough.check import Float64Array, InvalidInput, NoPath
 from leadthrough.planning.arrival import Numbers, arrival_times
 from leadthrough.planning.descent import descend
 from leadthrough.planning.grid import Grid

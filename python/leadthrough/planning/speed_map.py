@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import NoPath
+from leadthrough.check import Float64Array, NoPath
 from leadthrough.planning.grid import CellArray, CellNumbers, Grid, bounds_of
 from leadthrough.planning.obstacles import Walls, distance_transform, occupied
 from leadthrough.preprocess.resample import arc_length, by_arc_length

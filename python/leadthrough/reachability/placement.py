@@ -8,8 +8,7 @@ import numpy as np
 
 from leadthrough import check, rotations
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import IkFailure
+from leadthrough.check import Float64Array, IkFailure, InvalidInput
 from leadthrough.models import Skill, TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.reachability.reach_map import reached

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import NoContinuousLogarithm
+from leadthrough.check import Float64Array, InvalidInput, NoContinuousLogarithm
 
 # A recording's rounding takes a matrix this far off; beyond, it is not a rotation.
 ROTATION_TOLERANCE = 1e-2

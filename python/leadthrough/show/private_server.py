@@ -20,7 +20,7 @@ from dataclasses import replace
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, TextIO
 
-from leadthrough.errors import MissingDependency
+from leadthrough.check import MissingDependency
 
 if TYPE_CHECKING:
     import viser

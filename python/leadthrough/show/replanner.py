@@ -16,8 +16,7 @@ from leadthrough.arm.following import follow
 from leadthrough.arm.ik_failure import limiting_joints_text
 from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.arm.tip_path import CollisionTest
-from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
-from leadthrough.errors import IkFailure
+from leadthrough.check import Float64Array, IkFailure, InvalidInput, LeadthroughError
 from leadthrough.joint_names import in_order
 from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill, Target
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory

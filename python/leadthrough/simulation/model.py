@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough import optional, rotations
+from leadthrough import check, rotations
 from leadthrough.arm import Arm
 from leadthrough.arm.attachment import Load
 from leadthrough.arm.link_geometry import convex_parts
 from leadthrough.arm.link_poses import link_poses
-from leadthrough.check import Float64Array
-from leadthrough.errors import InvalidRobot
+from leadthrough.check import Float64Array, InvalidRobot
 from leadthrough.shapes import Shape
 from leadthrough.shapes.shape import ConvexPart
 
@@ -57,7 +56,7 @@ def plant(
     period: float,
 ) -> Plant:
     """The model of an arm among obstacles."""
-    mujoco = optional.load("mujoco", extra="simulation")
+    mujoco = check.package("mujoco", extra="simulation")
     if arm._chain.mass == 0.0:
         raise InvalidRobot("robot", "no link that the arm moves has a mass, so nothing resists")
     stated = {joint.name: joint for joint in arm.robot.tree}
@@ -176,7 +175,7 @@ def _set_inertia(body: Any, load: Load | None, driven: bool) -> None:
 
 def _add_parts(spec: Any, body: Any, parts: Iterable[ConvexPart]) -> None:
     """Adds convex parts to a body of a MuJoCo model that is being specified."""
-    mujoco = optional.load("mujoco", extra="simulation")
+    mujoco = check.package("mujoco", extra="simulation")
     for part in parts:
         kind = getattr(mujoco.mjtGeom, f"mjGEOM_{part.kind.upper()}")
         geom = body.add_geom(type=kind, pos=part.position, quat=part.orientation)

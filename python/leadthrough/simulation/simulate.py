@@ -11,8 +11,7 @@ from leadthrough import check, rotations
 from leadthrough.arm import Arm, check_arm
 from leadthrough.arm.limits import known_acceleration
 from leadthrough.arm.model import GRAVITY
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import LimitsInfeasible, NoPath
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.guard.admission import CommandedState, chunk_of
 from leadthrough.guard.connect import connect
 from leadthrough.joint_names import in_order

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, optional
+from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.arm.model import GRAVITY
 from leadthrough.check import Float64Array, InvalidInput
@@ -132,7 +132,7 @@ class SimulatedArm(ShortRepr):
         gravity: ArrayLike = GRAVITY,
         rate: float = 1000.0,
     ) -> None:
-        self._mujoco = optional.load("mujoco", extra="simulation")
+        self._mujoco = check.package("mujoco", extra="simulation")
         self.arm = arm
         self.period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
         pull = check.array(gravity, "gravity", shape=(3,))

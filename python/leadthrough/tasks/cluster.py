@@ -15,9 +15,8 @@ from queue import Empty, SimpleQueue
 from typing import Any
 from weakref import WeakValueDictionary
 
-from leadthrough import optional
-from leadthrough.check import InvalidInput
-from leadthrough.errors import CodeMismatch, SchedulerUnreachable
+from leadthrough import check
+from leadthrough.check import CodeMismatch, InvalidInput, SchedulerUnreachable
 from leadthrough.io.files import replacing
 from leadthrough.tasks import code
 from leadthrough.tasks.process import Process
@@ -39,7 +38,7 @@ class Cluster:
 
     def __init__(self, where: str) -> None:
         """Connects."""
-        distributed = optional.load("distributed", extra="dask")
+        distributed = check.package("distributed", extra="dask")
         named = {"scheduler_file": where} if where.endswith(".json") else {"address": where}
         if where.endswith(".json") and not Path(where).is_file():
             raise InvalidInput(f"on: no such file: {where}")
@@ -165,7 +164,7 @@ def _other_code(worker: str, module: str) -> str:
 
 def _do(job: Job, files: dict[str, bytes]) -> Report:
     """The report on a job, on a worker."""
-    worker = optional.load("distributed", extra="dask").get_worker()
+    worker = check.package("distributed", extra="dask").get_worker()
     if code.digest(job.module) != job.code:
         raise CodeMismatch(_other_code(worker.address, job.module))
     folder = Path(worker.local_directory) / "leadthrough"

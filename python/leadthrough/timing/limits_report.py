@@ -23,9 +23,8 @@ from numpy.typing import NDArray
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.drawing import Drawn, Panel, bars
-from leadthrough.errors import LimitsInfeasible
 from leadthrough.joint_names import in_order
 from leadthrough.motion import JointTrajectory, computed_joints, with_derivatives
 from leadthrough.repr import ShortRepr

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 import leadthrough._core as core
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import LimitsInfeasible
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.timing.sections import Lines
 
 # The most samples of a motion.

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import LimitsInfeasible
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.timing.limits_report import check_positions
 from leadthrough.timing.request import InverseDynamics, Jacobian, Request
 from leadthrough.timing.samples import AT_REST, MAX_SAMPLES, Samples

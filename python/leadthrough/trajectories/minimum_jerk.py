@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, optional
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.repr import ShortRepr
 from leadthrough.trajectories import curve
@@ -191,7 +191,7 @@ def point_to_point(
 def _solved(
     first: tuple[Float64Array, ...], last: tuple[Float64Array, ...], rates: list[Float64Array]
 ) -> Spline:
-    ruckig = optional.load("ruckig", extra="ruckig")
+    ruckig = check.package("ruckig", extra="ruckig")
     # Given fewer numbers than dimensions, or none, ruckig reads beyond its arrays: all have d here.
     task = ruckig.InputParameter(len(first[0]))
     task.current_position, task.current_velocity, task.current_acceleration = map(list, first)

@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import check, motion_planning, optional, simulation
+from leadthrough import check, motion_planning, simulation
 from leadthrough.arm import Arm, check_arm
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import IkFailure, LimitsInfeasible, NoPath
+from leadthrough.check import Float64Array, IkFailure, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.models import Skill, Target, TargetRegion, load_skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
@@ -49,7 +48,7 @@ class Setup:
         """The setup, checked, with regions of the starts and goals."""
         check_arm(arm)
         if controller is not None:
-            optional.load("mujoco", extra="simulation")
+            check.package("mujoco", extra="simulation")
         starts, goals = regions
         return cls(
             arm,

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.optimize import nnls
 
-from leadthrough import check, optional
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.errors import FitError
 from leadthrough.models import kmeans
@@ -223,7 +223,7 @@ def _programme(
     least: Float64Array,
 ) -> Float64Array:
     """The quadratic programme: rows of the first group are equal to 0, those of the others >=."""
-    clarabel = optional.load("clarabel", extra="stable")
+    clarabel = check.package("clarabel", extra="stable")
     size = len(normal)
     stiff = np.eye(size)[size // 2 :]
     every = sparse.csc_matrix(np.vstack([at_goal, -rows, -stiff]))

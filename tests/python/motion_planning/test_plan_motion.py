@@ -235,7 +235,7 @@ def test_without_ompl_the_extra_is_named(panda, joint_skill, box, monkeypatch):
     def missing(name, *, extra):
         raise MissingDependency("ompl", extra=extra)
 
-    monkeypatch.setattr(connection.optional, "load", missing)
+    monkeypatch.setattr(connection.check, "package", missing)
     with pytest.raises(MissingDependency, match=r"leadthrough\[ompl\]"):
         lt.plan_motion(joint_skill, panda, [box], **LAST_RESORT)
 

@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import NoPath, UnsupportedQuery
+from leadthrough.check import Float64Array, InvalidInput, NoPath, UnsupportedQuery
 from leadthrough.models.dmp.transformation import TransformationSystem, end_of
 from leadthrough.shapes import Shape, check_shapes, compiled
 from leadthrough.trajectories.minimum_jerk import minimum_jerk_time_scaling

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError
+from leadthrough.check import FitError, Float64Array
 from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.posture import Posture, demonstrated_posture

@@ -22,8 +22,7 @@ import numpy as np
 
 import leadthrough._core as core
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import FitError, NoContinuousLogarithm
+from leadthrough.check import FitError, Float64Array, InvalidInput, NoContinuousLogarithm
 from leadthrough.models.dmp.progress import running_mean
 from leadthrough.repr import ShortRepr
 

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, UnsupportedQuery
+from leadthrough.check import FitError, Float64Array, UnsupportedQuery
 from leadthrough.models.dmp.channels import Channels
 from leadthrough.models.dmp.constraints import Constraints, roll
 from leadthrough.models.dmp.orientation import OrientationCoordinates

@@ -20,8 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError
+from leadthrough.check import FitError, Float64Array
 from leadthrough.models.dmp.transformation import (
     RATE,
     RHYTHMIC,

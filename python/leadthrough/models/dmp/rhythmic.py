@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import UnsupportedQuery
+from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.learning import check_weights, learn_rhythm

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from leadthrough import optional
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError
+from leadthrough import check
+from leadthrough.check import FitError, Float64Array
 from leadthrough.models.dynamical.field import Field, StoredArrays
 from leadthrough.models.gaussians.mixture import monomials
 
@@ -146,7 +145,7 @@ def stable_matrices(
         FitError: if the programme is not solved.
         MissingDependency: without the extra `stable`.
     """
-    clarabel = optional.load("clarabel", extra=_EXTRA)
+    clarabel = check.package("clarabel", extra=_EXTRA)
     n, k = weights.shape
     d = x.shape[1]
     features = (weights[:, :, None] * x[:, None, :]).reshape(n, k * d)
@@ -182,7 +181,7 @@ def solve_cone_programme(
         FitError: if the programme is not solved.
         MissingDependency: without the extra `stable`.
     """
-    clarabel = optional.load("clarabel", extra=_EXTRA)
+    clarabel = check.package("clarabel", extra=_EXTRA)
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1

@@ -20,8 +20,7 @@ from typing import ClassVar
 import numpy as np
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError
+from leadthrough.check import FitError, Float64Array
 from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.linear_mixture import (
     GaussianGates,

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from leadthrough.blas_threads import one_blas_thread
-from leadthrough.errors import FitError
+from leadthrough.check import FitError
 from leadthrough.models.dynamical.field import MAX_DURATION, Field, endpoints
 from leadthrough.models.dynamical.samples import NEAR_GOAL, Samples, samples_about_goals
 from leadthrough.models.dynamical.skill import DynamicalSkill

@@ -10,8 +10,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array, Frozen
-from leadthrough.errors import FitError
+from leadthrough.check import FitError, Float64Array, Frozen
 from leadthrough.models.coordinates import Coordinates, coordinates_of
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.mean_orientation import mean_orientations

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError
+from leadthrough.check import FitError, Float64Array
 from leadthrough.models.gaussians.kmeans import clustered, seeds
 from leadthrough.models.gaussians.mixture import Blocks, Mixture, Steps, fit_blocks
 from leadthrough.repr import ShortRepr

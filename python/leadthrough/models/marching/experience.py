@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import FitError
+from leadthrough.check import FitError, Float64Array, InvalidInput
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
 from leadthrough.models.posture import Posture, agreed, demonstrated_posture

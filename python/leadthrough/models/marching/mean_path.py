@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough.check import Float64Array
-from leadthrough.errors import NoPath
+from leadthrough.check import Float64Array, NoPath
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.maps import (
     Scales,

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError
+from leadthrough.check import FitError, Float64Array
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.mean_orientation import groups_of, mean_orientations
 from leadthrough.preprocess.resample import arc_length, by_arc_length

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import NoPath
+from leadthrough.check import Float64Array, InvalidInput, NoPath
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.maps import (
     MAX_CELLS_FROM_AFAR,

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import UnsupportedQuery
+from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates

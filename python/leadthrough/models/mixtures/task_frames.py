@@ -19,8 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array
-from leadthrough.errors import FitError, NoContinuousLogarithm
+from leadthrough.check import FitError, Float64Array, NoContinuousLogarithm
 from leadthrough.models.coordinates import NODES, Coordinates, carried
 from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.mixture import Blocks, Mixture

@@ -23,8 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.errors import FitError
+from leadthrough.check import FitError, Float64Array, InvalidInput
 from leadthrough.models.promp.basis import Basis, raised, shaped_prior, smooth_prior
 from leadthrough.models.promp.gaussian import (
     Gaussian,
