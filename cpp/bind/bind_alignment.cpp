@@ -16,17 +16,18 @@ namespace {
 using PointsRef = Eigen::Ref<const Points>;
 
 // `compare` for two curves in one space, neither of them empty.
-template <typename Result>
+template <typename Result, typename... Options, typename... Names>
 void def_comparison(py::module_& module, const char* name,
-                    Result (*compare)(const PointsRef&, const PointsRef&)) {
+                    Result (*compare)(const PointsRef&, const PointsRef&, Options...),
+                    const Names&... names) {
   module.def(
       name,
-      [compare](const PointsRef& a, const PointsRef& b) {
-        require(a.rows() > 0 && b.rows() > 0 && a.cols() == b.cols());
-        const py::gil_scoped_release release;
-        return compare(a, b);
+      [compare](const PointsRef& a, const PointsRef& b, Options... options) {
+        require(a.rows() > 0 && b.rows() > 0 && a.cols() == b.cols() && (... && (options > 0)));
+        const Unlocked unlocked;
+        return compare(a, b, options...);
       },
-      py::arg("a").noconvert(), py::arg("b").noconvert());
+      py::arg("a").noconvert(), py::arg("b").noconvert(), names...);
 }
 
 Polyline polyline_of(const CArray<double>& points) {
@@ -39,7 +40,7 @@ py::array_t<double> lengths_along(const CArray<double>& points) {
   const Polyline curve = polyline_of(points);
   std::vector<double> lengths;
   {
-    const ReleaseIf release(points.size() >= kLong);
+    const UnlockedIf unlocked(points.size() >= kLong);
     lengths = arc_lengths(curve);
   }
   return moved_array(std::move(lengths));
@@ -51,7 +52,7 @@ py::object resampled(const CArray<double>& points, std::size_t count) {
   require(count >= 2);
   std::vector<double> rows;
   {
-    const ReleaseIf release(std::max(points.size(), static_cast<py::ssize_t>(count)) >= kLong);
+    const UnlockedIf unlocked(std::max(points.size(), static_cast<py::ssize_t>(count)) >= kLong);
     const std::vector<double> lengths = arc_lengths(curve);
     if (std::isfinite(lengths.back())) rows = by_arc_length(curve, lengths, count);
   }
@@ -67,7 +68,7 @@ py::array_t<double> between_curves(const CArray<double>& curves) {
                        static_cast<std::size_t>(curves.shape(2))};
   std::vector<double> apart;
   {
-    const ReleaseIf release(curves.size() * curves.shape(0) >= kLong);
+    const UnlockedIf unlocked(curves.size() * curves.shape(0) >= kLong);
     apart = rms_apart(first, count);
   }
   return moved_array(std::move(apart)).reshape({curves.shape(0), curves.shape(0)});
@@ -76,9 +77,9 @@ py::array_t<double> between_curves(const CArray<double>& curves) {
 }  // namespace
 
 void bind_alignment(py::module_& module) {
-  def_comparison(module, "dtw_distance", &dtw_distance);
+  def_comparison(module, "dtw_distance", &dtw_distance, py::arg("band"));
   def_comparison(module, "dtw_path", &dtw_path);
-  def_comparison(module, "frechet_distance", &frechet_distance);
+  def_comparison(module, "frechet_distance", &frechet_distance, py::arg("band"));
   module.def("arc_lengths", &lengths_along, py::arg("points").noconvert());
   module.def("rms_apart", &between_curves, py::arg("curves").noconvert());
   module.def("by_arc_length", &resampled, py::arg("points").noconvert(), py::arg("count"));

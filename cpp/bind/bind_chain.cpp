@@ -36,7 +36,7 @@ Value value_or_raise(std::variant<Value, urdf::Error>&& answer) {
 
 urdf::Robot parse(const std::string& document) {
   auto answer = [&] {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return urdf::parse(document);
   }();
   return value_or_raise(std::move(answer));
@@ -230,7 +230,7 @@ void bind_chain(py::module_& module) {
              return value_or_raise(make_chain(robot, base, tip));
            }),
            py::arg("robot"), py::arg("base"), py::arg("tip"))
-      .def_property_readonly("joints", &Chain::joints)
+      .def_property_readonly("joints", [](const Chain& chain) { return chain.joints(); })
       .def_readonly("joint_names", &Chain::joint_names)
       .def_readonly("lower", &Chain::lower)
       .def_readonly("upper", &Chain::upper)
@@ -268,7 +268,7 @@ void bind_chain(py::module_& module) {
             require(q.cols() == chain.joints());
             Poses poses;
             {
-              const py::gil_scoped_release release;
+              const Unlocked unlocked;
               poses = forward_kinematics_batch(chain, q);
             }
             return py::make_tuple(std::move(poses.positions), std::move(poses.orientations));

@@ -34,7 +34,7 @@ CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const st
   const auto between = make_chain(robot, base, tip);
   require(std::holds_alternative<Chain>(between) &&
           moving_count(std::get<Chain>(between)) == moving_count(chain));
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   std::vector<Eigen::Matrix3Xd> hulls;
   for (const Rows3& mesh : meshes) hulls.emplace_back(mesh.transpose());
   return make_collision_model(robot, chain, base, tip, hulls, placed_shapes(attached));
@@ -76,7 +76,7 @@ py::tuple nearest(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, 
   Pairs bodies(q.rows(), 2);
   Points points(q.rows(), 6);
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     const auto found = nearest_batch(scene, q, threads);
     for (Eigen::Index i = 0; i < q.rows(); ++i) {
       const Nearest& at = found[static_cast<std::size_t>(i)];
@@ -100,7 +100,7 @@ py::tuple check(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, do
   MotionReport report;
   Eigen::VectorXd distances(q.rows());
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     report = check_motion(scene, q, {margin, tolerance, threads});
     for (Eigen::Index i = 0; i < q.rows(); ++i)
       distances[i] = report.samples[static_cast<std::size_t>(i)].distance;
@@ -134,7 +134,7 @@ void bind_collision(py::module_& module) {
       [](const CollisionModel& model, const std::vector<Shape>& obstacles,
          const Eigen::Ref<const Rows>& q, double margin, double self_collision_margin) {
         require(q.cols() == model.chain.joints());
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return clear_batch(
             whole_arm(model, placed_shapes(obstacles), margin, self_collision_margin), q);
       },
@@ -148,7 +148,7 @@ void bind_collision(py::module_& module) {
       "longest_step",
       [](const CollisionScene& scene, const Eigen::Ref<const Rows>& q) {
         require(q.cols() == scene.chain.joints());
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return longest_step(scene, q);
       },
       py::arg("scene"), py::arg("q").noconvert());

@@ -57,6 +57,20 @@ struct PoseState : PointState {
   }
 };
 
+// Phases count periods; between more of them floating-point numbers lose the nodes.
+constexpr double kMaxPhase = 1e12;
+constexpr double kMaxPeriodsPerStep = 1e3;
+
+bool are_phases(const VectorIn& phases) {
+  return phases.size() >= 1 && (phases.array() >= 0.0 && phases.array() <= kMaxPhase).all();
+}
+
+double span_of(double dt, double duration) {
+  const double span = dt / duration;
+  require(span >= 0.0 && span <= kMaxPeriodsPerStep);
+  return span;
+}
+
 Canonical canonical_of(bool rhythmic) {
   return rhythmic ? Canonical::kRhythmic : Canonical::kDiscrete;
 }
@@ -129,7 +143,8 @@ std::shared_ptr<Curve> make_curve(const Eigen::Ref<const so3::Quaternions>& cont
 
 PointState make_point_state(std::shared_ptr<Course> course, const VectorIn& value,
                             const VectorIn& slope, double phase, double duration) {
-  require(value.size() == course->reference.coefficients.cols() && slope.size() == value.size());
+  require(value.size() == course->reference.coefficients.cols() && slope.size() == value.size() &&
+          phase >= 0.0 && phase <= kMaxPhase && duration > 0.0);
   return {std::move(course), {value, slope, phase}, duration};
 }
 
@@ -145,10 +160,10 @@ py::tuple rollout(const Forces& forces, const Course& course, const VectorIn& va
                   const VectorIn& slope, const VectorIn& phases) {
   const Eigen::Index channels = forces.nodes.cols();
   require(course.reference.coefficients.cols() == channels && value.size() == channels &&
-          slope.size() == channels && phases.size() >= 1);
+          slope.size() == channels && are_phases(phases));
   dmp::Rollout result;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     result = dmp::rollout(forces, course, {value, slope, phases[0]}, phases);
   }
   return py::make_tuple(std::move(result.values), std::move(result.slopes));
@@ -174,7 +189,7 @@ State step(const State& before, const Forces& forces, double dt, const VectorIn&
   require(forces.nodes.cols() == before.channels() && acceleration.size() == before.channels());
   State after = before;
   const Vector push = push_of(before, acceleration);
-  dmp::advance(forces, *before.course, push, dt / before.duration, after.state);
+  dmp::advance(forces, *before.course, push, span_of(dt, before.duration), after.state);
   return after;
 }
 
@@ -218,10 +233,10 @@ py::tuple rollout_around(const Forces& forces, const Course& course,
                          const VectorIn& slope, const VectorIn& phases) {
   const Eigen::Index channels = forces.nodes.cols();
   require(course.reference.coefficients.cols() == channels && value.size() == channels &&
-          slope.size() == channels && phases.size() >= 1 && fits(scene, channels));
+          slope.size() == channels && are_phases(phases) && fits(scene, channels));
   dmp::Passage result;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     result = dmp::rollout_around(forces, course, scene, {value, slope, phases[0]}, phases);
   }
   return py::make_tuple(std::move(result.rollout.values), std::move(result.rollout.slopes),
@@ -235,23 +250,24 @@ State step_around(const State& before, const Forces& forces, double dt,
           fits(scene, before.channels()));
   State after = before;
   const Vector push = push_of(before, acceleration);
-  dmp::advance_around(forces, *before.course, scene, push, dt / before.duration, after.state);
+  dmp::advance_around(forces, *before.course, scene, push, span_of(dt, before.duration),
+                      after.state);
   return after;
 }
 
 so3::Quaternions orientations(const Curve& curve, const Path& offset, const VectorIn& phases,
                               const RowsIn& values) {
   require(phases.size() == values.rows() && values.cols() >= 3 && is_offset(offset));
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return dmp::orientations_at(curve, offset, phases, values);
 }
 
 // Positions and orientations of the motion that a state begins.
 py::tuple poses(const Forces& forces, const PoseState& state, const VectorIn& phases) {
-  require(forces.nodes.cols() == state.channels() && phases.size() >= 1);
+  require(forces.nodes.cols() == state.channels() && are_phases(phases));
   dmp::Poses result;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     result =
         dmp::poses_along(forces, *state.course, *state.curve, *state.offset, state.state, phases);
   }
@@ -260,10 +276,10 @@ py::tuple poses(const Forces& forces, const PoseState& state, const VectorIn& ph
 
 // The highest linear and angular speed of the motion that a state begins.
 py::tuple peak_speeds(const Forces& forces, const PoseState& state, const VectorIn& phases) {
-  require(forces.nodes.cols() == state.channels() && phases.size() >= 2);
+  require(forces.nodes.cols() == state.channels() && are_phases(phases) && phases.size() >= 2);
   dmp::Peaks peaks;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     const dmp::State first{state.state.value, state.state.slope, phases[0]};
     const dmp::Rollout motion = dmp::rollout(forces, *state.course, first, phases);
     peaks = dmp::peak_speeds(*state.curve, *state.offset, phases, motion);
@@ -374,8 +390,8 @@ void bind_dmp(py::module_& module) {
           [](const PoseState& s) { return so3::Vector3(s.state.slope.head<3>() / s.duration); })
       .def_property_readonly("curve", [](const PoseState& s) { return s.curve; })
       .def_property_readonly("offset", [](const PoseState& s) { return s.offset; })
-      .def_property_readonly("orientation", &PoseState::orientation)
-      .def_property_readonly("pose", &PoseState::pose)
+      .def_property_readonly("orientation", [](const PoseState& s) { return s.orientation(); })
+      .def_property_readonly("pose", [](const PoseState& s) { return s.pose(); })
       .def_property_readonly("angular_velocity", [](const PoseState& s) {
         return so3::Vector3(s.rotation().velocity / s.duration);
       });

@@ -16,13 +16,13 @@ Rows inverse_dynamics(const Chain& chain, const RowsRef& q, const RowsRef& qd, c
   require(q.cols() == chain.joints());
   for (const RowsRef* rates : {&qd, &qdd})
     require(rates->rows() == q.rows() && rates->cols() == q.cols());
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return inverse_dynamics_batch(chain, q, qd, qdd, gravity);
 }
 
 Rows mass_matrix(const Chain& chain, const RowsRef& q) {
   require(q.cols() == chain.joints());
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return mass_matrix_batch(chain, q);
 }
 

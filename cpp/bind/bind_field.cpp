@@ -81,7 +81,7 @@ py::array_t<Real> march_one(const CArray<Real>& speed, const std::vector<double>
   const MarchProblem<Real> problem{speed.data(), sources_at(grid, cells)};
   std::vector<Real> arrival;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     arrival = march(grid, problem, {order, source_radius, stop});
   }
   return owning(std::move(arrival), shape_of(speed));
@@ -103,7 +103,7 @@ py::list march_many(const std::vector<CArray<Real>>& speeds, const std::vector<d
   }
   std::vector<std::vector<Real>> arrivals;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     arrivals = march_batch(grid, problems, {order, source_radius}, threads);
   }
   py::list result;
@@ -123,7 +123,7 @@ class BoundArrivalField {
     require_speeds(speed);
     require(*std::max_element(speed.data(), speed.data() + speed.size()) > 0);
     const std::vector<Source> sources = sources_at(grid, cells);
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     field_ = make_arrival_field(grid, speed.data(), sources);
   }
 
@@ -140,16 +140,16 @@ class BoundArrivalField {
     }
     Update update{};
     {
-      const py::gil_scoped_release release;
+      const Unlocked unlocked;
       update = field_->update(region, speed.data());
     }
     return py::make_tuple(name(update.kind), update.invalidated);
   }
 
-  py::array_t<Real> times() const {
+  py::array_t<Real> times() {
     std::vector<Real> times;
     {
-      const py::gil_scoped_release release;
+      const Unlocked unlocked;
       times = field_->times();
     }
     return owning(std::move(times), shape_);
@@ -179,7 +179,7 @@ void bind_arrival_field(py::module_& module, const char* name) {
       .def(py::init<const CArray<Real>&, const std::vector<double>&, const CArray<Index>&>(),
            py::arg("speed").noconvert(), py::arg("spacing"), py::arg("cells").noconvert())
       .def("update", &Bound::update, py::arg("low"), py::arg("speed").noconvert())
-      .def("times", &Bound::times);
+      .def("times", [](Bound& field) { return field.times(); });
 }
 
 py::array_t<std::int32_t> label_sources(const CArray<double>& arrival,
@@ -189,7 +189,7 @@ py::array_t<std::int32_t> label_sources(const CArray<double>& arrival,
   for (const Index cell : cells) require(contains(grid, cell));
   std::vector<std::int32_t> labels;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     labels = nearest_sources(grid, arrival.data(), cells);
   }
   return owning(std::move(labels), shape_of(arrival));
@@ -199,7 +199,7 @@ py::array_t<double> transform(const CArray<bool>& mask, const std::vector<double
   const Grid grid = grid_of(mask, spacing);
   std::vector<double> distance;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     distance = distance_transform(grid, reinterpret_cast<const std::uint8_t*>(mask.data()));
   }
   return owning(std::move(distance), shape_of(mask));
@@ -215,7 +215,7 @@ py::tuple follow_down(const CArray<Real>& arrival, const std::vector<double>& sp
   const Coordinates to_cell = with_leading_zero(goal, dimensions);
   Descent descent;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     descent = descend(grid, arrival.data(), from, to_cell, step);
   }
   py::array_t<double> path({descent.path.size(), dimensions});
@@ -239,8 +239,9 @@ py::tuple find_directions(const CArray<Real>& arrival, const std::vector<double>
   DescentStatus status = DescentStatus::kOk;
   std::size_t n = 0;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     for (; n < count; ++n, from += dimensions) {
+      check_interrupt(n);
       Coordinates p{};
       std::copy_backward(from, from + dimensions, p.end());
       const Direction found = direction(grid, arrival.data(), p);

@@ -15,8 +15,8 @@ void bind_finite(py::module_& module) {
   module.def(
       "all_finite",
       [](const py::array_t<double, py::array::c_style>& values) {
-        std::optional<py::gil_scoped_release> release;
-        if (values.size() >= kLong) release.emplace();
+        std::optional<Unlocked> unlocked;
+        if (values.size() >= kLong) unlocked.emplace();
         return all_finite(values.data(), static_cast<std::size_t>(values.size()));
       },
       py::arg("values").noconvert());

@@ -90,7 +90,7 @@ py::tuple curves(const BasisRows& basis, Eigen::Index functions, Eigen::Index ba
     blocks.append(std::move(block));
   }
   const bool certain = [&] {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return fill_curves(basis, rows, weights, width, threads, places);
   }();
   return py::make_tuple(std::move(blocks), certain);
@@ -137,7 +137,7 @@ void bind_gaussian(py::module_& module) {
         require(limits.size() == walls.rows() && start.size() == walls.cols() &&
                 velocities.cols() == walls.cols() &&
                 (walls.rowwise().squaredNorm().array() > 0.0).all());
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return sample_truncated_gaussian(walls, limits, start, velocities);
       },
       py::arg("walls").noconvert(), py::arg("limits").noconvert(), py::arg("start").noconvert(),
@@ -155,7 +155,7 @@ void bind_gaussian(py::module_& module) {
                 scale.size() == columns.size() && (columns.array() >= 0).all() &&
                 (columns.array() < mean.size() / basis.cols()).all());
         Conditioned result = [&] {
-          const py::gil_scoped_release release;
+          const Unlocked unlocked;
           return condition_weights(mean, covariance, basis, columns, values, noise, scale, least);
         }();
         return py::make_tuple(result.certain, std::move(result.mean), std::move(result.covariance));
@@ -172,7 +172,7 @@ void bind_gaussian(py::module_& module) {
       "product",
       [](const Eigen::Ref<const Rows>& left, const Eigen::Ref<const Rows>& right) {
         require(left.cols() == right.rows());
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return product(left, right);
       },
       py::arg("left").noconvert(), py::arg("right").noconvert());
@@ -180,7 +180,7 @@ void bind_gaussian(py::module_& module) {
       "solve_definite",
       [](const Eigen::Ref<const Rows>& matrix, const Eigen::Ref<const Rows>& right) {
         require(matrix.rows() == matrix.cols() && matrix.rows() == right.rows());
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return solve_definite(matrix, right);
       },
       py::arg("matrix").noconvert(), py::arg("right").noconvert());
@@ -188,7 +188,7 @@ void bind_gaussian(py::module_& module) {
       "is_covariance",
       [](const Eigen::Ref<const Rows>& matrix) {
         require(matrix.rows() == matrix.cols() && matrix.rows() > 0);
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return is_covariance(matrix);
       },
       py::arg("matrix").noconvert());
@@ -198,7 +198,7 @@ void bind_gaussian(py::module_& module) {
          const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness, bool periodic,
          int order) {
         require(order >= 0 && order <= 2);
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return normalised_basis(phases, centres, sharpness, periodic, order);
       },
       py::arg("phases").noconvert(), py::arg("centres").noconvert(), py::arg("sharpness"),

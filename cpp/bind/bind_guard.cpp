@@ -24,6 +24,8 @@ using guard::GuardedScene;
 using guard::RowsRef;
 using guard::StepLimits;
 
+constexpr Index kMaxBridge = 10'000'000;  // hours at 1 kHz
+
 StepLimits make_limits(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                        const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration,
                        const Eigen::VectorXd& jerk, double period) {
@@ -48,7 +50,7 @@ std::optional<std::tuple<int, Index, Index, double>> first_excess(const StepLimi
                                                                   const RowsRef& samples) {
   require_start(limits, start);
   require_rows(limits, samples, 0);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   const auto found = guard::first_excess(limits, start, samples);
   if (!found) return std::nullopt;
   return std::make_tuple(found->order, found->sample, found->joint, found->ratio);
@@ -58,13 +60,13 @@ Rows with_rates(const Eigen::VectorXd& times, const RowsRef& positions, const Ro
                 double period) {
   require(positions.rows() > 0 && positions.cols() > 0 && times.size() == positions.rows());
   require(start.rows() <= 1 && start.cols() == 3 * positions.cols() && period > 0.0);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return guard::with_rates(times, positions, start, period);
 }
 
 Rows brake(const StepLimits& limits, const RowsRef& start) {
   require_start(limits, start);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return guard::brake(limits, start);
 }
 
@@ -74,8 +76,8 @@ auto bridge(const Find& find) {
                 Index most_steps) -> std::optional<std::pair<Rows, Index>> {
     require_start(limits, start);
     require_rows(limits, target, 1);
-    require(most_steps > 0);
-    const py::gil_scoped_release release;
+    require(most_steps > 0 && most_steps <= kMaxBridge);
+    const Unlocked unlocked;
     auto found = find(limits, start, target, most_steps);
     if (!found) return std::nullopt;
     return std::make_pair(std::move(found->samples), found->skipped);
@@ -92,14 +94,14 @@ PacedRows pair_of(std::optional<guard::Paced> paced) {
 PacedRows slowed(const StepLimits& limits, const RowsRef& path, Index most_samples) {
   require_rows(limits, path, 1);
   require(most_samples > 0);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return pair_of(guard::slowed(limits, path, most_samples));
 }
 
 PacedRows stopped(const StepLimits& limits, const RowsRef& start, const RowsRef& path) {
   require_start(limits, start);
   require_rows(limits, path, 1);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return pair_of(guard::stopped(limits, start, path));
 }
 
@@ -112,7 +114,7 @@ std::optional<std::tuple<double, std::string, std::string>> first_contact(
   const Index joints = scene.chain.joints();
   require(start.size() == joints || start.size() == 3 * joints);
   require(samples.cols() == joints || samples.cols() == 3 * joints);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   const auto found =
       guard::first_contact(guarded, start.head(joints), samples.leftCols(joints), age, most_work);
   if (!found) return std::nullopt;

@@ -76,7 +76,7 @@ template <typename Solve>
 py::tuple solve_columns(int joints, const Solve& solve) {
   IkColumns table;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     table = columns(solve(), joints);
   }
   return py::make_tuple(std::move(table.q), std::move(table.status),
@@ -92,7 +92,7 @@ py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>&
   require_sizes(chain, options, orientation.size() > 0);
   IkResult result;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     result = solve_ik(chain, to_target(position, orientation), q0, options);
   }
   return to_tuple(result);
@@ -140,7 +140,7 @@ py::tuple step_along(const Chain& chain, const Eigen::Ref<const Rows3>& position
           orientations_fit(positions.rows(), orientations.rows()));
   YangPath path;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     path = yang_path(chain, positions, orientations, start, steps, options);
   }
   return py::make_tuple(std::move(path.q), std::move(path.condition), std::move(path.damping),

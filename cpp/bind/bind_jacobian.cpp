@@ -22,7 +22,7 @@ void bind_jacobian(py::module_& module) {
       "jacobian",
       [](const Chain& chain, const RowsRef& q) {
         require(fit(chain, q, q));
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return jacobian_batch(chain, q);
       },
       py::arg("chain"), py::arg("q").noconvert());
@@ -48,7 +48,7 @@ void bind_jacobian(py::module_& module) {
       "jacobian_derivative",
       [](const Chain& chain, const RowsRef& q, const RowsRef& qd) {
         require(fit(chain, q, q) && fit(chain, q, qd));
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return jacobian_derivative_batch(chain, q, qd);
       },
       py::arg("chain"), py::arg("q").noconvert(), py::arg("qd").noconvert());
@@ -56,7 +56,7 @@ void bind_jacobian(py::module_& module) {
       "jacobian_second_derivative",
       [](const Chain& chain, const RowsRef& q, const RowsRef& qd, const RowsRef& qdd) {
         require(fit(chain, q, q) && fit(chain, q, qd) && fit(chain, q, qdd));
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return jacobian_second_derivative_batch(chain, q, qd, qdd);
       },
       py::arg("chain"), py::arg("q").noconvert(), py::arg("qd").noconvert(),

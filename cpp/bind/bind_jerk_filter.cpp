@@ -24,7 +24,7 @@ void bind_jerk_filter(py::module_& module) {
       "resting_places",
       [](const AxisColumnsRef& states, const AxisColumnsRef& limits) {
         require(states.rows() == 3 && limits.rows() == 6 && limits.cols() == states.cols());
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return resting_places({states, limits});
       },
       py::arg("states").noconvert(), py::arg("limits").noconvert());
@@ -32,7 +32,7 @@ void bind_jerk_filter(py::module_& module) {
       "times_to_rest",
       [](const AxisColumnsRef& states, const AxisColumnsRef& limits, const AxisTargets& targets) {
         require_axes(states, limits, targets);
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return times_to_rest({states, limits}, targets);
       },
       py::arg("states").noconvert(), py::arg("limits").noconvert(), py::arg("targets").noconvert());
@@ -42,7 +42,7 @@ void bind_jerk_filter(py::module_& module) {
         [step](const AxisColumnsRef& states, const AxisColumnsRef& limits,
                const AxisTargets& targets, double period) {
           require_axes(states, limits, targets);
-          const py::gil_scoped_release release;
+          const Unlocked unlocked;
           return step({states, limits}, targets, period);
         },
         py::arg("states").noconvert(), py::arg("limits").noconvert(),

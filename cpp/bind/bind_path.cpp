@@ -34,7 +34,7 @@ py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
   const PlacedShapes shapes = placed_shapes(obstacles);
   path::ClearPath found;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     std::optional<JointArray> near;
     if (start) std::copy(start->data(), start->data() + start->size(), near.emplace().begin());
     found = path::find_clear_path(model, shapes, {positions, orientations, axes, tube}, postures,

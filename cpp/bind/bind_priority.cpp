@@ -80,7 +80,7 @@ py::tuple velocity(const TaskStack& stack, const Vector& q, const Vector& qd, do
   require_joints(stack, q, qd, true);
   StackMotion solution;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     StackWorkspace workspace = workspace_for(stack);
     solution = stack_velocity(stack, q.data(), qd.size() > 0 ? qd.data() : nullptr, dt, workspace);
   }
@@ -91,7 +91,7 @@ py::tuple acceleration(const TaskStack& stack, const Vector& q, const Vector& qd
   require_joints(stack, q, qd, false);
   StackMotion solution;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     StackWorkspace workspace = workspace_for(stack);
     solution = stack_acceleration(stack, q.data(), qd.data(), dt, workspace);
   }
@@ -102,7 +102,7 @@ py::tuple step(const TaskStack& stack, const Vector& q, const Vector& qd, double
   require_joints(stack, q, qd, false);
   StackStep next;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     StackWorkspace workspace = workspace_for(stack);
     next = stack_step(stack, q.data(), qd.data(), dt, workspace);
   }
@@ -129,7 +129,7 @@ py::tuple differential(const DifferentialIk& solver, const Vector& q, const Vect
           (orientation.size() == 0 || is_rotation(orientation)));
   DifferentialStep next;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     IkTarget target{position, std::nullopt};
     if (orientation.size() == 4) target.rotation = so3::to_matrix(orientation.normalized());
     next = differential_step(solver, target, twist, q.data(), qd.data());
@@ -255,7 +255,7 @@ void bind_priority(py::module_& module) {
           levels[i].jacobian = jacobians[i];
           levels[i].wanted = wanted[i];
         }
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         const auto scheme = reverse ? PriorityScheme::kReverse : PriorityScheme::kForward;
         return Eigen::VectorXd(resolve(levels, {lower, upper}, scheme));
       },

@@ -15,9 +15,12 @@ namespace leadthrough {
 namespace {
 
 Eigen::VectorXd distances(const Shape& shape, const Eigen::Ref<const Rows3>& points) {
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   Eigen::VectorXd result(points.rows());
-  for (Eigen::Index i = 0; i < points.rows(); ++i) result[i] = distance_to(shape, points.row(i));
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    check_interrupt();
+    result[i] = distance_to(shape, points.row(i));
+  }
   return result;
 }
 
@@ -38,7 +41,7 @@ Shape hulls_shape(const std::vector<Rows3>& corners, const Eigen::Vector3d& posi
 Shape cloud_shape(const Eigen::Ref<const Rows3>& points, double radius,
                   const Eigen::Vector3d& position, const Eigen::Vector4d& orientation) {
   require(points.rows() > 0 && points.rows() <= Cloud::kMaxPoints);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return make_cloud(std::make_shared<const Cloud>(points, radius), so3::to_matrix(orientation),
                     position);
 }

@@ -46,7 +46,7 @@ BoundFree experience(const BoundGrid& cells, double saturation, const Paths& pat
   const auto points = paths_in(cells, paths);
   std::shared_ptr<const FreeSpeeds> map;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     map = std::make_shared<ExperienceSpeeds>(cells, saturation, points, radius);
   }
   return {cells, std::move(map)};
@@ -77,7 +77,7 @@ BoundSpeeds passable(const BoundFree& free, const BoundWalls& walls, double band
   require(band > 0.0 && reach > 0.0 && free.cells.grid.shape == walls.cells.grid.shape);
   std::shared_ptr<const SpeedMap> map;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     map = std::make_shared<PassableSpeeds>(free.free, walls.walls, band, reach);
   }
   return {free.cells, std::move(map), free.speeds};
@@ -86,7 +86,7 @@ BoundSpeeds passable(const BoundFree& free, const BoundWalls& walls, double band
 py::array_t<double> speeds_at(const BoundSpeeds& bound, const CArray<Index>& cells) {
   std::vector<double> found;
   {
-    const ReleaseIf release(cells.size() >= kManyCells);
+    const UnlockedIf unlocked(cells.size() >= kManyCells);
     found = bound.map->at(ascending_cells(bound.cells.grid, cells));
   }
   return moved_array(std::move(found));
@@ -97,7 +97,7 @@ py::array_t<double> fastest_in(const BoundSpeeds& bound, int level, const CArray
   const Blocks blocks = blocks_of(bound.cells, level);
   std::vector<double> found;
   {
-    const ReleaseIf release(numbers.size() >= kManyCells);
+    const UnlockedIf unlocked(numbers.size() >= kManyCells);
     found = bound.map->fastest(blocks, ascending_cells(blocks.grid, numbers));
   }
   return moved_array(std::move(found));
@@ -126,7 +126,7 @@ py::tuple quickest(const BoundSpeeds& bound, const std::vector<double>& start,
           ((holds_start && holds_goal) || bound.map->outside() > 0.0));
   Quickest found;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     found = quickest_path(*bound.map, from, to);
   }
   return py::make_tuple(name(found.status), bound.cells.rows(found.path));

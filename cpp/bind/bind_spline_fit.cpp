@@ -18,7 +18,7 @@ py::tuple fit_spline_(const Vector& parameters, const Table& q, double tolerance
   require(parameters.size() == q.rows() && q.rows() > 6 && q.cols() > 0);
   SplineFit fit;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     fit = fit_spline(parameters, q, tolerance);
   }
   return py::make_tuple(as_array(fit.breaks), std::move(fit.coefficients));
@@ -26,13 +26,13 @@ py::tuple fit_spline_(const Vector& parameters, const Table& q, double tolerance
 
 Rows cubic_through_(const Vector& parameters, const Table& q) {
   require(parameters.size() == q.rows() && q.rows() > 1);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return cubic_through(parameters, q);
 }
 
 Rows spline_slopes_(const Vector& parameters, const Table& q, bool at_rest) {
   require(parameters.size() == q.rows() && q.rows() > 1);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return spline_slopes(parameters, q, at_rest ? SplineEnds::kAtRest : SplineEnds::kSmooth);
 }
 
@@ -40,13 +40,13 @@ Rows polynomial_values_(const Vector& knots, const Table& coefficients, const Ve
                         int order) {
   require(knots.size() > 1 && coefficients.rows() > 0 && coefficients.cols() > 0 &&
           coefficients.rows() % (knots.size() - 1) == 0 && order >= 0);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return polynomial_values(knots, coefficients, times, order);
 }
 
 Rows bezier_values_(const Table& points, const Vector& fractions) {
   require(points.rows() > 0 && points.cols() > 0);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return bezier_values(points, fractions);
 }
 
@@ -54,7 +54,7 @@ py::array_t<Eigen::Index> rows_apart_(const Table& q, double tolerance) {
   require(q.rows() > 0 && q.cols() > 0);
   std::vector<Eigen::Index> rows;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     rows = rows_apart(q, tolerance);
   }
   return as_array(rows);

@@ -38,7 +38,7 @@ class GriddedPath {
       require(table->rows() == grid_.points() && table->cols() == gain.cols());
     TimeLaw found;
     {
-      const py::gil_scoped_release release;
+      const Unlocked unlocked;
       const RateLimits limits{velocity, acceleration, jerk};
       const PathBounds bounds{fastest, gain, bend, lower, upper};
       found = make_time_law(path_, grid_, limits, bounds,
@@ -53,7 +53,7 @@ class GriddedPath {
     require(speed.size() == length.size() && push.size() == length.size());
     MotionStates states;
     {
-      const py::gil_scoped_release release;
+      const Unlocked unlocked;
       states = leadthrough::states_along(path_, grid_, length, speed, push);
     }
     return py::make_tuple(std::move(states.positions), std::move(states.velocities),
@@ -71,7 +71,7 @@ py::tuple time_lines_(const Table& points, const Vector& velocity, const Vector&
   require(velocity.size() == joints && acceleration.size() == joints && jerk.size() == joints);
   LineMotions motions;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     motions = time_lines(points, {velocity, acceleration, jerk}, period, longest);
   }
   Rows3 shares(static_cast<Eigen::Index>(motions.shares.size()), 3);
@@ -101,7 +101,7 @@ py::tuple motion_peaks_(const Vector& times, const Table& positions, const Table
   check_samples(times, positions, velocities, accelerations);
   MotionPeaks found;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     found = motion_peaks(times, positions, velocities, accelerations);
   }
   return py::make_tuple(std::move(found.value), std::move(found.time), std::move(found.step));

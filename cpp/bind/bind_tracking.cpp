@@ -30,7 +30,7 @@ py::tuple track_path(const Chain& chain, const Eigen::Ref<const Rows3>& position
           orientations_fit(positions.rows(), orientations.rows()));
   Track path;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     path = track(chain, positions, orientations, start, {postures, shares}, options);
   }
   return columns(std::move(path));
@@ -50,7 +50,7 @@ py::tuple pursue_path(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd
           options.acceleration.size() == chain.joints());
   Track path;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     path = pursue(chain, {times, positions, orientations}, start, {postures, shares}, options);
   }
   return columns(std::move(path));
@@ -63,7 +63,7 @@ py::tuple slow(const Eigen::Ref<const Eigen::VectorXd>& times, const Eigen::Ref<
           acceleration.size() == q.cols());
   Slowing slowing;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     slowing = slow_down(times, q, velocity, acceleration);
   }
   return py::make_tuple(std::move(slowing.times), slowing.stuck);

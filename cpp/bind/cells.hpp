@@ -21,14 +21,14 @@ using CArray = pybind11::array_t<T, pybind11::array::c_style>;
 constexpr pybind11::ssize_t kManyCells = 1000;
 
 // Releases the GIL if that pays off.
-class ReleaseIf {
+class UnlockedIf {
  public:
-  explicit ReleaseIf(bool is_worth_it) {
-    if (is_worth_it) release_.emplace();
+  explicit UnlockedIf(bool is_worth_it) {
+    if (is_worth_it) unlocked_.emplace();
   }
 
  private:
-  std::optional<pybind11::gil_scoped_release> release_;
+  std::optional<Unlocked> unlocked_;
 };
 
 // A 2D grid gets a first axis of one cell.

@@ -59,7 +59,7 @@ struct BoundWalls {
     require(std::isfinite(most) && most > 0.0);
     std::vector<double> found;
     {
-      const pybind11::gil_scoped_release release;
+      const Unlocked unlocked;
       found = walls.distances(ascending_cells(cells.grid, numbers), most);
     }
     return moved_array(std::move(found));

@@ -1,5 +1,6 @@
 #include <cstddef>
 #include <cstdlib>
+#include <exception>
 
 #include "bind/parts.hpp"
 
@@ -13,11 +14,34 @@ void keep_freed_memory() {
   std::free(block);
 }
 
+void raise_interrupted(std::exception_ptr thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const leadthrough::Interrupted&) {
+    // The handler's own error is set already.
+  }
+}
+
+[[noreturn]] void* refuse_to_fill(std::size_t /*size*/) {
+  throw pybind11::type_error("an object whose __init__ was not called");
+}
+
+// Where an object was made by __new__ alone, pybind11 hands memory that nobody has filled to the
+// functions, from here.
+void refuse_empty_objects(const pybind11::module_& module) {
+  for (const auto& entry : pybind11::dict(module.attr("__dict__"))) {
+    if (!PyType_Check(entry.second.ptr())) continue;
+    auto* const type = reinterpret_cast<PyTypeObject*>(entry.second.ptr());
+    pybind11::detail::get_type_info(type)->operator_new = &refuse_to_fill;
+  }
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_core, module) {
   module.doc() = "Numeric kernels of leadthrough; arguments are checked by the Python layer above.";
   keep_freed_memory();
+  pybind11::register_local_exception_translator(&raise_interrupted);
   leadthrough::bind_alignment(module);
   leadthrough::bind_chain(module);
   leadthrough::bind_shapes(module);  // before those that take shapes
@@ -39,4 +63,5 @@ PYBIND11_MODULE(_core, module) {
   leadthrough::bind_spline_fit(module);
   leadthrough::bind_time_law(module);
   leadthrough::bind_tracking(module);
+  refuse_empty_objects(module);
 }

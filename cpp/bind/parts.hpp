@@ -11,6 +11,12 @@
 #include <utility>
 #include <vector>
 
+#include "leadthrough/base/interrupt.hpp"
+
+#ifdef __linux__
+#include <unistd.h>
+#endif
+
 namespace leadthrough {
 
 void bind_alignment(pybind11::module_& module);
@@ -39,6 +45,21 @@ void bind_walls(pybind11::module_& module);
 inline void require(bool sizes_agree) {
   if (!sizes_agree) throw std::invalid_argument("sizes of the arrays and of the chain differ");
 }
+
+// Whether a signal's handler raises: Python runs handlers on its main thread only.
+inline bool signal_raises() {
+#ifdef __linux__
+  if (gettid() != getpid()) return false;  // waits for the GIL no longer than it has to
+#endif
+  const pybind11::gil_scoped_acquire acquire;
+  return PyErr_CheckSignals() != 0;
+}
+
+// Releases the GIL. Ctrl-C then ends the computation: Interrupted leaves the error that Python has.
+class Unlocked {
+  pybind11::gil_scoped_release release_;
+  Interruptible call_{&signal_raises};
+};
 
 // Count of numbers whose reading takes longer than releasing and taking the GIL.
 constexpr pybind11::ssize_t kLong = 10'000;

@@ -6,6 +6,7 @@
 
 #include "leadthrough/arm/rigid.hpp"
 #include "leadthrough/arm/run_down.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/rotation/so3.hpp"
 
 namespace leadthrough {
@@ -263,6 +264,7 @@ void forward_kinematics(const Chain& chain, const double* q, Kinematics& kinemat
 Poses forward_kinematics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
   Poses poses{Rows3(q.rows(), 3), Rows4(q.rows(), 4)};
   for (Eigen::Index i = 0; i < q.rows(); ++i) {
+    check_interrupt(i);
     const Pose pose = forward_kinematics(chain, q.row(i).data());
     poses.positions.row(i) = pose.position;
     poses.orientations.row(i) = so3::from_matrix(pose.rotation);

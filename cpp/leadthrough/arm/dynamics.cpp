@@ -7,6 +7,7 @@
 
 #include "leadthrough/arm/rigid.hpp"
 #include "leadthrough/arm/run_down.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 
@@ -70,6 +71,7 @@ Rows inverse_dynamics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
   MovingValues room;
   Rows torques = Rows::Zero(q.rows(), chain.joints());
   for (Eigen::Index row = 0; row < q.rows(); ++row) {
+    check_interrupt(row);
     copy(moving_values(chain, q.row(row).data(), room), values);
     copy(moving_rates(chain, qd.row(row).data(), room), rates);
     copy(moving_rates(chain, qdd.row(row).data(), room), second_rates);
@@ -90,6 +92,7 @@ Rows mass_matrix_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
   MovingValues room;
   Rows matrices = Rows::Zero(q.rows(), n * n);
   for (Eigen::Index row = 0; row < q.rows(); ++row) {
+    check_interrupt(row);
     copy(moving_values(chain, q.row(row).data(), room), values);
     require_success(solver.JntToMass(values, mass));
     for (Eigen::Index k = 0; k < chain.moving; ++k) {

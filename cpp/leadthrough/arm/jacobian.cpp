@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "leadthrough/arm/run_down.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 
@@ -90,6 +91,7 @@ Rows each_row(const Chain& chain, Eigen::Index count, AtRow at_row) {
   const Eigen::Index n = chain.joints();
   Rows result(count, 6 * n);
   for (Eigen::Index row = 0; row < count; ++row) {
+    check_interrupt(row);
     const JacobianColumns& columns = at_row(row);
     Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>> matrix(
         result.row(row).data(), 6, n);

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include "leadthrough/base/interrupt.hpp"
 
 #ifdef __linux__
 #include <sys/mman.h>
@@ -31,7 +34,11 @@ std::vector<Value> in_huge_pages(std::size_t count, Value value) {
   std::vector<Value> values;
   values.reserve(count);
   ask_for_huge_pages(values.data(), count * sizeof(Value));  // before its first page fault
-  values.resize(count, value);
+  constexpr std::size_t kPart = std::size_t{1} << 20;
+  while (values.size() < count) {
+    look_for_interrupt();  // the system may take long to find pages
+    values.resize(std::min(values.size() + kPart, count), value);
+  }
   return values;
 }
 

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <exception>
 #include <mutex>
 #include <system_error>
 #include <thread>
 #include <vector>
+
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 
@@ -16,24 +20,50 @@ template <typename Work>
 void for_each_index(std::size_t count, int threads, const Work& work) {
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
-  std::mutex failure_mutex;
-  const auto run = [&] {
+  std::mutex mutex;
+  std::condition_variable ended;
+  int running = 0;
+  constexpr std::chrono::milliseconds kWait{20};  // between looks for an interrupt
+  const auto stopping_on_failure = [&](const auto& act) {
     try {
-      for (std::size_t i = next++; i < count; i = next++) work(i);
+      act();
     } catch (...) {
-      const std::lock_guard<std::mutex> lock(failure_mutex);
+      const std::lock_guard<std::mutex> lock(mutex);
       if (!failure) failure = std::current_exception();
       next = count;
     }
   };
+  const auto run = [&] {
+    for (std::size_t i = next++; i < count; i = next++) {
+      check_interrupt();
+      work(i);
+    }
+  };
+  const auto help = [&, call = interrupt_watch.call] {
+    interrupt_watch.call = call;
+    stopping_on_failure(run);
+    const std::lock_guard<std::mutex> lock(mutex);
+    --running;
+    ended.notify_one();
+  };
   std::vector<std::thread> helpers;
+  std::unique_lock<std::mutex> lock(mutex);
   try {
-    for (int n = 1; n < threads && static_cast<std::size_t>(n) < count; ++n)
-      helpers.emplace_back(run);
+    for (int n = 1; n < threads && static_cast<std::size_t>(n) < count; ++n) {
+      helpers.emplace_back(help);
+      ++running;
+    }
   } catch (const std::system_error&) {
     // The system has no more threads: the existing ones do the work.
   }
-  run();
+  lock.unlock();
+  stopping_on_failure(run);
+  for (lock.lock(); running > 0; lock.lock()) {
+    ended.wait_for(lock, kWait);
+    lock.unlock();
+    stopping_on_failure(look_for_interrupt);
+  }
+  lock.unlock();
   for (std::thread& helper : helpers) helper.join();
   if (failure) std::rethrow_exception(failure);
 }

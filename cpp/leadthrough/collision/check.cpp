@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/parallel.hpp"
 #include "leadthrough/collision/motion_bound.hpp"
 #include "leadthrough/collision/scene.hpp"
@@ -104,6 +105,7 @@ class Motion {
     double share = 0.0;
     double here = start.distance;
     while (true) {
+      check_interrupt();
       // Distances already known to be lower, or no hit, need no second test.
       const double threshold =
           (hit ? local : std::max(options_.margin, std::min(least, local))) - options_.tolerance;
@@ -217,6 +219,7 @@ std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref
   for_each_block(q.rows(), threads, [&](Eigen::Index first, Eigen::Index end) {
     Placement placement(scene);
     for (Eigen::Index i = first; i < end; ++i) {
+      check_interrupt();
       placement.move_to(q.row(i).data());
       found[static_cast<std::size_t>(i)] = placement.nearest();
     }
@@ -256,8 +259,10 @@ double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q
   const Motion motion(scene, q, options);
   std::vector<double> room(scene.pairs.size());
   double longest = 0.0;
-  for (Eigen::Index i = 0; i + 1 < q.rows(); ++i)
+  for (Eigen::Index i = 0; i + 1 < q.rows(); ++i) {
+    check_interrupt();
     longest = std::max(longest, motion.pair_motions(i, room));
+  }
   return longest;
 }
 

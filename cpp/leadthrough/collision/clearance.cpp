@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough {
 
 namespace {
@@ -95,7 +97,10 @@ NearPair ClearanceTest::with_gradient(std::size_t i, const Separation& found) co
 std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>& q) {
   ClearanceTest test(arm);
   std::vector<bool> clear;
-  for (Eigen::Index i = 0; i < q.rows(); ++i) clear.push_back(test.clear(q.row(i).data()));
+  for (Eigen::Index i = 0; i < q.rows(); ++i) {
+    check_interrupt();
+    clear.push_back(test.clear(q.row(i).data()));
+  }
   return clear;
 }
 

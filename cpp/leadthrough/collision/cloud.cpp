@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/collision/scene.hpp"
 
 namespace leadthrough {
@@ -114,6 +115,7 @@ Cloud::Cloud(const Eigen::Ref<const Rows3>& points, double radius)
 // Halves the points along the longer side of their box until few are left.
 void Cloud::split(int first, int end, std::vector<int>& order,
                   const Eigen::Ref<const Rows3>& points) {
+  check_interrupt();
   const auto point = [&](int i) -> Vector3d {
     return points.row(order[static_cast<std::size_t>(i)]).transpose() - middle_;
   };

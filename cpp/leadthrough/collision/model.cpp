@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/collision/scene.hpp"
 
 namespace leadthrough {
@@ -192,6 +193,7 @@ void find_meeting_pairs(CollisionModel& model, const std::vector<int>& joints) {
   Frames frames;
   MovingValues room;
   for (int i = 0; i < kMany; ++i) {
+    check_interrupt();
     const JointVector q = sample(model.chain, i);
     collision::joint_frames(model.chain, moving_values(model.chain, q.data(), room), frames);
     collision::place(model.shapes, joints, frames, poses);
@@ -222,6 +224,7 @@ void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
   Frames frames;
   MovingValues room;
   for (int i = 0; i < options.samples; ++i) {
+    check_interrupt();
     const JointVector q = sample(model.chain, i);
     collision::joint_frames(model.chain, moving_values(model.chain, q.data(), room), frames);
     collision::place(model.shapes, joints, frames, poses);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough::dmp {
 
@@ -219,6 +220,7 @@ bool advance_guarded(const Forces& forces, const Course& course, Guard& guard, c
   bool pushed = false;
   const double beyond = std::max(span - 1.0, 0.0);
   for (int i = 0; i < steps; ++i) {
+    check_interrupt();
     total = push;
     pushed |= guard.add(state, total);
     advance(forces, course, total, std::min(span, 1.0) / steps, state);
@@ -245,6 +247,7 @@ Passage rollout_around(const Forces& forces, const Course& course, const Avoidan
   Guard guard(forces, course, scene);
   Passage result{{Rows(count, channels), Rows(count, channels)}, phases[0]};
   for (Eigen::Index n = 0; n < count; ++n) {
+    check_interrupt();
     if (n > 0 &&
         advance_guarded(forces, course, guard, no_push, phases[n] - phases[n - 1], total, state))
       result.last_push = phases[n];

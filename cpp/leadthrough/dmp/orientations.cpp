@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/dmp/orientation_curve.hpp"
 #include "leadthrough/dmp/orientation_curve_parts.hpp"
 
@@ -139,6 +140,7 @@ class OrientationWriter {
       Eigen::Map<Quaternion>(to + 4 * n) = negative_ ? Quaternion(-q) : q;
     };
     for (Index n = 0; n < count;) {
+      check_interrupt();
       if (curve_.representation == Representation::kRotationVector && n + kLanes <= count) {
         const Factors factors = factors_of(curve_, offset_, phases + n, values, n);
         if (factors.are_short()) {

@@ -6,6 +6,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough::dmp {
 
 namespace {
@@ -91,7 +93,8 @@ class Motion {
     const bool ends = forces_.canonical == Canonical::kDiscrete;
     const double target = at_node(intervals_ * to);
     double place = at_node(intervals_ * from);
-    while (place < target) {
+    for (unsigned turn = 1; place < target; ++turn) {
+      check_interrupt(turn);
       const double node = floored(place);
       const bool free = ends && node >= intervals_;
       const double next = free ? target : std::min(node + 1.0, target);
@@ -198,6 +201,7 @@ void roll(const Forces& forces, const Course& course, State state,
     Walk reference(course.reference);
     add_reference(channels, reference, phases[0], -1.0, state, error);
     for (Eigen::Index n = 0; n < phases.size(); ++n) {
+      check_interrupt(n);
       if (n > 0) motion.advance(phases[n - 1], phases[n], error);
       add_reference(channels, reference, phases[n], 1.0, error, state);
       take(n, state);

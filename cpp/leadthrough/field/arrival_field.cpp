@@ -45,16 +45,21 @@ class RepairedField final : public ArrivalField<Real> {
   Update update(const Region& region, const Real* speed) override {
     rescale(*std::max_element(speed, speed + region.shape[0] * region.shape[1] * region.shape[2]));
     replace_speeds(region, speed);
-    if (suspects_.empty() && faster_.empty()) return {UpdateKind::kNone, 0};
-    if (!invalidate()) {
+    if (is_whole_ && suspects_.empty() && faster_.empty()) return {UpdateKind::kNone, 0};
+    if (!is_whole_ || !invalidate()) {
       march_everything();
       return {UpdateKind::kFullMarch, static_cast<Index>(invalid_.size())};
     }
+    is_whole_ = false;
     march_from_border();
+    is_whole_ = true;
     return {UpdateKind::kRepair, static_cast<Index>(invalid_.size())};
   }
 
-  std::vector<Real> times() const override { return field_.times_up_to(kUnreached<Real>); }
+  std::vector<Real> times() override {
+    if (!is_whole_) march_everything();
+    return field_.times_up_to(kUnreached<Real>);
+  }
 
  private:
   struct Start {
@@ -88,6 +93,7 @@ class RepairedField final : public ArrivalField<Real> {
   std::vector<Cell> suspects_;  // cells whose time may depend on an invalid one
   std::vector<Cell> faster_;
   std::vector<Cell> invalid_;
+  bool is_whole_ = false;  // not since a march that was interrupted
 };
 
 // Keeps steps from falling far below 1, the quickest that the march's buckets are made for. Powers
@@ -192,11 +198,13 @@ void RepairedField<Real, D>::march_from_border() {
 
 template <typename Real, int D>
 void RepairedField<Real, D>::march_everything() {
+  is_whole_ = false;
   std::fill(field_.time.begin(), field_.time.end(), kUnreached<Real>);
   with_march(MarchKind::kFresh, [&](auto& march) {
     for (const Start& source : sources_) march.start(source.cell, source.time);
     march.run(nullptr);
   });
+  is_whole_ = true;
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ class ArrivalField {
   // a slowed cell are invalidated, cells that a faster cell reaches earlier are improved; both are
   // marched again from the cells around them, or the whole field is if that is cheaper.
   virtual Update update(const Region& region, const Real* speed) = 0;
-  virtual std::vector<Real> times() const = 0;
+  virtual std::vector<Real> times() = 0;
 };
 
 // Real is float or double.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/field/padded_field.hpp"
 #include "leadthrough/field/schedule.hpp"
 #include "leadthrough/field/upwind.hpp"
@@ -28,8 +29,10 @@ class BucketMarch {
     std::array<Cell, BucketQueue::kChunk> cells;
     while (schedule_.refill()) {
       do {
-        while (const int count = schedule_.take(cells.data()))
+        while (const int count = schedule_.take(cells.data())) {
+          check_interrupt();
           update(find_neighbours(cells.data(), count));
+        }
         if (stop && schedule_.is_final(field_.time[*stop])) return;
       } while (schedule_.next());
     }

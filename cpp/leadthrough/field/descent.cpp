@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 
@@ -235,6 +236,7 @@ bool walk_down(const Field<Times>& field, std::vector<Coordinates>& path, double
     if (next == cell) return false;
     cell = next;
     path.push_back(centre(cell));
+    check_interrupt(path.size());
   } while (field.at(cell) >= arrival);
   arrival = field.at(cell);
   return true;
@@ -291,6 +293,7 @@ Descent descend_in(const Field<Times>& field, const Coordinates& start, const Co
   Coordinates p = start, unused{};
   double time = field.interpolate(p, unused);
   while (!(field.is_near(p, goal) && field.is_free(p, goal))) {
+    check_interrupt();
     if (static_cast<double>(result.path.size()) > most) return {DescentStatus::kTooManySteps, {}};
     if (step_down(field, length, p, time)) {
       result.path.push_back(p);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/field/lower_envelope.hpp"
 
 namespace leadthrough {
@@ -32,6 +33,7 @@ void transform_row(const std::uint8_t* mask, Index size, double spacing, double*
 void transform_columns(double* squared, Index columns, Index stride, LowerEnvelope& envelope,
                        Index size, std::vector<double>& tile) {
   for (Index first = 0; first < columns; first += kTile) {
+    check_interrupt();
     const Index width = std::min(kTile, columns - first);
     for (Index q = 0; q < size; ++q)
       for (Index n = 0; n < width; ++n) tile[n * size + q] = squared[q * stride + first + n];

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 
@@ -98,7 +99,8 @@ std::vector<std::int32_t> nearest_sources(const Grid& grid, const double* arriva
   for (Index first = 0; first < size; ++first) {
     if (arrival[first] == kInfinity) shares[first] = {kNone, kNone, 1.0};
     waiting.push_back(first);
-    while (!waiting.empty()) {
+    for (unsigned turn = 0; !waiting.empty(); ++turn) {
+      check_interrupt(turn);
       const Index cell = waiting.back();
       const std::size_t before = waiting.size();
       if (shares[cell].most == kUnknown) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "leadthrough/base/huge_pages.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/field/eikonal.hpp"
 
 namespace leadthrough {
@@ -76,6 +77,7 @@ PaddedField<Real, D>::PaddedField(const Grid& grid, const Real* speed) : shape(g
   const Real fastest = *std::max_element(speed, speed + grid.size());
   unit = smallest / static_cast<double>(fastest);
   for (Index x = 0; x < shape[0]; ++x) {
+    check_interrupt();
     for (Index y = 0; y < shape[1]; ++y) {
       Real* to = step.data() + row(x, y);
       for (Index z = 0; z < shape[2]; ++z) to[z] = fastest / *speed++;

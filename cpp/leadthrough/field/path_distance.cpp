@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough {
 
 namespace {
@@ -87,8 +89,10 @@ std::vector<double> path_distances(const std::vector<Point>& points, const std::
                                    double most) {
   Pieces pieces(path);
   std::vector<double> result(points.size());
-  std::transform(points.begin(), points.end(), result.begin(),
-                 [&](const Point& point) { return std::sqrt(pieces.nearest(point, most)); });
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    check_interrupt(n);
+    result[n] = std::sqrt(pieces.nearest(points[n], most));
+  }
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/field/descent.hpp"
 #include "leadthrough/field/sparse_march.hpp"
 #include "leadthrough/field/waves.hpp"
@@ -113,6 +114,7 @@ std::vector<Point> Search::path() {
   std::vector<Index> marched;
   std::vector<Point> path;
   for (bool is_found = false; !is_found && !is_separated_;) {
+    check_interrupt();
     const std::optional<std::vector<Index>> band = find_band();
     if (!band) continue;
     // With a higher limit the band may still be the same one.

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/field/eikonal.hpp"
 #include "leadthrough/field/lazy_heap.hpp"
 #include "leadthrough/field/padded_field.hpp"
@@ -51,7 +52,8 @@ class SortedMarch {
     std::array<Cell, BucketQueue::kChunk> cells;
     while (const int count = schedule_.take(cells.data()))
       for (int n = 0; n < count; ++n) heap_.push(key(field_.time[cells[n]]), cells[n]);
-    while (!heap_.empty()) {
+    for (unsigned turn = 0; !heap_.empty(); ++turn) {
+      check_interrupt(turn);
       const LazyHeap::Entry entry = heap_.pop();
       const Real t = field_.time[entry.cell];
       if (entry.time == key(t)) advance(entry.cell, t);  // otherwise improved since

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/field/lower_envelope.hpp"
 
 namespace leadthrough {
@@ -22,6 +23,7 @@ void transform_runs(const CellSet& set, int axis, Outside outside, std::vector<d
     return outside == Outside::kTarget && set.has_room(place, axis, side);
   };
   for (Place first = 0; first < set.missing(); ++first) {
+    check_interrupt(first);
     if (set.next(first, axis, -1) != set.missing()) continue;
     run.clear();
     if (ends_at_target(first, -1)) run.push_back(0.0);

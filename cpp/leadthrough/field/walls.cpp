@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/field/sparse_distance.hpp"
 
 namespace leadthrough {
@@ -69,8 +70,10 @@ std::vector<double> Walls::nearest(const Blocks& blocks, const std::vector<Index
 std::vector<double> Walls::to_obstacles(const Blocks& blocks, const std::vector<Index>& numbers,
                                         double most) const {
   std::vector<double> result(numbers.size());
-  std::transform(numbers.begin(), numbers.end(), result.begin(),
-                 [&](Index number) { return to_obstacles(blocks.centre(number), most); });
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    check_interrupt(n);
+    result[n] = to_obstacles(blocks.centre(numbers[n]), most);
+  }
   return result;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough::guard {
 
 namespace {
@@ -85,6 +87,7 @@ struct Stop {
 Stop with_share(Stop stop) {
   double first = 0.0, second = 0.0;
   for (Index i = 1; i <= stop.steps; ++i) {
+    check_interrupt();
     first += stop.first(i);
     second += stop.joint.low(i, stop.steps);
   }
@@ -144,6 +147,7 @@ Rows brake(const StepLimits& limits, const RowsRef& start) {
   Rows samples(longest, start.cols());
   for (Index i = 1; i <= longest; ++i)
     for (Index j = 0; j < limits.joints(); ++j) {
+      check_interrupt();
       const JointState& now = motions[static_cast<std::size_t>(j)].after(i);
       put({now.position, now.velocity / h, now.acceleration / (h * h)}, j, samples.row(i - 1));
     }

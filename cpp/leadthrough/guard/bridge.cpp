@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/guard/path_curve.hpp"
 
 namespace leadthrough::guard {
@@ -52,6 +53,7 @@ std::optional<Bridge> shortest(const StepLimits& limits, const RowsRef& start,
   Rows stream(most_steps + 1, start.cols());
   stream.row(0) = start.row(0);
   for (Index steps = 1; steps <= most_steps; steps += 1 + steps / kFractions) {
+    check_interrupt();
     const Index skipped = skip * (steps - 1);
     if (skipped >= target.rows()) break;
     const RowsRef landing = target.middleRows(skipped, 1);
@@ -60,6 +62,7 @@ std::optional<Bridge> shortest(const StepLimits& limits, const RowsRef& start,
     if (!quintics.may_keep(limits)) continue;
     bool satisfied = true;
     for (Index k = 1; satisfied && k <= steps; ++k) {
+      check_interrupt();
       if (k < steps)
         quintics.at(static_cast<double>(k) / static_cast<double>(steps), stream.row(k));
       else

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/collision/motion_bound.hpp"
 
 namespace leadthrough::guard {
@@ -44,6 +45,7 @@ class Certifier {
       double before = value(0, k);
       extent[k] = std::abs(before);
       for (Index i = 1; i <= samples_.rows(); ++i) {
+        check_interrupt();
         const double here = value(i, k);
         extent[k] = std::max(extent[k], std::abs(here));
         travel_[index(i)][k] = travel_[index(i) - 1][k] + std::abs(here - before);
@@ -97,6 +99,7 @@ class Certifier {
   // at most `change` around the present configuration, with the margins of time `late`.
   void keep_open(std::size_t first, std::size_t end, const MovingValues& change, double late) {
     for (std::size_t i = first; i < end; ++i) {
+      check_interrupt();
       const std::size_t p = open_[i];
       const double motion = collision::pair_motion(scene_, reach_, scene_.pairs[p], change);
       const double least = margin(p, late);
@@ -145,6 +148,7 @@ class Certifier {
 
   // Charges tests of `pairs` to the budget; false if exceeded. All is clear up to `certified`.
   bool work(Index certified, std::size_t pairs) {
+    check_interrupt();
     work_left_ -= static_cast<long>(pairs) + kPlacing;
     if (work_left_ < 0) contact_ = Contact{static_cast<double>(certified)};
     return work_left_ >= 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/guard/path_curve.hpp"
 
 namespace leadthrough::guard {
@@ -57,6 +58,7 @@ ArrayXd places_for(const ArrayXd& delay, Index most) {
   ArrayXd places(count);
   Index i = 1;
   for (Index k = 0; k < count; ++k) {
+    check_interrupt(k);
     const double t = static_cast<double>(k);
     while (i < rows - 1 && time[i] < t) ++i;
     places[k] =
@@ -71,6 +73,7 @@ void run_along(const PathCurve& curve, ArrayXd& places, Rows& samples) {
   samples.resize(places.size(), samples.cols());
   const ArrayXd controls = places;
   for (Index k = 0; k <= last; ++k) {
+    check_interrupt();
     const double before = controls[std::max<Index>(k - 1, 0)];
     const double after = controls[std::min(k + 1, last)];
     const bool inner = k > 0 && k < last;
@@ -94,6 +97,7 @@ class Pacing {
     ArrayXd delay = ArrayXd::Zero(path_.rows());
     Rows samples(0, path_.cols());
     for (int round = 0; round < kRounds; ++round) {
+      check_interrupt();
       ArrayXd places = places_for(delay, most_samples_);
       run_along(curve_, places, samples);
       const Eigen::VectorXd needed = slowdowns(limits_, samples);
@@ -145,12 +149,14 @@ std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& start, con
   stream.topRows(rows.rows()) = rows;
   ArrayXd places(stream.rows());
   for (Index stop = 2; stop / 2 < path.rows(); stop += 1 + stop / kStopFractions) {
+    check_interrupt();
     // The pace falls from 1 to 0 as 1 - 3 s^2 + 2 s^3, in half as many rows as periods. Attempts
     // that are too short end within a few rows, and those after them begin at the same row or
     // before.
     const Index first = path.rows() - 1 - stop / 2;
     bool satisfied = true;
     for (Index k = 1; satisfied && k <= stop; ++k) {
+      check_interrupt();
       const double s = static_cast<double>(k) / static_cast<double>(stop);
       const double gone = static_cast<double>(stop) * s * (1.0 - s * s * (1.0 - 0.5 * s));
       const double rate = k < stop ? 1.0 - s * s * (3.0 - 2.0 * s) : 0.0;

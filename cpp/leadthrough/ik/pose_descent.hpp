@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/damped_step.hpp"
 
 namespace leadthrough {
@@ -44,6 +45,7 @@ class PoseDescent {
     IkStatus status = IkStatus::kBudget;
     const int last = iterations_ + max_iterations;
     do {
+      check_interrupt();
       const double before = now_->squared();
       if (!improve(tolerance)) {
         status = IkStatus::kUnreachable;

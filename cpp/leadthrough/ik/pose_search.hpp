@@ -5,6 +5,7 @@
 
 #include <ctime>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/axis_task.hpp"
 #include "leadthrough/ik/joint_ranges.hpp"
 #include "leadthrough/ik/self_motion.hpp"
@@ -119,6 +120,7 @@ class PoseSearch {
     int idle = 0;
     double attempt_least = task_.squared();
     while (!task_.within(options_.tolerance)) {
+      check_interrupt();
       // Measured against the least error so far: a cycle makes no progress.
       if (idle >= kPatience || out_of_budget()) return false;
       for (std::size_t i = 0; i < count(); ++i) {

@@ -1,3 +1,4 @@
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/damped_step.hpp"
 #include "leadthrough/ik/pose_descent.hpp"
 #include "leadthrough/ik/rate_box.hpp"
@@ -182,6 +183,7 @@ void pursue_path(const Chain& chain, const TimedPath& path, const JointArray& st
   Pursuit<M> pursuit(chain, options, start, target_at(path, 0));
   JointArray posture{};
   for (Eigen::Index k = 0; k < result.q.rows(); ++k) {
+    check_interrupt();
     std::copy_n(pull.postures.row(k).data(), chain.joints(), posture.begin());
     if (k > 0)
       pursuit.advance(target_at(path, k), interval_before(path.times, k), posture, pull.shares[k]);

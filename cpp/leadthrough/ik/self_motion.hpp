@@ -2,6 +2,7 @@
 
 // Self-motion of redundant arms: towards a posture at a constant tool pose.
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/pose_descent.hpp"
 
 namespace leadthrough {
@@ -54,6 +55,7 @@ class SelfMotion {
     const double first = share;
     double distance = distance_to(goal, q_);
     for (int k = 0; k < kSteps && iterations_ < max_iterations; ++k) {
+      check_interrupt();
       DampedNormal<M> normal(task_, joints(), 0.0, [](int) { return true; });
       if (!normal.factorize(kWellConditioned)) return;
       const Task<M> before = task_;

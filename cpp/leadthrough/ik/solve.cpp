@@ -1,5 +1,6 @@
 #include "leadthrough/ik/solve.hpp"
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/parallel.hpp"
 #include "leadthrough/ik/axis_task.hpp"
 #include "leadthrough/ik/pose_search.hpp"
@@ -34,6 +35,7 @@ IkResult solve_fastest(const Chain& chain, const Target& target, const IkOptions
                        const JointVector& start, std::uint64_t stream) {
   PoseSearch<M, Target> search(chain, target, options, start, stream);
   while (search.attempt() && !search.found()) {
+    check_interrupt();
   }
   return finish(search, chain, options, start);
 }
@@ -46,6 +48,7 @@ IkResult solve_closest(const Chain& chain, const Target& target, const IkOptions
   IkResult best;
   double least = kInfinity;
   while (search.attempt()) {
+    check_interrupt();
     if (!search.found()) continue;
     search.take_turns_near(reference);
     search.approach(towards(reference), 1.0);

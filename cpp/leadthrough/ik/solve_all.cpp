@@ -1,3 +1,4 @@
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/axis_task.hpp"
 #include "leadthrough/ik/pose_search.hpp"
 
@@ -64,6 +65,7 @@ std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
     constexpr int M = decltype(dimension)::value;
     PoseSearch<M, std::decay_t<decltype(seen)>> search(chain, seen, options, start, 0);
     while (search.attempt()) {
+      check_interrupt();
       if (!search.found()) continue;
       search.take_turns_near(reference);
       search.approach(towards(reference), 1.0);

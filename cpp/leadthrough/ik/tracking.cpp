@@ -1,5 +1,6 @@
 #include "leadthrough/ik/tracking.hpp"
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/axis_task.hpp"
 #include "leadthrough/ik/pose_descent.hpp"
 
@@ -66,6 +67,7 @@ Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
   JointArray q{};
   std::copy(inside.data(), inside.data() + inside.size(), q.begin());
   for (Eigen::Index k = 0; k < samples; ++k) {
+    check_interrupt();
     Preference preferred{{}, pull.shares[k]};
     std::copy_n(pull.postures.row(k).data(), chain.joints(), preferred.posture.begin());
     const IkTarget pose = target_in_row(positions, orientations, k);

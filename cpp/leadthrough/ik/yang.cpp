@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/orthogonal.hpp"
 #include "leadthrough/base/parallel.hpp"
 #include "leadthrough/ik/joint_ranges.hpp"
@@ -93,6 +94,7 @@ IkResult solve_yang(const Chain& chain, const IkTarget& target,
   IkResult result;
   result.q = project(chain, q0);
   for (;; ++result.iterations) {
+    check_interrupt();
     Offset offset = offset_to(target, forward_kinematics(chain, result.q.data()));
     result.position_error = offset.position_error;
     result.orientation_error = offset.orientation_error;
@@ -137,6 +139,7 @@ YangPath yang_path(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                 Eigen::VectorXd(samples), Eigen::VectorXd(samples)};
   JointVector q = project(chain, start);
   for (Eigen::Index k = 0; k < samples; ++k) {
+    check_interrupt();
     const IkTarget target = target_in_row(positions, orientations, k);
     const Offset before = offset_to(target, forward_kinematics(chain, q.data()));
     const YangStep step =

@@ -4,51 +4,55 @@
 #include <vector>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 
 namespace {
 
-// Fills `distances` with those of one point to every row of the curve, given column by column.
+// Sets part of `distances` to those of one point to rows of the curve, given column by column.
 void distances_to(const Eigen::Ref<const Eigen::RowVectorXd>& point, const Eigen::ArrayXXd& columns,
-                  Eigen::ArrayXd& distances) {
-  distances.setZero();
+                  Eigen::Index first, Eigen::Index count, Eigen::ArrayXd& distances) {
+  auto part = distances.segment(first, count);
+  part.setZero();
   for (Eigen::Index k = 0; k < columns.cols(); ++k)
-    distances += (columns.col(k) - point[k]).square();
-  distances = distances.sqrt();
+    part += (columns.col(k).segment(first, count) - point[k]).square();
+  part = part.sqrt();
 }
 
 // Cost of the best pairing, where `extend(best, distance)` is the cost of a pairing of cost `best`
 // with one more pair. Only one row of the table is kept, along the shorter curve.
 template <typename Extend>
 double best_pairing(const Eigen::Ref<const Points>& longer, const Eigen::Ref<const Points>& shorter,
-                    Extend extend) {
+                    Eigen::Index band, Extend extend) {
   const Eigen::ArrayXXd columns = shorter;
-  const Eigen::Index n = columns.rows();
+  const Eigen::Index n = columns.rows(), rows = longer.rows();
   Eigen::ArrayXd distances(n);
-  Eigen::ArrayXd cost(n);
-
-  distances_to(longer.row(0), columns, distances);
-  cost[0] = distances[0];
-  for (Eigen::Index j = 1; j < n; ++j) cost[j] = extend(cost[j - 1], distances[j]);
-
-  for (Eigen::Index i = 1; i < longer.rows(); ++i) {
-    distances_to(longer.row(i), columns, distances);
-    double diagonal = cost[0];
-    cost[0] = extend(cost[0], distances[0]);
-    for (Eigen::Index j = 1; j < n; ++j) {
+  Eigen::ArrayXd cost = Eigen::ArrayXd::Constant(n, kInfinity);
+  for (Eigen::Index i = 0, before = 0; i < rows; ++i) {
+    check_interrupt();
+    const Eigen::Index middle = rows > 1 ? i * (n - 1) / (rows - 1) : 0;
+    const Eigen::Index first = middle > band ? middle - band : 0;
+    const Eigen::Index end = n - middle > band ? middle + band + 1 : n;
+    distances_to(longer.row(i), columns, first, end - first, distances);
+    double diagonal = first > 0 ? cost[first - 1] : i > 0 ? kInfinity : 0.0;
+    double left = kInfinity;
+    for (Eigen::Index j = first; j < end; ++j) {
       const double above = cost[j];
-      cost[j] = extend(std::min({diagonal, above, cost[j - 1]}), distances[j]);
+      const double best = std::min({diagonal, above, left});
+      left = extend(best, distances[j]);
+      cost[j] = left;
       diagonal = above;
     }
+    for (; before < first; ++before) cost[before] = kInfinity;
   }
   return cost[n - 1];
 }
 
 template <typename Extend>
 double best_pairing_of_either(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
-                              Extend extend) {
-  return a.rows() < b.rows() ? best_pairing(b, a, extend) : best_pairing(a, b, extend);
+                              Eigen::Index band, Extend extend) {
+  return a.rows() < b.rows() ? best_pairing(b, a, band, extend) : best_pairing(a, b, band, extend);
 }
 
 // The step that leads to a pair.
@@ -63,7 +67,8 @@ std::vector<Move> best_moves(const Eigen::Ref<const Points>& a, const Eigen::Ref
   Eigen::ArrayXd cost = Eigen::ArrayXd::Constant(n, kInfinity);
   double corner = 0.0;  // the cost before the first pair
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
-    distances_to(a.row(i), columns, distances);
+    check_interrupt();
+    distances_to(a.row(i), columns, 0, n, distances);
     double diagonal = corner;
     double left = kInfinity;
     Move* row = moves.data() + i * n;
@@ -90,8 +95,10 @@ std::vector<Move> best_moves(const Eigen::Ref<const Points>& a, const Eigen::Ref
 
 }  // namespace
 
-double dtw_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
-  return best_pairing_of_either(a, b, [](double best, double distance) { return best + distance; });
+double dtw_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
+                    Eigen::Index band) {
+  return best_pairing_of_either(a, b, band,
+                                [](double best, double distance) { return best + distance; });
 }
 
 Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
@@ -111,9 +118,10 @@ Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>
   return pairs.topRows(count).colwise().reverse();
 }
 
-double frechet_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
+double frechet_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
+                        Eigen::Index band) {
   return best_pairing_of_either(
-      a, b, [](double best, double distance) { return std::max(best, distance); });
+      a, b, band, [](double best, double distance) { return std::max(best, distance); });
 }
 
 }  // namespace leadthrough

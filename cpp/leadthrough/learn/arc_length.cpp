@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough {
 
 namespace {
@@ -65,6 +67,7 @@ std::vector<double> rms_apart(const Polyline& first, std::size_t count) {
   std::vector<double> result(count * count, 0.0);
   for (std::size_t a = 0; a < count; ++a) {
     for (std::size_t b = a + 1; b < count; ++b) {
+      check_interrupt(b);
       const double total = squared_distance(first.points + a * size, first.points + b * size, size);
       const double apart = std::sqrt(total / static_cast<double>(first.count));
       result[a * count + b] = result[b * count + a] = apart;

@@ -1,6 +1,7 @@
 #include "leadthrough/learn/basis_functions.hpp"
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 namespace {
@@ -38,6 +39,7 @@ Rows basis_of_orders(const Eigen::Ref<const Eigen::VectorXd>& phases,
   const auto f = values.array();
   const auto slope = exponents.slope.array();
   for (Eigen::Index i = 0; i < count; ++i) {
+    check_interrupt(i);
     const auto row = [&](int order) { return result.row((order - first) * count + i).array(); };
     exponents.at(phases[i], centres, sharpness, periodic);
     values = exponents.value.array().exp();

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/parallel.hpp"
 
 namespace leadthrough {
@@ -80,6 +81,7 @@ bool fill_curves(const BasisRows& basis, Eigen::Index rows, const Eigen::Ref<con
       // Threads begin far from each other, so that they do not contend for the same new pages.
       const Eigen::Index begin = run * motions / runs;
       for (Eigen::Index i = 0; i < motions; ++i) {
+        check_interrupt(i);
         const Eigen::Index motion = (begin + i) % motions;
         double* place = places[static_cast<std::size_t>(motion)] + (part * rows + first) * curves;
         panels.write_all(weights.row(motion).data(), curves, place);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 namespace {
@@ -53,6 +54,7 @@ void travel(Particle& particle, const Eigen::Ref<const Rows>& walls,
             const Eigen::Ref<const Eigen::VectorXd>& limits, const Eigen::VectorXd& lengths) {
   double left = 0.5 * kPi;
   for (int bounce = 0; bounce < kMaxBounces; ++bounce) {
+    check_interrupt();
     double time = left;
     Eigen::Index hit = -1;
     for (Eigen::Index i = 0; i < walls.rows(); ++i) {
@@ -80,6 +82,7 @@ Rows sample_truncated_gaussian(const Eigen::Ref<const Rows>& walls,
   Rows drawn(velocities.rows(), velocities.cols());
   Particle particle{start, start, walls * start, limits};
   for (Eigen::Index i = 0; i < velocities.rows(); ++i) {
+    check_interrupt();
     particle.velocity = velocities.row(i);
     particle.height.noalias() = walls * particle.position;
     particle.rise.noalias() = walls * particle.velocity;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/path/refine.hpp"
 
 namespace leadthrough::path {
@@ -49,6 +50,7 @@ class Search {
     constexpr std::array<Effort, kMaxAttempts> kEfforts{
         {{64, 0.1, 1.0, false}, {128, 0.06, 0.5, true}, {256, 0.04, 0.5, true}}};
     for (int n = 0; n < max_attempts; ++n) {
+      check_interrupt();
       const Effort& effort = kEfforts[static_cast<std::size_t>(n)];
       LadderOptions options;
       options.width = effort.width;
@@ -78,6 +80,7 @@ class Search {
     Rows q(path_.positions.rows(), chain_.joints());
     touch.reset();
     for (int round = 0; round < kRounds; ++round) {
+      check_interrupt();
       refine(chain_, knots_, test_, arm_.margins, curve_);
       if (!all_samples(q)) return std::nullopt;
       touch = give_room(q, round < kRounds - kLastRounds ? kExactness : kGreatExactness);
@@ -94,6 +97,7 @@ class Search {
     samples_.clear();
     std::size_t layer = 0;
     for (Eigen::Index k = 0; k < count; ++k) {
+      check_interrupt();
       const double sample = count > 1 ? static_cast<double>(rows - 1) * static_cast<double>(k) /
                                             static_cast<double>(count - 1)
                                       : 0.0;
@@ -126,6 +130,7 @@ class Search {
     constexpr double kAim = 0.1;
     const IkTolerance aim{kAim * tolerance_.position, kAim * tolerance_.orientation};
     for (Eigen::Index row = 0; row < q.rows(); ++row) {
+      check_interrupt();
       JointArray at = on_curve(static_cast<double>(row));
       DescentBounds bounds{};
       for (int i = 0; i < chain_.joints(); ++i) {
@@ -171,6 +176,7 @@ class Search {
     std::optional<Approach> touch;
     std::vector<double> more(knots_.size(), 0.0);
     for (std::size_t scene = 0; scene < scenes_.size(); ++scene) {
+      check_interrupt();
       const CollisionScene& around = scenes_[scene];
       // The check's own inexactness is added.
       const double least = (scene == 0 ? margins_.obstacles : margins_.itself) + exactness;
@@ -208,6 +214,7 @@ class Search {
   Rows denser(const Rows& q, Eigen::Index parts) const {
     Rows result((q.rows() - 1) * parts + 1, q.cols());
     for (Eigen::Index row = 0; row < result.rows(); ++row) {
+      check_interrupt();
       const double u = static_cast<double>(row % parts) / static_cast<double>(parts);
       const Eigen::Index b = std::min(row / parts, q.rows() - 1);
       if (row % parts == 0) {

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/joint_ranges.hpp"
 #include "leadthrough/path/cell.hpp"
 #include "leadthrough/path/layers.hpp"
@@ -73,6 +74,7 @@ class Ladder {
     for (const Layer& layer : layers_) result.samples.push_back(layer.sample);
     std::size_t reached = 0;
     for (; reached < layers_.size(); ++reached) {
+      check_interrupt();
       reached == 0 ? begin() : advance(reached);
       if (layers_[reached].nodes.empty()) break;
     }
@@ -113,6 +115,7 @@ class Ladder {
     }
     std::vector<JointArray> open;
     for (int i = 0; i < kRestarts; ++i) {
+      check_interrupt();
       RandomStream random(0, static_cast<std::uint64_t>(i));
       JointArray q = i == 0 ? reference : random_configuration(chain_, random);
       if (!layer.task.settle_at({}, limits_, options_.tolerance, q, kRestartSteps)) continue;
@@ -124,6 +127,7 @@ class Ladder {
     const std::size_t most = 8 * options_.width;
     for (std::size_t i = 0; i < open.size() && open.size() < most; ++i)
       walk(layer.task, JointArray(open[i]), [&](const JointArray& q) {
+        check_interrupt();
         open.push_back(q);
         offer(0, q);
       });
@@ -136,6 +140,7 @@ class Ladder {
     open_.clear();
     cell_ = options_.cell;
     for (const Node& from : layers_[k - 1].nodes) {
+      check_interrupt();
       JointArray q = from.q;
       if (layer.task.settle(around(q), options_.tolerance, q) && offer(k, q)) open_.push_back(q);
       if (!layer.task.tube()) continue;
@@ -172,6 +177,7 @@ class Ladder {
     const std::size_t most = open.size() + 4 * options_.width;
     for (std::size_t i = 0; i < open.size() && open.size() < most; ++i)
       walk(layer.task, JointArray(open[i]), [&](const JointArray& q) {
+        check_interrupt();
         if (offer(k, q)) open.push_back(q);
       });
   }
@@ -234,6 +240,7 @@ class Ladder {
     node.cost = kInfinity;
     node.parent = -1;
     for (std::size_t a = 0; a < parents.size(); ++a) {
+      check_interrupt();
       double squared = 0.0, most = 0.0;
       for (std::size_t i = 0; i < n_; ++i) {
         const double step = std::abs(node.q[i] - parents[a].q[i]);
@@ -303,8 +310,10 @@ class Ladder {
   // Recomputes the cost of each node of a layer; false if no route leads to any of them.
   bool relax(std::size_t k) {
     bool any = false;
-    for (std::size_t b = 0; b < layers_[k].nodes.size(); ++b)
+    for (std::size_t b = 0; b < layers_[k].nodes.size(); ++b) {
+      check_interrupt();
       any = adopt(k, static_cast<int>(b), layers_[k].nodes[b]) || any;
+    }
     return any;
   }
 
@@ -318,6 +327,7 @@ class Ladder {
     constexpr double kMaxDeviation = 0.25;  // rad or m, of a joint from the straight line
     const double from = layers_[k - 1].sample;
     for (int part = 1; part < kParts; ++part) {
+      check_interrupt();
       const double share = static_cast<double>(part) / kParts;
       JointArray q{};
       DescentBounds bounds{};

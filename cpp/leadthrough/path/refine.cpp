@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/path/band.hpp"
 
 namespace leadthrough::path {
@@ -51,6 +52,7 @@ class Refinement {
     double damping = 1e-3;
     Model model = model_at(q);
     for (int i = 0; i < kIterations; ++i) {
+      check_interrupt();
       std::vector<JointArray> trial = q;
       if (!step(model, damping, trial)) break;
       Model next = model_at(trial);
@@ -73,6 +75,7 @@ class Refinement {
   Model model_at(const std::vector<JointArray>& q) {
     Model model{0.0, BandMatrix(size() * n_, 3 * n_ - 1), Eigen::VectorXd::Zero(size() * n_)};
     for (int k = 0; k < size(); ++k) {
+      check_interrupt();
       add_tip(k, q, model);
       add_clearance(k, q, model);
       add_posture(k, q, model);

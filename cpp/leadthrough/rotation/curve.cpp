@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/polynomial.hpp"
 
 namespace leadthrough::so3 {
@@ -60,6 +61,7 @@ template <typename Jacobian>
 Matrices rows_of(const Eigen::Ref<const Vectors>& rotation_vectors, Jacobian jacobian) {
   Matrices result(rotation_vectors.rows(), 9);
   for (Eigen::Index i = 0; i < rotation_vectors.rows(); ++i) {
+    check_interrupt(i);
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> m =
         jacobian(Vector3(rotation_vectors.row(i)));
     result.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(m.data());
@@ -118,6 +120,7 @@ Quaternions slerp_through(const Eigen::Ref<const Eigen::VectorXd>& times,
   Eigen::Index piece = 0;
   GreatCircle circle = circle_of(piece);
   for (Eigen::Index i = 0; i < at.size(); ++i) {
+    check_interrupt(i);
     const double t = at[i];
     if (t < times[piece] || (t >= times[piece + 1] && piece < last)) {
       const double* after = std::upper_bound(times.data(), times.data() + times.size(), t);
@@ -140,6 +143,7 @@ Lifted lift(const Eigen::Ref<const Quaternions>& quaternions) {
   Vector3 previous = log(before);
   result.vectors.row(0) = previous;
   for (Eigen::Index i = 1; i < quaternions.rows(); ++i) {
+    check_interrupt(i);
     Quaternion q = quaternions.row(i);
     if (q.dot(before) < 0.0) q = -q;
     const Vector3 vector = nearest_log(q, previous);
@@ -185,6 +189,7 @@ Quaternions integrate(const Eigen::Ref<const Eigen::VectorXd>& times,
   Quaternion q = start;
   result.row(0) = q;
   for (Eigen::Index i = 1; i < times.size(); ++i) {
+    check_interrupt(i);
     const Vector3 sum = angular_velocities.row(i - 1) + angular_velocities.row(i);
     q = compose(exp(0.5 * (times[i] - times[i - 1]) * sum), q).normalized();
     result.row(i) = q;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/orthogonal.hpp"
 
 namespace leadthrough::so3 {
@@ -48,8 +49,10 @@ Quaternion karcher_mean(const Column& column, const Eigen::Ref<const Eigen::Vect
   Quaternion mean = chordal_mean(column, weights);
   for (int steps = 0; steps < kMaxSteps; ++steps) {
     Vector3 step = Vector3::Zero();
-    for (Eigen::Index i = 0; i < column.count; ++i)
+    for (Eigen::Index i = 0; i < column.count; ++i) {
+      check_interrupt(i);
       step += weights[i] / total * log(compose(inverse(mean), column[i]));
+    }
     mean = compose(mean, exp(step)).normalized();
     if (step.norm() <= kLastStep) break;
   }
@@ -65,6 +68,7 @@ Means mean_batch(const Eigen::Ref<const Quaternions>& layers,
   const Eigen::VectorXd equal = Eigen::VectorXd::Ones(count);
   Means result{Quaternions(columns, 4), Eigen::VectorXd(columns)};
   for (Eigen::Index i = 0; i < columns; ++i) {
+    check_interrupt();
     const Column column{layers, i, columns, count};
     result.reach[i] = largest_distance(column, chordal_mean(column, equal));
     result.means.row(i) = karcher_mean(column, weights);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough {
 
 using Eigen::Index;
@@ -66,6 +68,7 @@ Rows polynomial_values(const Eigen::Ref<const Eigen::VectorXd>& knots,
   Rows result = Rows::Zero(times.size(), columns);
   Index piece = 0;
   for (Index i = 0; i < times.size(); ++i) {
+    check_interrupt(i);
     const double t = times[i];
     // Times mostly rise: the next piece is this one or near.
     while (piece > 0 && t < knots[piece]) --piece;
@@ -88,6 +91,7 @@ Rows bezier_values(const Eigen::Ref<const Rows>& points,
   std::vector<double> left(ways.size(), 1.0);  // powers of what is left of the domain
   Rows result = Rows::Zero(fractions.size(), columns);
   for (Index i = 0; i < fractions.size(); ++i) {
+    check_interrupt();
     const double passed = fractions[i], rest = 1.0 - passed;
     for (std::size_t k = 1; k < left.size(); ++k) left[k] = left[k - 1] * rest;
     double power = 1.0;

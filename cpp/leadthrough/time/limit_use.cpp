@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/time/quintic_step.hpp"
 
 namespace leadthrough {
@@ -125,6 +126,7 @@ void measure_use(const PolynomialPath& path, const PathGrid& grid, const RateLim
     order.resize(law.size(), 0.0);
   }
   for (Index k = first; k <= last; ++k) {
+    check_interrupt(k);
     const auto at = static_cast<std::size_t>(std::clamp<Index>(k * judged.parts, 0, samples - 1));
     states.move_to(law.length[at], law.speed[at], law.push[at]);
     const auto note = [&](const std::array<double, 3>& used) {

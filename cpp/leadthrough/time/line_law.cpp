@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/time/limit_use.hpp"
 
 namespace leadthrough {
@@ -104,6 +105,7 @@ bool keeps(const DoubleS& law, double steps, const LineLimits& limits) {
   JointState last{0.0, 0.0, 0.0};
   double slope = 0.0, bend = 0.0;
   for (double time = 1.0; time < steps + kReach; time += 1.0) {
+    check_interrupt();
     const JointState now = time < steps ? law.at(time) : JointState{1.0, 0.0, 0.0};
     const QuinticStep step(1.0, last, now);
     const double next = now.position - last.position, turn = next - slope;
@@ -140,6 +142,7 @@ LineMotions time_lines(const Eigen::Ref<const Rows>& points, const RateLimits& l
   LineMotions motions;
   double samples = 0.0;
   for (Index i = 0; i + 1 < points.rows(); ++i) {
+    check_interrupt();
     const LineLimits along = limits_along(points, i, limits, period);
     samples += fastest(along).time();
     if (!(samples < longest)) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough {
 
 namespace {
@@ -161,6 +163,7 @@ std::vector<double> with_short_pieces(const PolynomialPath& path, const VectorXd
 VectorXd graded(std::vector<double> s) {
   bool again = true;
   for (int pass = 0; again && pass < kMaxHalvings; ++pass) {
+    check_interrupt();
     again = false;
     std::vector<double> finer{s.front()};
     for (std::size_t i = 0; i + 1 < s.size(); ++i) {
@@ -192,6 +195,7 @@ PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const Vecto
     rows->resize(points, path.joints());
   grid.length[0] = 0.0;
   for (Index i = 0; i < points; ++i) {
+    check_interrupt(i);
     if (i > 0) grid.length[i] = grid.length[i - 1] + pace.integral(grid.s[i - 1], grid.s[i]);
     pace.move_to(grid.s[i]);
     const double slope = 1.0 / pace.value();

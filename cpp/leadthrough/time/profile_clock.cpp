@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough {
 
 using Eigen::Index;
@@ -33,6 +35,7 @@ LawSamples ProfileClock::smoothed(double period, Index first, Index count) const
   double before = length_at(begin, cell), here = 0.0;
   Step last = step(begin, period, steps);
   for (Index k = 0; k < count; ++k, before = here) {
+    check_interrupt(k);
     begin = static_cast<double>(first + k) * period;
     here = length_at(begin, cell);
     const Step next = step(begin, period, steps);
@@ -50,6 +53,7 @@ ProfileClock::Step ProfileClock::step(double begin, double period, Index& cell) 
   const Index cells = grid_->points() - 1;
   Step result;
   for (double from = begin; from < end;) {
+    check_interrupt();
     double to = end, speed = 0.0, push = 0.0;
     if (from < 0.0) {
       to = std::min(end, 0.0);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 
@@ -248,6 +249,7 @@ MotionPeaks motion_peaks(const Eigen::Ref<const Eigen::VectorXd>& times,
     };
     LaneStates start = at(0), end;
     for (Index k = 0; k + 1 < times.size(); ++k, start = end) {
+      check_interrupt(k);
       end = at(k + 1);
       peaks.look(start, end, times[k], times[k + 1], k);
     }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 
@@ -171,6 +172,7 @@ class Passes {
     const Eigen::Index points = bounds_.grid.size();
     keep(points - 1, {x_end, x_end});
     for (Eigen::Index i = points - 2; i >= 0; --i) {
+      check_interrupt(i);
       if (!changed(i) && !changed(i + 1)) continue;
       cell_.set(bounds_, i, least_gain_, reach(i + 1));
       const SpeedInterval x = cell_.controllable();
@@ -185,6 +187,7 @@ class Passes {
     bool other = changed(0) || squared[0] != x;
     squared[0] = x;
     for (Eigen::Index i = 0; i + 1 < squared.size(); ++i) {
+      check_interrupt(i);
       if (!other && !changed(i) && !changed(i + 1)) continue;
       const SpeedInterval& next = reach(i + 1);
       cell_.set(bounds_, i, least_gain_, next);

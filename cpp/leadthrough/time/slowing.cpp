@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 
@@ -52,6 +53,7 @@ class PathSpeed {
       run_forward();
       double worst = 0.0;
       for (Eigen::Index k = 0; k <= last_; ++k) {
+        check_interrupt(k);
         const double ratio = excess(k);
         worst = std::max(worst, ratio);
         if (ratio > 1.0) share_[k] /= kOvershoot * ratio;
@@ -110,6 +112,7 @@ class PathSpeed {
     constexpr int kBisections = 60;
     most_[last_] = end_cap();
     for (Eigen::Index k = last_ - 1; k >= 0; --k) {
+      check_interrupt();
       most_[k] = cap_[k];
       if (!choices(k, most_[k], most_[k + 1]).empty()) continue;
       double good = 0.0, bad = most_[k];  // standing still is always possible
@@ -134,6 +137,7 @@ class PathSpeed {
   void run_forward() {
     x_[0] = std::min(most_[0], bend_cap(0));
     for (Eigen::Index k = 0; k < last_; ++k) {
+      check_interrupt(k);
       const double u = choices(k, x_[k], most_[k + 1]).upper;
       x_[k + 1] = std::clamp(x_[k] + 2.0 * step_[k + 1] * u, 0.0, most_[k + 1]);
       interval_[k + 1] = 2.0 * step_[k + 1] / (std::sqrt(x_[k]) + std::sqrt(x_[k + 1]));

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough {
 
 namespace {
@@ -50,6 +52,7 @@ class Fit {
     residuals_ = q_;
     coefficients_ = Rows::Zero(spans_ + kDegree, q_.cols());
     for (int pass = 0; pass < 2; ++pass) {
+      check_interrupt();
       coefficients_ += correction();
       measure_residuals();
     }
@@ -112,6 +115,7 @@ class Fit {
     const Index size = spans_ + kDegree;
     band_ = Rows::Zero(size, kOrder);
     for (Index i = 0; i < q_.rows(); ++i) {
+      check_interrupt(i);
       const Index first = span_[static_cast<std::size_t>(i)];
       for (Index k = 0; k < kOrder; ++k)
         for (Index m = k; m < kOrder; ++m)
@@ -204,6 +208,7 @@ SplineFit fit_spline(const Eigen::Ref<const VectorXd>& parameters, const Eigen::
   std::vector<Index> breaks;
   for (Index k = 0; k <= kFirstSpans; ++k) breaks.push_back(k * (q.rows() - 1) / kFirstSpans);
   while (wide_enough(breaks)) {
+    check_interrupt();
     Fit fit(parameters, q, breaks);
     if (!fit.solve()) break;
     const std::vector<bool> misses = fit.misses(tolerance);

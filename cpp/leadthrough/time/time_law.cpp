@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/time/limit_use.hpp"
 #include "leadthrough/time/profile_clock.hpp"
 
@@ -233,6 +234,7 @@ class TimeLawSearch {
   bool search(TimeLaw& law) {
     Index stride = stride_;
     for (int k = 0; k < kMaxRounds; ++k) {
+      check_interrupt();
       if (!round(stride, law)) return false;
       if (stride == 1 && k > 0 && excess() == 0.0) return true;
       if (k == 0 && cap_by_jerk()) {
@@ -399,6 +401,7 @@ MotionStates states_along(const PolynomialPath& path, const PathGrid& grid,
   MotionStates result{Rows(samples, joints), Rows(samples, joints), Rows(samples, joints)};
   PathStates states(path, grid);
   for (Index k = 0; k < samples; ++k) {
+    check_interrupt(k);
     states.move_to(length[k], speed[k], push[k]);
     result.positions.row(k) = states.position();
     result.velocities.row(k) = states.velocity();

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -201,9 +202,13 @@ def mapped(
     if count == 1:
         return [function(value) for value in every]
     runs = _runs(every, count)
-    with ThreadPoolExecutor(count) as pool:
-        done = pool.map(lambda run: [function(value) for value in run], runs)
+    pool, is_over = ThreadPoolExecutor(count), threading.Event()
+    try:
+        done = pool.map(lambda run: [function(each) for each in run if not is_over.is_set()], runs)
         return [result for run in done for result in run]
+    finally:  # Ctrl-C waits for no other thread
+        is_over.set()
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _runs(values: Sequence[_Value], threads: int) -> list[Sequence[_Value]]:

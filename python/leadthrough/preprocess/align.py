@@ -59,6 +59,7 @@ _MAX_COMPARED = 12  # demonstrations
 # step: twice of what those clearly out of step keep after closer looks.
 _GLANCED_SAMPLES, _GLANCED = 40, 2.0 * _CLEARLY
 _ROUNDING = 1e-12  # of the motions' extent
+_MAX_PAIRS = 10**10  # of points whose distances are compared, in about two minutes
 
 
 def align_by_time_warping(
@@ -330,34 +331,59 @@ def _errors(curves: Sequence[Float64Array], left_out: Float64Array, size: int) -
     return np.array([dtw_distance(path, wanted) / len(wanted), *distances]) + _ROUNDING
 
 
-def dtw_distance(a: ArrayLike, b: ArrayLike) -> float:
+def dtw_distance(a: ArrayLike, b: ArrayLike, *, band: int | None = None) -> float:
     """The dynamic time warping distance: the smallest sum of distances over paired points.
 
     Args:
         a: points (n, d) of the first curve.
         b: points (m, d) of the second curve.
+        band: largest difference of paired rows, in rows of the shorter curve from the table's
+            diagonal; None: any. The time is that of the pairs within it, 10 ns each.
 
     Returns:
         The sum, in the curves' unit.
 
+    Raises:
+        InvalidInput: if more than 10^10 pairs are to be compared.
+
     Source: Sakoe and Chiba 1978, with symmetric steps of weight one.
     """
-    return _finite(core.dtw_distance(*_curves(a, b)))
+    return _finite(core.dtw_distance(*_paired(a, b, band)))
 
 
-def frechet_distance(a: ArrayLike, b: ArrayLike) -> float:
+def frechet_distance(a: ArrayLike, b: ArrayLike, *, band: int | None = None) -> float:
     """The discrete Frechet distance: the smallest possible largest distance of paired points.
 
     Args:
         a: points (n, d) of the first curve.
         b: points (m, d) of the second curve.
+        band: largest difference of paired rows, in rows of the shorter curve from the table's
+            diagonal; None: any. The time is that of the pairs within it, 10 ns each.
 
     Returns:
         The distance, in the curves' unit.
 
-    Source: Eiter and Mannila 1994.
+    Raises:
+        InvalidInput: if more than 10^10 pairs are to be compared.
+
+    Source: Eiter and Mannila 1994; the band: Sakoe and Chiba 1978.
     """
-    return _finite(core.frechet_distance(*_curves(a, b)))
+    return _finite(core.frechet_distance(*_paired(a, b, band)))
+
+
+def _paired(a: ArrayLike, b: ArrayLike, band: int | None) -> tuple[Float64Array, Float64Array, int]:
+    """The curves and the width of the band, if all its pairs can be compared in minutes."""
+    first, second = _curves(a, b)
+    shorter, longer = sorted((len(first), len(second)))
+    width = shorter if band is None else check.integer(band, "band", at_least=1)
+    if longer * min(shorter, 2 * width + 1) > _MAX_PAIRS:
+        enough = int(_MAX_PAIRS / longer / 2) - 1
+        raise InvalidInput(
+            f"a, b: expected at most {_MAX_PAIRS:.0e} pairs of points, got {longer:,} times "
+            f"{min(shorter, 2 * width + 1):,}; resample the curves, or pair neighbours only: "
+            f"band={enough}"
+        )
+    return first, second, min(width, shorter)
 
 
 def _curves(a: ArrayLike, b: ArrayLike) -> tuple[Float64Array, Float64Array]:

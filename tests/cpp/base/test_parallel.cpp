@@ -67,6 +67,29 @@ TEST(Threads, AnExceptionComesOutAndStopsTheRest) {
   EXPECT_LT(calls, 1000000U);
 }
 
+TEST(Threads, AnInterruptEndsTheWorkOfHelpersWhileTheCallerWaits) {
+  const Interruptible interruptible([] { return true; });
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<bool> begun{false};
+  const auto work = [&](std::size_t) {
+    while (std::this_thread::get_id() == caller && !begun) std::this_thread::yield();
+    for (begun = true; std::this_thread::get_id() != caller;) check_interrupt();
+  };
+  EXPECT_THROW(for_each_index(2, 2, work), Interrupted);
+}
+
+TEST(Threads, AnInterruptEndsOnlyWhatIsInterruptible) {
+  const auto check_often = [] {
+    for (int i = 0; i < 1'000'000; ++i) check_interrupt();
+  };
+  {
+    const Interruptible outer([] { return false; });
+    const Interruptible inner([] { return true; });
+    EXPECT_THROW(while (true) check_interrupt(), Interrupted);
+  }
+  EXPECT_NO_THROW(check_often());
+}
+
 TEST(Threads, ReportsOfCollisionsHaveTheSameBits) {
   const std::string bar = "<collision><geometry><box size='0.1 0.1 0.3'/></geometry></collision>";
   std::string text = test::crooked_arm();

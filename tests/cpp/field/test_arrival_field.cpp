@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/cases.hpp"
+#include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/field/arrival_field.hpp"
 #include "leadthrough/field/eikonal.hpp"
 
@@ -19,7 +20,7 @@ template <typename Real>
 constexpr Real kTolerance = std::is_same_v<Real, float> ? Real(1e-5) : Real(1e-9);
 
 template <typename Real>
-void expect_equal_to_full_march(const ArrivalField<Real>& field, const Grid& grid,
+void expect_equal_to_full_march(ArrivalField<Real>& field, const Grid& grid,
                                 const std::vector<Real>& speed,
                                 const std::vector<Source>& sources) {
   const auto expected = march_first_order(grid, speed.data(), sources);
@@ -73,7 +74,36 @@ void change_at_random(const Grid& grid, unsigned seed) {
   }
 }
 
+// Keeps computations of this thread interrupted while it lives.
+class Interrupting {
+ public:
+  Interrupting() {
+    try {
+      while (true) check_interrupt();
+    } catch (const Interrupted&) {
+    }
+  }
+
+ private:
+  Interruptible interruptible_{[] { return true; }};
+};
+
 }  // namespace
+
+TEST(ArrivalField, IsMadeWholeAfterAnInterruptedChange) {
+  const Grid grid{{1, 60, 60}};
+  std::vector<double> speed(grid.size(), 1.0);
+  const std::vector<Source> sources{{0}};
+  const auto field = make_arrival_field(grid, speed.data(), sources);
+  std::fill(speed.begin() + 600, speed.begin() + 1200, 0.25);
+  const Region region{{0, 10, 0}, {1, 10, 60}};
+  {
+    const Interrupting interrupting;
+    EXPECT_THROW(field->update(region, speed.data() + 600), Interrupted);
+    EXPECT_THROW(field->times(), Interrupted);
+  }
+  expect_equal_to_full_march(*field, grid, speed, sources);
+}
 
 TEST(ArrivalField, EqualsTheFullMarchAfterAnyChanges) {
   const std::vector<Grid> grids{

@@ -431,9 +431,9 @@ call(core.first_contact, None, scene=scene, start=np.zeros(2), samples=SLOW, age
 # Calls of what learns from demonstrations: alignment, Gaussians, basis functions.
 X, Y = np.tile([1.0, 0.0, 0.0], (2, 1)), np.tile([0.0, 1.0, 0.0], (2, 1))
 
-call(core.dtw_distance, 2.0, a=X, b=0 * X)
+call(core.dtw_distance, 2.0, a=X, b=0 * X, band=2)
 call(core.dtw_path, [[0, 0], [1, 1]], a=np.vstack([X[0], Y[0]]), b=np.vstack([X[0], Y[0]]))
-call(core.frechet_distance, 1.0, a=X, b=0 * X)
+call(core.frechet_distance, 1.0, a=X, b=0 * X, band=2)
 CORNER = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
 MOVED = np.array([3.0, 4.0])
 call(core.rms_apart, 5.0 * (1 - np.eye(2)), curves=np.stack([CORNER, CORNER + MOVED]))

@@ -1,5 +1,6 @@
 """Every binding of the compiled core, called as it should be and in wrong ways: see calls.py."""
 
+import contextlib
 import re
 from collections.abc import Callable, Iterator
 from types import ModuleType
@@ -7,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bindings.calls import CALLS, OPTIONAL
 
 # Arguments of as many numbers, rows or cells as one likes; the sizes of options are looked at
 # where they are used.
@@ -75,6 +77,31 @@ def test_every_function_class_and_method_is_called(
             methods = [key for key, value in vars(thing).items() if callable(value)]
             wanted |= {f"{name}.{key}" for key in methods if not key.startswith("_")}
     assert wanted <= called | {type(thing).__name__ for thing in made}
+
+
+def test_members_of_none_and_of_objects_without_init_end_no_process(compiled: ModuleType) -> None:
+    for thing in [each for each in vars(compiled).values() if isinstance(each, type)]:
+        for name, member in vars(thing).items():
+            getter = member.fget if isinstance(member, property) else member
+            for owner in (None, thing.__new__(thing)):
+                if callable(getter) and name != "__new__":
+                    with contextlib.suppress(TypeError, RuntimeError, AttributeError):
+                        getter(owner)
+
+
+def test_an_object_without_init_in_place_of_an_argument_raises(
+    function: Callable[..., Any], arguments: dict[str, Any], needed: str, made: list[Any]
+) -> None:
+    kind = type(arguments[needed])
+    if kind in {type(each) for each in made}:
+        with pytest.raises((TypeError, RuntimeError)):
+            function(**arguments | {needed: kind.__new__(kind)})
+
+
+def test_optional_arguments_are_computed_with() -> None:
+    for function, arguments, _ in CALLS:
+        for name in set(arguments) & set(OPTIONAL.get(function.__name__, ())):
+            function(**arguments | {name: None})
 
 
 def test_none_in_place_of_an_argument_raises(

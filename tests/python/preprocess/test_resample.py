@@ -101,9 +101,14 @@ def curves(at_least=1, at_most=6):
     return arrays(float, shapes, elements=st.floats(-9, 9))
 
 
-def by_recursion(a, b, combine):
+def by_recursion(a, b, combine, band=99):
+    n, m = (len(a), len(b)) if len(a) >= len(b) else (len(b), len(a))
+
     @cache
     def best(i, j):
+        along, across = (i, j) if len(a) >= len(b) else (j, i)
+        if abs(across - along * (m - 1) // max(n - 1, 1)) > band:
+            return np.inf
         distance = np.linalg.norm(a[i] - b[j])
         before = [(i - 1, j), (i, j - 1), (i - 1, j - 1)]
         costs = [best(k, m) for k, m in before if k >= 0 and m >= 0]
@@ -116,6 +121,25 @@ def by_recursion(a, b, combine):
 def test_dtw_and_frechet_agree_with_their_definitions(a, b):
     assert dtw_distance(a, b) == pytest.approx(by_recursion(a, b, lambda d, c: d + c))
     assert frechet_distance(a, b) == pytest.approx(by_recursion(a, b, max))
+
+
+@given(curves(), curves(), st.integers(1, 4))
+def test_a_band_leaves_the_pairs_beside_it_out(a, b, band):
+    summed = by_recursion(a, b, lambda d, c: d + c, band)
+    assert dtw_distance(a, b, band=band) == pytest.approx(summed)
+    assert frechet_distance(a, b, band=band) == pytest.approx(by_recursion(a, b, max, band))
+
+
+@pytest.mark.parametrize("distance", DISTANCES)
+def test_curves_of_a_million_points_are_refused_unless_they_have_a_band(distance):
+    long = np.zeros((1_000_000, 1))
+    with pytest.raises(InvalidInput, match=r"a, b: .*resample the curves, or .*: band=4999"):
+        distance(long, long)
+    with pytest.raises(InvalidInput, match=r"a, b: .* got 1,000,000 times 200,001"):
+        distance(long, long, band=100_000)
+    assert distance(long, long + 1.0, band=1) >= 1.0
+    with pytest.raises(InvalidInput, match="band: expected an integer >= 1, got 0"):
+        distance(long, long, band=0)
 
 
 @pytest.mark.parametrize("distance", DISTANCES)

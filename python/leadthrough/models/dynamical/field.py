@@ -30,7 +30,7 @@ _FIRST, _MAX_STEP = 1e-3, 0.05
 _SHRINK, _GROW, _SAFETY = 0.2, 4.0, 0.9
 _MAX_STEPS = 20_000
 # Sizes of the motion beyond which a trajectory is lost.
-_MAX_DISTANCE = 1e3
+MAX_DISTANCE = 1e3
 # Distances from the goal at which a trajectory has arrived, and at which a motion's last piece
 # begins, in sizes of the motion.
 NEAR, _LAST = 0.01, 0.05
@@ -195,6 +195,12 @@ def endpoints(field: Field, starts: Float64Array, *, near: float, longest: float
     return Endpoints(time, state.copy(), _near(state, starts.shape[1], near), falling)
 
 
+def advanced(field: Field, x: Float64Array, span: float) -> Float64Array:
+    """Positions (m, d) that trajectories from positions (m, d) reach within a time."""
+    *_, (_, states, _) = _steps(field, x, near=0.0, longest=span, first=min(span, _MAX_STEP))
+    return np.asarray(states[:, : x.shape[1]])
+
+
 def goal_trajectory(field: Field, start: Float64Array) -> GoalTrajectory:
     """The trajectory from a start (d,) to rest at the goal, 0."""
     begun, x, v = _rollout(field, start)
@@ -278,20 +284,21 @@ def _near(states: Float64Array, size: int, near: float) -> NDArray[np.bool_]:
 
 
 def _steps(
-    field: Field, starts: Float64Array, *, near: float, longest: float
+    field: Field, starts: Float64Array, *, near: float, longest: float, first: float = _FIRST
 ) -> Iterator[tuple[Float64Array, Float64Array, Float64Array]]:
     """Times (m,), states (m, s) and rates (m, s) after every round of steps, from the start on."""
     size = starts.shape[1]
     states = field.states(starts).copy()
     times = np.zeros(len(starts))
-    steps = np.full(len(starts), _FIRST)
+    steps = np.full(len(starts), first)
     rates = field.rate(states)
     yield times, states, rates
     going = np.flatnonzero(~_near(states, size, near))
     for _ in range(_MAX_STEPS):
         if len(going) == 0:
             return
-        here, slope, h = states[going], rates[going], steps[going][:, None]
+        long = np.minimum(steps[going], longest - times[going])
+        here, slope, h = states[going], rates[going], long[:, None]
         second = field.rate(here + 0.5 * h * slope)
         third = field.rate(here + 0.75 * h * second)
         there = here + h * (2.0 * slope + 3.0 * second + 4.0 * third) / 9.0
@@ -302,11 +309,11 @@ def _steps(
         ratio = np.abs(error).max(axis=1) / allowed
         good = ratio <= 1.0
         taken = going[good]
-        times[taken] += steps[taken]
+        times[taken] += long[good]
         states[taken], rates[taken] = there[good], last[good]
         change = _SAFETY / np.cbrt(np.maximum(ratio, 1e-9))
-        steps[going] = np.minimum(steps[going] * np.clip(change, _SHRINK, _GROW), _MAX_STEP)
+        steps[going] = np.minimum(long * np.clip(change, _SHRINK, _GROW), _MAX_STEP)
         yield times, states, rates
         on_way = ~_near(states[going], size, near) & (times[going] < longest)
-        on_way &= _near(states[going], size, _MAX_DISTANCE)
+        on_way &= _near(states[going], size, MAX_DISTANCE)
         going = going[on_way]

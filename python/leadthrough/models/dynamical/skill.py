@@ -13,8 +13,10 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import NODES, Coordinates
 from leadthrough.models.dynamical.field import (
+    MAX_DISTANCE,
     Field,
     StabilityReport,
+    advanced,
     goal_trajectory,
     stability_report,
 )
@@ -22,6 +24,8 @@ from leadthrough.models.queries import CheckedQuery, even_times
 from leadthrough.models.registry import entry_of_class
 from leadthrough.models.targets import Target
 from leadthrough.motion import MotionT_co, normalised_times
+
+_MAX_STEP = 100.0  # durations of the demonstrations
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,30 +67,46 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
 
         Args:
             position: position or joints (d,), or rows (n, d) of them; for poses (position (3,),
-                orientation (4,) as w, x, y, z).
+                orientation (4,) as w, x, y, z), or rows (n, 3) and (n, 4).
             goal: its end; by default the demonstrations' mean goal.
 
         Returns:
-            Velocity (d,), or (n, d), per second; of a pose (6,): linear and angular, in the base
-            frame, m/s and rad/s.
+            Velocity (d,), or (n, d), per second; of a pose (6,) or (n, 6): linear and angular, in
+            the base frame, m/s and rad/s.
         """
+        here, x, is_one = self._rows(position, goal)
+        columns = self._velocities(x)
         if self.coordinates.kind == "poses":
-            if not isinstance(position, tuple | list) or len(position) != 2:
-                raise InvalidInput(
-                    "position: expected (position (3,), orientation (4,)) of a skill of poses"
-                )
-            here = self._situation((position[0], position[1]), goal)
-            x = self._nearest_to_demonstrations(here.start)[None]
-            columns = self._velocities(x)
             vectors = x[:, 3:] * self.scale[3:]
-            return np.concatenate(
-                [columns[0, :3], twist(here.coordinates, vectors, columns[:, 3:])[0]]
-            )
-        there = self._situation(None, goal).goal
-        size = self.coordinates.size
-        given = check.array_of_rank(position, "position", shapes=((size,), ("n", size)))
-        rows = (np.atleast_2d(given) - there) / self.scale
-        return self._velocities(rows).reshape(given.shape)
+            columns[:, 3:] = twist(here.coordinates, vectors, columns[:, 3:])
+        return np.asarray(columns[0]) if is_one else columns
+
+    def step(self, position: ArrayLike, dt: float, *, goal: Target | None = None) -> Any:
+        """The position that the system reaches from a position within dt.
+
+        Take it in a control loop instead of `position + dt * policy(position)`, which stops short
+        of the goal where the velocity turns quicker than once per step: the system is integrated
+        in steps as short as it needs.
+
+        Args:
+            position: as for `policy`.
+            dt: s, > 0.
+            goal: as for `policy`.
+
+        Returns:
+            Position or positions in the form of the argument.
+
+        Raises:
+            InvalidInput: beyond a thousand sizes of the demonstrations.
+        """
+        longest = _MAX_STEP * self.demonstrated_duration
+        span = check.number(dt, "dt", above=0.0, at_most=longest)
+        here, x, is_one = self._rows(position, goal)
+        after = here.columns(advanced(self.field, x, span * self.pace / self.demonstrated_duration))
+        if self.coordinates.kind == "poses":
+            turns = here.coordinates.orientations(after[:, 3:], np.ones(len(after)))
+            return (after[0, :3], turns[0]) if is_one else (after[:, :3], turns)
+        return after[0] if is_one else after
 
     def _answer(self, query: CheckedQuery) -> MotionT_co:
         here = self._situation(query.start, query.goal)
@@ -130,6 +150,26 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
         own = {f"field_{name}": value for name, value in self.field.arrays().items()}
         arrays = {"scale": self.scale, "ends": self.ends, "positions": self.positions}
         return settings, {**arrays, **own, **self.coordinates.arrays()}
+
+    def _rows(
+        self, position: Any, goal: Target | None
+    ) -> tuple[Situation[MotionT_co], Float64Array, bool]:
+        """The situation, normalised positions (n, d), and whether one was given, not rows."""
+        here = self._situation(None, goal)
+        size = self.coordinates.size
+        if self.coordinates.kind != "poses":
+            given = check.array_of_rank(position, "position", shapes=((size,), ("n", size)))
+            x = (np.atleast_2d(given) - here.goal) / self.scale
+            return here, _within_reach(x), given.ndim == 1
+        place, turn = pose_of(position)
+        places = check.array_of_rank(place, "position", shapes=((3,), ("n", 3)))
+        count = places.shape[:-1]
+        turns = check.quaternions(turn, "position", shape=(*count, 4)).reshape(-1, 4)
+        rows = [
+            self._nearest_to_demonstrations(self._situation(pose, goal).start)
+            for pose in zip(np.atleast_2d(places), turns, strict=True)
+        ]
+        return here, _within_reach(np.array(rows).reshape(-1, 6)), not count
 
     def _velocities(self, x: Float64Array) -> Float64Array:
         """Velocities (n, d) of the columns, per second, at normalised positions (n, d)."""
@@ -195,6 +235,25 @@ def twist(coordinates: Coordinates, vectors: Float64Array, rate: Float64Array) -
     local = (rotations.left_jacobian(vectors) @ rate[:, :, None])[:, :, 0]
     assert coordinates.reference is not None
     return np.asarray(local @ rotations.to_matrix(coordinates.reference[:1])[0].T)
+
+
+def _within_reach(x: Float64Array) -> Float64Array:
+    """The normalised positions (n, d), if the system is followed there."""
+    if len(x) and np.abs(x).max() > MAX_DISTANCE:
+        raise InvalidInput(
+            f"position: expected one within {MAX_DISTANCE:.0f} sizes of the demonstrations, got "
+            f"one {np.abs(x).max():.0f} away from the goal"
+        )
+    return x
+
+
+def pose_of(place: Any) -> Target:
+    """Position and orientation of a pose."""
+    if not isinstance(place, tuple | list) or len(place) != 2:
+        raise InvalidInput(
+            "position: expected (position (3,), orientation (4,)) of a skill of poses"
+        )
+    return place[0], place[1]
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> DynamicalSkill:
