@@ -19,7 +19,8 @@ usage: ./do COMMAND [OPTIONS]
   demo       demonstrations in, a checked robot trajectory out (leadthrough demo)
   test       all tests, C++ and Python; options go to pytest
   sanitize   the C++ tests with AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer,
-             and calls of every binding with the first two
+             and calls of every binding with the first two, also with damaged arguments; options go
+             to tests/python/bindings/fuzz.py, such as --count 50000
   bench      benchmarks against other libraries; options go to python/benchmarks/run.py
   docs       the documentation, build/docs/index.html
   wheel      the sources and a wheel that runs without the Debian packages, for each Python named,
@@ -135,15 +136,16 @@ build_sanitized() {
   cmake --build --preset "$1" -- --quiet
 }
 
-# Calls every binding with AddressSanitizer; Python itself leaks by design.
-run_sanitized_bindings() {
-  local runtimes core
+# Calls every binding with AddressSanitizer, then with damaged arguments; Python itself leaks by
+# design.
+run_sanitized_bindings() (
   runtimes="$(g++ -print-file-name=libasan.so) $(g++ -print-file-name=libstdc++.so)"
-  core=$(echo "$PWD"/build/asan/cpp/bind/_core*.so)
-  LD_PRELOAD="$runtimes" ASAN_OPTIONS=detect_leaks=0 LEADTHROUGH_CORE="$core" \
-    PYTHONPATH=tests/python .venv/bin/python -m pytest -q -p sanitized_core -p no:cacheprovider \
-    tests/python/bindings
-}
+  LEADTHROUGH_CORE=$(echo "$PWD"/build/asan/cpp/bind/_core*.so)
+  export LEADTHROUGH_CORE ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1
+  export LD_PRELOAD="$runtimes" PYTHONPATH=tests/python
+  .venv/bin/python -m pytest -q -p sanitized_core -p no:cacheprovider tests/python/bindings
+  .venv/bin/python tests/python/bindings/fuzz.py "$@"
+)
 
 # An archive of the sources in dist/, and from it a wheel for each Python given, with the native
 # libraries and all licences inside.
@@ -221,7 +223,7 @@ main() {
       build_sanitized asan -DLEADTHROUGH_PYTHON=ON "-DPython_EXECUTABLE=$PWD/.venv/bin/python" \
         "-Dpybind11_DIR=$(.venv/bin/python -m pybind11 --cmakedir)"
       install_package test
-      run_sanitized_bindings & # in one process, beside the others
+      run_sanitized_bindings "$@" & # in one process, beside the others
       ctest --preset asan --parallel "$(nproc)"
       wait $!
       ;;

@@ -26,8 +26,8 @@ void raise_interrupted(std::exception_ptr thrown) {
   throw pybind11::type_error("an object whose __init__ was not called");
 }
 
-// Where an object was made by __new__ alone, pybind11 hands memory that nobody has filled to the
-// functions, from here.
+// Functions given an object made by __new__ alone would read memory that nobody has filled:
+// pybind11 allocates it by this.
 void refuse_empty_objects(const pybind11::module_& module) {
   for (const auto& entry : pybind11::dict(module.attr("__dict__"))) {
     if (!PyType_Check(entry.second.ptr())) continue;

@@ -194,7 +194,7 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         """The velocity (d,) that leads from a position to the goal, both in the base frame.
 
         Args:
-            position: (d,).
+            position: (d,), or rows (n, d).
 
         Raises:
             UnsupportedQuery: for a skill without a policy.
@@ -205,9 +205,9 @@ class FramedSkill(SteppedSkill[MotionT_co]):
                 f"policy: a skill of kind {self.skill.kind!r} has none; in Python, fit "
                 "Framed(FastMarching())"
             )
-        seen = (
-            check.array(position, "position", shape=self.frame.origin.shape) - self.frame.origin
-        ) @ self.frame.axes
+        d = len(self.frame.origin)
+        given = check.array_of_rank(position, "position", shapes=((d,), ("n", d)))
+        seen = (given - self.frame.origin) @ self.frame.axes
         return np.asarray(self.skill.policy(seen) @ self.frame.axes.T)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:

@@ -127,7 +127,7 @@ class Guided(Protocol):
     """A skill that leads a tool to the goal from any position."""
 
     def policy(self, position: ArrayLike) -> Float64Array:
-        """The velocity (d,) that leads from a position (d,) to the goal."""
+        """The velocity (d,) that leads from a position (d,) to the goal; likewise of rows."""
 
 
 @runtime_checkable

@@ -247,7 +247,7 @@ def _within_reach(x: Float64Array) -> Float64Array:
     return x
 
 
-def pose_of(place: Any) -> Target:
+def pose_of(place: Any) -> tuple[Any, Any]:
     """Position and orientation of a pose."""
     if not isinstance(place, tuple | list) or len(place) != 2:
         raise InvalidInput(

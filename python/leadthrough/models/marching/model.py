@@ -331,15 +331,30 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         After a push the tool rejoins the demonstrated path.
 
         Args:
-            position: (d,).
+            position: (d,), or rows (n, d).
 
         Returns:
-            Velocity (d,), in the unit of the data per second.
+            Velocity (d,), or (n, d), in the unit of the data per second.
 
         Raises:
             NoPath: far outside the demonstrations.
         """
         return self._policy(position)
+
+    def step(self, position: ArrayLike, dt: float) -> Float64Array:
+        """The position that `policy` leads to within dt, however long dt is in a control loop.
+
+        Args:
+            position: (d,), or rows (n, d).
+            dt: s, in (0, 100].
+
+        Returns:
+            Position (d,), or (n, d), in the unit of the data.
+
+        Raises:
+            NoPath: far outside the demonstrations.
+        """
+        return self._policy.step(position, dt)
 
     def policy_to(
         self, goal: ArrayLike | None = None, *, obstacles: Sequence[Shape] = ()

@@ -5,7 +5,7 @@ Source: Prados et al. 2023, section 3.7: the field is the control policy of the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -48,6 +48,8 @@ _NEIGHBOURS = 8
 _STEP = 5  # every fifth of the samples of a demonstration's progress
 # People start and end at rest; a policy of the position alone must leave the start.
 _MIN_SPEED = 0.1  # of the mean speed
+_MAX_STEP, _PART = 100.0, 0.1  # s; cells that one move is long, at most
+_STRAIGHT = 1.0 - 1e-9  # cosine between the velocity and the goal's direction near it
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +65,37 @@ class Policy(ShortRepr):
     _map: _PolicyMap = field(repr=False)
 
     def __call__(self, position: ArrayLike) -> Float64Array:
-        """The velocity (d,) at a position, in the unit of the grid per second; zero at the goal."""
-        point = check.array(position, "position", shape=(self.grid.dimensions,))
+        """Velocity (d,) at a position, or (n, d) at rows; per second, zero at the goal."""
+        return self._at_each(self._velocity, position)
+
+    def step(self, position: ArrayLike, dt: float) -> Float64Array:
+        """The position (d,) that the tool reaches from a position within dt s, or rows (n, d)."""
+        span = check.number(dt, "dt", above=0.0, at_most=_MAX_STEP)
+        return self._at_each(lambda point: self._moved(point, span), position)
+
+    def _at_each(
+        self, function: Callable[[Float64Array], Float64Array], position: ArrayLike
+    ) -> Float64Array:
+        d = self.grid.dimensions
+        points = check.array_of_rank(position, "position", shapes=((d,), ("n", d)))
+        if points.ndim == 1:
+            return function(points)
+        return np.array([function(point) for point in points]).reshape(points.shape)
+
+    def _moved(self, point: Float64Array, span: float) -> Float64Array:
+        """The point (d,) after moves of a tenth of a cell at most, and an exact one to the goal."""
+        cell = float(self.grid.spacing.max())
+        while span > 0.0:
+            velocity = self._velocity(point)
+            ahead = self.goal - point
+            left, speed = float(np.linalg.norm(ahead)), float(np.linalg.norm(velocity))
+            if left <= cell and velocity @ ahead >= _STRAIGHT * left * speed:
+                return np.asarray(point - ahead * np.expm1(-span * speed / max(left, 1e-300)))
+            part = min(span, _PART * cell / max(speed, 1e-300))
+            point, span = point + part * velocity, span - part
+        return point
+
+    def _velocity(self, point: Float64Array) -> Float64Array:
         cell = float(self.grid.spacing.max())
         speed = self.speeds.at(point, blur=cell)
         if self.barrier is not None and self.barrier.is_passed(point):

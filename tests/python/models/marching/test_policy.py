@@ -34,6 +34,19 @@ def test_policy_follows_the_demonstration_to_its_goal(skill):
     assert gaps.max() < skill.area_of_influence
 
 
+def test_steps_of_any_control_period_reach_the_goal_and_take_rows(skill):
+    tools = np.array([(0.0, 0.0), (0.1, 0.2), (0.3, -0.1)])
+    np.testing.assert_array_equal(skill.step(tools, 0.1)[1], skill.step(tools[1], 0.1))
+    np.testing.assert_array_equal(skill.policy(tools)[2], skill.policy(tools[2]))
+    for dt in (0.02, 0.5):
+        now = tools
+        for _ in range(int(20.0 / dt)):
+            now = skill.step(now, dt)
+        np.testing.assert_allclose(now, np.tile((0.4, 0.0), (3, 1)), atol=1e-4)
+    fine = walk(skill.policy, tools[0], steps=1000, dt=5e-4)
+    np.testing.assert_allclose(skill.step(tools[0], 0.5), fine[-1], atol=2e-3)
+
+
 def test_pushed_tool_still_arrives(skill):
     points = walk(skill.policy, (0.0, 0.0), push=(200, np.array([0.05, 0.15])))
     np.testing.assert_allclose(points[-1], (0.4, 0.0), atol=1e-4)
