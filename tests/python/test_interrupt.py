@@ -55,7 +55,7 @@ def calls() -> Iterator[tuple[str, Callable[[], object]]]:
     yield "ProMPSkill.sample", lambda: [promp.sample(100_000, seed=i) for i in range(50)]
     yield (
         "DMPSkill.generate",
-        lambda: dmp.generate(dt=1e-6, obstacles=[lt.Sphere(0.05, (0.5, 0.9, 0.0))]),
+        lambda: dmp.generate(dt=2e-7, obstacles=[lt.Sphere(0.05, (0.5, 0.9, 0.0))]),
     )
 
 

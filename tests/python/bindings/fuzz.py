@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import collections
 import contextlib
+import importlib
 import os
 import resource
 import runpy
@@ -35,7 +36,7 @@ sys.path.insert(0, str(TESTS))
 if "LEADTHROUGH_CORE" in os.environ:
     import sanitized_core  # noqa: F401
 
-from leadthrough import _core as core  # noqa: E402
+core = importlib.import_module("leadthrough._core")
 
 FEW = 6  # recorded calls of each function
 SECONDS, MOST_SECONDS = 1, 5  # of processor time: to be stopped, and to have ended
