@@ -10,8 +10,7 @@ from frame import Benchmark
 from pytransform3d.batch_rotations import quaternion_slerp_batch
 from scipy.interpolate import BPoly, CubicSpline
 
-from leadthrough import rotations
-from leadthrough import trajectories as tr
+from leadthrough import rotations, trajectories as tr
 
 TOLERANCE = 1e-12
 REPEATS = 1000

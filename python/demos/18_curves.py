@@ -9,8 +9,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from leadthrough import rotations
-from leadthrough import trajectories as tr
+from leadthrough import rotations, trajectories as tr
 
 plt.style.use("leadthrough.drawing.figures")
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")

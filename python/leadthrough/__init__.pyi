@@ -1,114 +1,68 @@
 from . import (
-    arm,
-    demonstration_quality,
-    errors,
-    guard,
-    io,
-    models,
-    motion_planning,
-    planning,
-    preprocess,
-    reachability,
-    rotations,
-    shapes,
-    show,
-    simulation,
-    tasks,
-    timing,
-    trajectories,
-    validation,
+    arm as arm,
+    demonstration_quality as demonstration_quality,
+    errors as errors,
+    guard as guard,
+    io as io,
+    models as models,
+    motion_planning as motion_planning,
+    planning as planning,
+    preprocess as preprocess,
+    reachability as reachability,
+    rotations as rotations,
+    shapes as shapes,
+    show as show,
+    simulation as simulation,
+    tasks as tasks,
+    timing as timing,
+    trajectories as trajectories,
+    validation as validation,
 )
-from .arm import Arm, DifferentialIk
-from .demonstration_quality import judge_demonstrations
-from .guard import Admission, Guard, connect
+from .arm import Arm as Arm, DifferentialIk as DifferentialIk
+from .demonstration_quality import judge_demonstrations as judge_demonstrations
+from .guard import Admission as Admission, Guard as Guard, connect as connect
 from .io import (
-    read_demonstrations,
-    read_mesh,
-    read_motion,
-    read_point_cloud,
-    write_motion,
+    read_demonstrations as read_demonstrations,
+    read_mesh as read_mesh,
+    read_motion as read_motion,
+    read_point_cloud as read_point_cloud,
+    write_motion as write_motion,
 )
 from .models import (
-    DMP,
-    GMR,
-    AlignedMean,
-    FastMarching,
-    ProMP,
-    RhythmicDMP,
-    SkillLibrary,
-    learn,
-    load_skill,
+    DMP as DMP,
+    GMR as GMR,
+    AlignedMean as AlignedMean,
+    FastMarching as FastMarching,
+    ProMP as ProMP,
+    RhythmicDMP as RhythmicDMP,
+    SkillLibrary as SkillLibrary,
+    learn as learn,
+    load_skill as load_skill,
 )
-from .motion import Demonstration, Event, JointTrajectory, PoseTrajectory, Trajectory
-from .motion_planning import PlannedMotion, Query, plan_motion
-from .planning import Grid, arrival_times
-from .shapes import Box, Capsule, Cylinder, Mesh, PointCloud, Scene, Sphere
-from .simulation import SimulationReport, simulate
-from .timing import check_limits, keep_timing, retime
-from .validation import validate
+from .motion import (
+    Demonstration as Demonstration,
+    Event as Event,
+    JointTrajectory as JointTrajectory,
+    PoseTrajectory as PoseTrajectory,
+    Trajectory as Trajectory,
+)
+from .motion_planning import (
+    PlannedMotion as PlannedMotion,
+    Query as Query,
+    plan_motion as plan_motion,
+)
+from .planning import Grid as Grid, arrival_times as arrival_times
+from .shapes import (
+    Box as Box,
+    Capsule as Capsule,
+    Cylinder as Cylinder,
+    Mesh as Mesh,
+    PointCloud as PointCloud,
+    Scene as Scene,
+    Sphere as Sphere,
+)
+from .simulation import SimulationReport as SimulationReport, simulate as simulate
+from .timing import check_limits as check_limits, keep_timing as keep_timing, retime as retime
+from .validation import validate as validate
 
 __version__: str
-
-__all__ = [
-    "DMP",
-    "GMR",
-    "Admission",
-    "AlignedMean",
-    "Arm",
-    "Box",
-    "Capsule",
-    "Cylinder",
-    "Demonstration",
-    "DifferentialIk",
-    "Event",
-    "FastMarching",
-    "Grid",
-    "Guard",
-    "JointTrajectory",
-    "Mesh",
-    "PlannedMotion",
-    "PointCloud",
-    "PoseTrajectory",
-    "ProMP",
-    "Query",
-    "RhythmicDMP",
-    "Scene",
-    "SimulationReport",
-    "SkillLibrary",
-    "Sphere",
-    "Trajectory",
-    "arm",
-    "arrival_times",
-    "check_limits",
-    "connect",
-    "demonstration_quality",
-    "errors",
-    "guard",
-    "io",
-    "judge_demonstrations",
-    "keep_timing",
-    "learn",
-    "load_skill",
-    "models",
-    "motion_planning",
-    "plan_motion",
-    "planning",
-    "preprocess",
-    "reachability",
-    "read_demonstrations",
-    "read_mesh",
-    "read_motion",
-    "read_point_cloud",
-    "retime",
-    "rotations",
-    "shapes",
-    "show",
-    "simulate",
-    "simulation",
-    "tasks",
-    "timing",
-    "trajectories",
-    "validate",
-    "validation",
-    "write_motion",
-]

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 from stages import ROOT, TREE
-from test_imports import FILES as MODULES
-from test_imports import PACKAGE, modules_imported
+from test_imports import FILES as MODULES, PACKAGE, modules_imported
 
 # Every folder and module in these is shown, but for what a package needs and what is built.
 COMPLETE = (

@@ -1,55 +1,40 @@
 """The arm: from a URDF to kinematics, inverse kinematics and joint trajectories along a path."""
 
-from leadthrough.arm.arm import Arm
-from leadthrough.arm.collision import Clearance, ClosestPair, CollisionPairs, CollisionReport
-from leadthrough.arm.damped_least_squares import DampedLeastSquares
-from leadthrough.arm.differential_ik import DifferentialIk, JointState
-from leadthrough.arm.following import FollowOptions
-from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
-from leadthrough.arm.limits import JointLimits, read_limits
-from leadthrough.arm.model import ArmModel, check_arm
-from leadthrough.arm.path_report import PathReport
-from leadthrough.arm.task_stack import StackRun, StackSolution, TaskReport, TaskStack, resolve
-from leadthrough.arm.tasks import (
-    ArmTask,
-    DirectionTask,
-    ElbowTask,
-    JointLimitTask,
-    ObstacleTask,
-    PoseTask,
-    PositionTask,
-    PostureTask,
+from leadthrough.arm.arm import Arm as Arm
+from leadthrough.arm.collision import (
+    Clearance as Clearance,
+    ClosestPair as ClosestPair,
+    CollisionPairs as CollisionPairs,
+    CollisionReport as CollisionReport,
 )
-
-__all__ = [
-    "Arm",
-    "ArmModel",
-    "ArmTask",
-    "Clearance",
-    "ClosestPair",
-    "CollisionPairs",
-    "CollisionReport",
-    "DampedLeastSquares",
-    "DifferentialIk",
-    "DirectionTask",
-    "ElbowTask",
-    "FollowOptions",
-    "IkBatch",
-    "IkOptions",
-    "IkResult",
-    "JointLimitTask",
-    "JointLimits",
-    "JointState",
-    "ObstacleTask",
-    "PathReport",
-    "PoseTask",
-    "PositionTask",
-    "PostureTask",
-    "StackRun",
-    "StackSolution",
-    "TaskReport",
-    "TaskStack",
-    "check_arm",
-    "read_limits",
-    "resolve",
-]
+from leadthrough.arm.damped_least_squares import DampedLeastSquares as DampedLeastSquares
+from leadthrough.arm.differential_ik import (
+    DifferentialIk as DifferentialIk,
+    JointState as JointState,
+)
+from leadthrough.arm.following import FollowOptions as FollowOptions
+from leadthrough.arm.inverse_kinematics import (
+    IkBatch as IkBatch,
+    IkOptions as IkOptions,
+    IkResult as IkResult,
+)
+from leadthrough.arm.limits import JointLimits as JointLimits, read_limits as read_limits
+from leadthrough.arm.model import ArmModel as ArmModel, check_arm as check_arm
+from leadthrough.arm.path_report import PathReport as PathReport
+from leadthrough.arm.task_stack import (
+    StackRun as StackRun,
+    StackSolution as StackSolution,
+    TaskReport as TaskReport,
+    TaskStack as TaskStack,
+    resolve as resolve,
+)
+from leadthrough.arm.tasks import (
+    ArmTask as ArmTask,
+    DirectionTask as DirectionTask,
+    ElbowTask as ElbowTask,
+    JointLimitTask as JointLimitTask,
+    ObstacleTask as ObstacleTask,
+    PoseTask as PoseTask,
+    PositionTask as PositionTask,
+    PostureTask as PostureTask,
+)

@@ -13,8 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.arm import collision, following, recorded_joints, robot_files
-from leadthrough.arm import inverse_kinematics as ik
+from leadthrough.arm import (
+    collision,
+    following,
+    inverse_kinematics as ik,
+    recorded_joints,
+    robot_files,
+)
 from leadthrough.arm.collision import CollisionPairs, CollisionReport
 from leadthrough.arm.following import FollowOptions, OnRateLimit
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult

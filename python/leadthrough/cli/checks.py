@@ -34,8 +34,7 @@ def check(
             by default so are files without velocities and accelerations, at their own.
         physics: Also simulate it under gravity; `leadthrough simulate` reports more.
     """
-    from leadthrough.cli import errors, parse
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import errors, parse, robot as robots
 
     arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
@@ -174,8 +173,7 @@ def simulate(
         tip_tolerance: Largest error of the tip that is acceptable, in m.
         html: Write a page with the simulated arm beside the planned one to this HTML file.
     """
-    from leadthrough.cli import errors, parse
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import errors, parse, robot as robots
 
     arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
@@ -233,8 +231,7 @@ def _controller(
     skill: Path | None,
 ) -> lt.simulation.Controller:
     """The controller that is named, with the gains that were typed."""
-    from leadthrough.cli import reading
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import reading, robot as robots
 
     paced = {} if frequency is None else {"frequency": frequency}
     if name != "cartesian-impedance":

@@ -65,8 +65,7 @@ def learn(
         samples: With --table, most samples that are kept of each recording.
     """
     from leadthrough import check
-    from leadthrough.cli import errors, parse, reading
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import errors, parse, reading, robot as robots
 
     reading.check_skill_output(out)
     if model is not None:

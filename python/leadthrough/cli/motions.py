@@ -50,8 +50,7 @@ def retime(
         start: Joint positions, such as 0,-0.5,1, at which the arm rests before; a way from there
             onto the motion is written with it.
     """
-    from leadthrough.cli import errors, parse, reading
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import errors, parse, reading, robot as robots
 
     reading.check_output(out, format)
     if start is None:
@@ -143,8 +142,7 @@ def guard(
     """
     import numpy as np
 
-    from leadthrough.cli import errors, parse, reading
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import errors, parse, reading, robot as robots
     from leadthrough.guard.admission import states_of, trajectory
     from leadthrough.guard.rules import row_of
 

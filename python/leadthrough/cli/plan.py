@@ -74,8 +74,7 @@ def plan(
         tip_only: Keep only the tip clear of obstacles.
     """
     from leadthrough.arm.recorded_joints import warn_of_another_arm
-    from leadthrough.cli import errors, parse, reading
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import errors, parse, reading, robot as robots
     from leadthrough.motion import joints_with
 
     reading.check_output(out, format)

@@ -45,8 +45,7 @@ def info(
     """
     import json
 
-    from leadthrough.cli import reading
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import reading, robot as robots
     from leadthrough.io.table import as_request
     from leadthrough.show.info import describe
 

@@ -58,8 +58,7 @@ def view(
         port: Port of the live page; 0 picks a free one.
     """
     from leadthrough import check
-    from leadthrough.cli import errors, parse, reading
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import errors, parse, reading, robot as robots
 
     check.integer(port, "port", at_least=0, at_most=65535)
     arm = robots.load(robot, details)

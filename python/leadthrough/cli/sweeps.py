@@ -52,8 +52,7 @@ def validate(
         out: Folder for the results; by default SKILL-validation.
         certify: Skill file to write with the certificate, an .npz; may be that of the skill.
     """
-    from leadthrough.cli import errors, parse, reading
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import errors, parse, reading, robot as robots
 
     if certify is not None:
         reading.check_skill_output(certify, "--certify")
@@ -148,8 +147,7 @@ def reach(
         yaws: With --skill, number of directions that the base may face.
         folder: Folder that keeps what is computed, to go on there.
     """
-    from leadthrough.cli import parse, reading
-    from leadthrough.cli import robot as robots
+    from leadthrough.cli import parse, reading, robot as robots
 
     reading.check_skill_output(out)
     arm = robots.load(robot, details)

@@ -1,31 +1,16 @@
 """Figures of objects by matplotlib: panels that describe them, their style and colours."""
 
-from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing.drawn import Drawn as Drawn
 from leadthrough.drawing.panels import (
-    Dot,
-    Line,
-    Panel,
-    bars,
-    of_joints,
-    of_points,
-    of_poses,
-    on_paper,
-    over,
-    spans_over_time,
-    triad,
+    Dot as Dot,
+    Line as Line,
+    Panel as Panel,
+    bars as bars,
+    of_joints as of_joints,
+    of_points as of_points,
+    of_poses as of_poses,
+    on_paper as on_paper,
+    over as over,
+    spans_over_time as spans_over_time,
+    triad as triad,
 )
-
-__all__ = [
-    "Dot",
-    "Drawn",
-    "Line",
-    "Panel",
-    "bars",
-    "of_joints",
-    "of_points",
-    "of_poses",
-    "on_paper",
-    "over",
-    "spans_over_time",
-    "triad",
-]

@@ -1,8 +1,10 @@
 """Admission of motions from any source, braking, and connections onto and off a motion."""
 
-from leadthrough.guard.admission import Admission, CommandedState, Reason
-from leadthrough.guard.connect import connect
-from leadthrough.guard.guard import Guard
-from leadthrough.guard.playback import Playback
-
-__all__ = ["Admission", "CommandedState", "Guard", "Playback", "Reason", "connect"]
+from leadthrough.guard.admission import (
+    Admission as Admission,
+    CommandedState as CommandedState,
+    Reason as Reason,
+)
+from leadthrough.guard.connect import connect as connect
+from leadthrough.guard.guard import Guard as Guard
+from leadthrough.guard.playback import Playback as Playback

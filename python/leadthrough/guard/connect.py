@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath
-from leadthrough.guard.admission import Chunk, CommandedState, chunk_of
-from leadthrough.guard.admission import trajectory as motion_of
+from leadthrough.guard.admission import Chunk, CommandedState, chunk_of, trajectory as motion_of
 from leadthrough.guard.rules import Contact, Rules, row_of, rules_for
 from leadthrough.joint_names import in_order
 from leadthrough.motion import JointTrajectory

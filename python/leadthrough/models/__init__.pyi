@@ -1,89 +1,40 @@
-from .aligned.model import AlignedMean, AlignedMeanSkill
-from .archive import FittedSkill, load_skill
-from .certificate import Certificate, ConfidenceInterval
-from .choice import Choice
-from .demonstrations import MisalignmentWarning
-from .dmp.discrete import DMP, DMPSkill
-from .dmp.rhythmic import RhythmicDMP, RhythmicDMPSkill
-from .dynamical.clf_dm import CLFDM
-from .dynamical.field import StabilityReport
-from .dynamical.lpv_ds import LPVDS
-from .dynamical.modified_ds import ModifiedDS
-from .dynamical.seds import SEDS
-from .dynamical.skill import DynamicalSkill
-from .frame import Frame
-from .framed import Framed, FramedSkill, FramedState
-from .gaussians.fitting import FittedMixture, choose_components, fit_mixture, trace_mixture
-from .gaussians.kmeans import Clusters, kmeans
-from .gaussians.mixture import Mixture
-from .learn import learn
-from .library import OutsideTargets, SkillLibrary
-from .marching.model import FastMarching, FastMarchingSkill
-from .mixtures.gmr import GMR, GMRSkill
-from .mixtures.stiffness import stiffness_profile
-from .mixtures.task_gmr import TaskGMR, TaskGMRSkill
-from .promp.combination import blend, combine
-from .promp.inference import Inference, Region, infer
-from .promp.model import ProMP, ProMPSkill
-from .protocol import Model, Parameter, Skill
-from .queries import generate_all
-from .registry import ModelEntry, model_entry, model_names
-from .targets import Target, TargetRegion
-
-__all__ = [
-    "CLFDM",
-    "DMP",
-    "GMR",
-    "LPVDS",
-    "SEDS",
-    "AlignedMean",
-    "AlignedMeanSkill",
-    "Certificate",
-    "Choice",
-    "Clusters",
-    "ConfidenceInterval",
-    "DMPSkill",
-    "DynamicalSkill",
-    "FastMarching",
-    "FastMarchingSkill",
-    "FittedMixture",
-    "FittedSkill",
-    "Frame",
-    "Framed",
-    "FramedSkill",
-    "FramedState",
-    "GMRSkill",
-    "Inference",
-    "MisalignmentWarning",
-    "Mixture",
-    "Model",
-    "ModelEntry",
-    "ModifiedDS",
-    "OutsideTargets",
-    "Parameter",
-    "ProMP",
-    "ProMPSkill",
-    "Region",
-    "RhythmicDMP",
-    "RhythmicDMPSkill",
-    "Skill",
-    "SkillLibrary",
-    "StabilityReport",
-    "Target",
-    "TargetRegion",
-    "TaskGMR",
-    "TaskGMRSkill",
-    "blend",
-    "choose_components",
-    "combine",
-    "fit_mixture",
-    "generate_all",
-    "infer",
-    "kmeans",
-    "learn",
-    "load_skill",
-    "model_entry",
-    "model_names",
-    "stiffness_profile",
-    "trace_mixture",
-]
+from .aligned.model import AlignedMean as AlignedMean, AlignedMeanSkill as AlignedMeanSkill
+from .archive import FittedSkill as FittedSkill, load_skill as load_skill
+from .certificate import Certificate as Certificate, ConfidenceInterval as ConfidenceInterval
+from .choice import Choice as Choice
+from .demonstrations import MisalignmentWarning as MisalignmentWarning
+from .dmp.discrete import DMP as DMP, DMPSkill as DMPSkill
+from .dmp.rhythmic import RhythmicDMP as RhythmicDMP, RhythmicDMPSkill as RhythmicDMPSkill
+from .dynamical.clf_dm import CLFDM as CLFDM
+from .dynamical.field import StabilityReport as StabilityReport
+from .dynamical.lpv_ds import LPVDS as LPVDS
+from .dynamical.modified_ds import ModifiedDS as ModifiedDS
+from .dynamical.seds import SEDS as SEDS
+from .dynamical.skill import DynamicalSkill as DynamicalSkill
+from .frame import Frame as Frame
+from .framed import Framed as Framed, FramedSkill as FramedSkill, FramedState as FramedState
+from .gaussians.fitting import (
+    FittedMixture as FittedMixture,
+    choose_components as choose_components,
+    fit_mixture as fit_mixture,
+    trace_mixture as trace_mixture,
+)
+from .gaussians.kmeans import Clusters as Clusters, kmeans as kmeans
+from .gaussians.mixture import Mixture as Mixture
+from .learn import learn as learn
+from .library import OutsideTargets as OutsideTargets, SkillLibrary as SkillLibrary
+from .marching.model import FastMarching as FastMarching, FastMarchingSkill as FastMarchingSkill
+from .mixtures.gmr import GMR as GMR, GMRSkill as GMRSkill
+from .mixtures.stiffness import stiffness_profile as stiffness_profile
+from .mixtures.task_gmr import TaskGMR as TaskGMR, TaskGMRSkill as TaskGMRSkill
+from .promp.combination import blend as blend, combine as combine
+from .promp.inference import Inference as Inference, Region as Region, infer as infer
+from .promp.model import ProMP as ProMP, ProMPSkill as ProMPSkill
+from .protocol import Model as Model, Parameter as Parameter, Skill as Skill
+from .queries import generate_all as generate_all
+from .registry import (
+    ModelEntry as ModelEntry,
+    model_entry as model_entry,
+    model_names as model_names,
+)
+from .targets import Target as Target, TargetRegion as TargetRegion

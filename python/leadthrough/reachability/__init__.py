@@ -1,6 +1,8 @@
 """Reachable poses of an arm, its manipulability there, and the base position for a motion."""
 
-from leadthrough.reachability.placement import Placement, place_base
-from leadthrough.reachability.reach_map import ReachMap, reach_map, spread_orientations
-
-__all__ = ["Placement", "ReachMap", "place_base", "reach_map", "spread_orientations"]
+from leadthrough.reachability.placement import Placement as Placement, place_base as place_base
+from leadthrough.reachability.reach_map import (
+    ReachMap as ReachMap,
+    reach_map as reach_map,
+    spread_orientations as spread_orientations,
+)

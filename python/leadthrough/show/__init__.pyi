@@ -1,18 +1,9 @@
-from . import plot
-from .page import InlineScene
-from .plot import placement_figure, reach_figure
-from .reports import simulation_page, simulation_parts, write_validation
-from .viewing import inline, open_view, view
-
-__all__ = [
-    "InlineScene",
-    "inline",
-    "open_view",
-    "placement_figure",
-    "plot",
-    "reach_figure",
-    "simulation_page",
-    "simulation_parts",
-    "view",
-    "write_validation",
-]
+from . import plot as plot
+from .page import InlineScene as InlineScene
+from .plot import placement_figure as placement_figure, reach_figure as reach_figure
+from .reports import (
+    simulation_page as simulation_page,
+    simulation_parts as simulation_parts,
+    write_validation as write_validation,
+)
+from .viewing import inline as inline, open_view as open_view, view as view

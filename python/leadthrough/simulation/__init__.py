@@ -1,28 +1,21 @@
 """Motions tried on a simulated arm under gravity, friction and a controller."""
 
 from leadthrough.simulation.controllers import (
-    CartesianImpedance,
-    ComputedTorque,
-    Controller,
-    JointImpedance,
-    PositionServo,
+    CartesianImpedance as CartesianImpedance,
+    ComputedTorque as ComputedTorque,
+    Controller as Controller,
+    JointImpedance as JointImpedance,
+    PositionServo as PositionServo,
 )
-from leadthrough.simulation.report import Contact, Finding, SimulationReport
-from leadthrough.simulation.simulate import simulate
-from leadthrough.simulation.simulated_arm import Disturbances, Push, SimulatedArm, Touch
-
-__all__ = [
-    "CartesianImpedance",
-    "ComputedTorque",
-    "Contact",
-    "Controller",
-    "Disturbances",
-    "Finding",
-    "JointImpedance",
-    "PositionServo",
-    "Push",
-    "SimulatedArm",
-    "SimulationReport",
-    "Touch",
-    "simulate",
-]
+from leadthrough.simulation.report import (
+    Contact as Contact,
+    Finding as Finding,
+    SimulationReport as SimulationReport,
+)
+from leadthrough.simulation.simulate import simulate as simulate
+from leadthrough.simulation.simulated_arm import (
+    Disturbances as Disturbances,
+    Push as Push,
+    SimulatedArm as SimulatedArm,
+    Touch as Touch,
+)

@@ -3,88 +3,56 @@
 After Grioli's notes on trajectories (2023), chapters 2 and 3.
 """
 
-from leadthrough.trajectories.bezier import Bezier, de_casteljau, joined
-from leadthrough.trajectories.bspline import BSpline, Nurbs, bspline_near, nurbs_through
-from leadthrough.trajectories.curve import Curve, PointCurve
+from leadthrough.trajectories.bezier import (
+    Bezier as Bezier,
+    de_casteljau as de_casteljau,
+    joined as joined,
+)
+from leadthrough.trajectories.bspline import (
+    BSpline as BSpline,
+    Nurbs as Nurbs,
+    bspline_near as bspline_near,
+    nurbs_through as nurbs_through,
+)
+from leadthrough.trajectories.curve import Curve as Curve, PointCurve as PointCurve
 from leadthrough.trajectories.filters import (
-    FilterState,
-    FirstOrderFilter,
-    JerkFilter,
-    LinearFilter,
-    LineState,
-    SecondOrderFilter,
-    StraightFilter,
-    TimeOptimalFilter,
+    FilterState as FilterState,
+    FirstOrderFilter as FirstOrderFilter,
+    JerkFilter as JerkFilter,
+    LinearFilter as LinearFilter,
+    LineState as LineState,
+    SecondOrderFilter as SecondOrderFilter,
+    StraightFilter as StraightFilter,
+    TimeOptimalFilter as TimeOptimalFilter,
 )
 from leadthrough.trajectories.interpolation import (
-    clamped_cubic,
-    hermite,
-    linear,
-    natural_cubic,
-    periodic_cubic,
-    smooth,
-    smoothing,
+    clamped_cubic as clamped_cubic,
+    hermite as hermite,
+    linear as linear,
+    natural_cubic as natural_cubic,
+    periodic_cubic as periodic_cubic,
+    smooth as smooth,
+    smoothing as smoothing,
 )
-from leadthrough.trajectories.law import PoseCurve, run_by
+from leadthrough.trajectories.law import PoseCurve as PoseCurve, run_by as run_by
 from leadthrough.trajectories.minimum_jerk import (
-    State,
-    minimum_jerk,
-    minimum_jerk_through,
-    minimum_jerk_time_scaling,
-    point_to_point,
+    State as State,
+    minimum_jerk as minimum_jerk,
+    minimum_jerk_through as minimum_jerk_through,
+    minimum_jerk_time_scaling as minimum_jerk_time_scaling,
+    point_to_point as point_to_point,
 )
-from leadthrough.trajectories.polynomial import Lagrange, chebyshev_nodes, osculating
-from leadthrough.trajectories.profiles import double_s, trapezoid
+from leadthrough.trajectories.polynomial import (
+    Lagrange as Lagrange,
+    chebyshev_nodes as chebyshev_nodes,
+    osculating as osculating,
+)
+from leadthrough.trajectories.profiles import double_s as double_s, trapezoid as trapezoid
 from leadthrough.trajectories.rotation import (
-    RotationBezier,
-    RotationCurve,
-    RotationSpline,
-    Slerp,
-    Squad,
+    RotationBezier as RotationBezier,
+    RotationCurve as RotationCurve,
+    RotationSpline as RotationSpline,
+    Slerp as Slerp,
+    Squad as Squad,
 )
-from leadthrough.trajectories.spline import Spline
-
-__all__ = [
-    "BSpline",
-    "Bezier",
-    "Curve",
-    "FilterState",
-    "FirstOrderFilter",
-    "JerkFilter",
-    "Lagrange",
-    "LineState",
-    "LinearFilter",
-    "Nurbs",
-    "PointCurve",
-    "PoseCurve",
-    "RotationBezier",
-    "RotationCurve",
-    "RotationSpline",
-    "SecondOrderFilter",
-    "Slerp",
-    "Spline",
-    "Squad",
-    "State",
-    "StraightFilter",
-    "TimeOptimalFilter",
-    "bspline_near",
-    "chebyshev_nodes",
-    "clamped_cubic",
-    "de_casteljau",
-    "double_s",
-    "hermite",
-    "joined",
-    "linear",
-    "minimum_jerk",
-    "minimum_jerk_through",
-    "minimum_jerk_time_scaling",
-    "natural_cubic",
-    "nurbs_through",
-    "osculating",
-    "periodic_cubic",
-    "point_to_point",
-    "run_by",
-    "smooth",
-    "smoothing",
-    "trapezoid",
-]
+from leadthrough.trajectories.spline import Spline as Spline

@@ -1,22 +1,14 @@
 """Success rate of a skill's motions on an arm, measured on random queries, with its bounds."""
 
-from leadthrough.models import Certificate, ConfidenceInterval, TargetRegion
-from leadthrough.validation.validate import SamplingPlan, validate
-from leadthrough.validation.validation import (
-    Failing,
-    Validation,
-    clopper_pearson,
-    confidence_sequence,
+from leadthrough.models import (
+    Certificate as Certificate,
+    ConfidenceInterval as ConfidenceInterval,
+    TargetRegion as TargetRegion,
 )
-
-__all__ = [
-    "Certificate",
-    "ConfidenceInterval",
-    "Failing",
-    "SamplingPlan",
-    "TargetRegion",
-    "Validation",
-    "clopper_pearson",
-    "confidence_sequence",
-    "validate",
-]
+from leadthrough.validation.validate import SamplingPlan as SamplingPlan, validate as validate
+from leadthrough.validation.validation import (
+    Failing as Failing,
+    Validation as Validation,
+    clopper_pearson as clopper_pearson,
+    confidence_sequence as confidence_sequence,
+)

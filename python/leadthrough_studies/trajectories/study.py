@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import trapezoid
 
-from leadthrough import rotations
-from leadthrough import trajectories as tr
+from leadthrough import rotations, trajectories as tr
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.timing import check_limits, retime

@@ -6,8 +6,7 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from motions import configurations
 from refusals import raised, refused
 from urdfs import one_joint

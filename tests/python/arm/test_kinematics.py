@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from motions import arm as robot_arm
-from motions import configurations
+from hypothesis import given, strategies as st
+from motions import arm as robot_arm, configurations
 from pinocchio_peer import Peer
 from refusals import refused
 from scipy.spatial.transform import Rotation

@@ -6,8 +6,7 @@ import pickle
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from refusals import refused
 from scipy.optimize import lsq_linear
 

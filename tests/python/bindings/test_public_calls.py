@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
-from leadthrough import planning, preprocess, rotations
-from leadthrough import trajectories as tr
+from leadthrough import planning, preprocess, rotations, trajectories as tr
 from leadthrough.arm import (
     DirectionTask,
     ElbowTask,

@@ -17,8 +17,7 @@ from motions import arm
 from refusals import refused
 
 import leadthrough as lt
-from leadthrough import arm as arms
-from leadthrough import shapes, simulation, trajectories, validation
+from leadthrough import arm as arms, shapes, simulation, trajectories, validation
 from leadthrough.check import Frozen
 from leadthrough.errors import InvalidInput
 from leadthrough.planning import ArrivalField, Grid

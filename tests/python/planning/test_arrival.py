@@ -7,8 +7,7 @@ import threading
 import numpy as np
 import pytest
 import skfmm
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput

@@ -7,8 +7,7 @@ import pytest
 import ruckig
 from scipy.interpolate import BPoly
 
-from leadthrough import rotations
-from leadthrough import trajectories as tr
+from leadthrough import rotations, trajectories as tr
 from leadthrough.errors import MissingDependency
 from leadthrough.trajectories import (
     Bezier,

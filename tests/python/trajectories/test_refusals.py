@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from leadthrough import rotations
-from leadthrough import trajectories as tr
+from leadthrough import rotations, trajectories as tr
 from leadthrough.errors import InvalidInput
 
 TIMES = np.array([-1.0, -0.3, 0.1, 0.4, 1.0, 1.3])

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from leadthrough import PoseTrajectory, rotations
-from leadthrough import trajectories as tr
+from leadthrough import PoseTrajectory, rotations, trajectories as tr
 from leadthrough.errors import InvalidInput
 from leadthrough.trajectories import rotation
 

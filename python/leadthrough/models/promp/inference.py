@@ -131,8 +131,7 @@ class Inference(ShortRepr, Generic[MotionT_co]):
 
     def _radius(self, size: int, skill: int, probability: float) -> float:
         """Squared Mahalanobis distance, by the covariance, at which a region ends."""
-        from scipy.stats import chi2
-        from scipy.stats import f as fisher
+        from scipy.stats import chi2, f as fisher
 
         freedom = float(self.freedom[skill])
         if np.isinf(freedom):
