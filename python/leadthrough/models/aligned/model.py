@@ -5,22 +5,21 @@ Alignment takes the timing out of the shapes; each of several demonstrated ways 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from leadthrough import rotations
 from leadthrough.check import Float64Array
+from leadthrough.models.aligned.columns import clocks_of, features_of
 from leadthrough.models.aligned.curves import by_arc, ways
-from leadthrough.models.aligned.way import Way, clocks_of, learned, restored, scale_of
+from leadthrough.models.aligned.way import Way, learned, restored
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.protocol import Unfitted
 from leadthrough.models.queries import CheckedQuery
-from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
+from leadthrough.motion import MotionT, MotionT_co
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class AlignedMean(Unfitted):
                 way have no mean.
         """
         motions = motions_of(demonstrations)
-        numbers = ways(by_arc(_features(motions), clocks_of(motions)).rows)
+        numbers = ways(by_arc(features_of(motions), clocks_of(motions)).rows)
         groups = [np.flatnonzero(numbers == number) for number in range(numbers.max() + 1)]
         return AlignedMeanSkill(
             self, tuple(learned([motions[i] for i in group]) for group in groups)
@@ -67,7 +66,12 @@ class AlignedMeanSkill(FittedSkill[MotionT_co]):
     ways: tuple[Way[MotionT_co], ...]
 
     kind: ClassVar[str] = "aligned_mean"
-    supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
+
+    @property
+    def supports(self) -> frozenset[str]:
+        """Parts of a query that it honours; joints have no place among obstacles."""
+        places = {"obstacles"} if self.coordinates.kind != "joints" else set()
+        return frozenset({"start", "goal", "duration"} | places)
 
     @property
     def coordinates(self) -> Coordinates[MotionT_co]:
@@ -106,15 +110,3 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> AlignedMeanSkill:
         }
         ways_.append(restored(own, part))
     return AlignedMeanSkill(AlignedMean(), tuple(ways_))
-
-
-def _features(motions: Sequence[Motion]) -> list[Float64Array]:
-    """Rows to tell ways apart, of positions and of rotation matrices, which need no reference."""
-    columns = [
-        np.hstack([each.positions, rotations.to_matrix(each.orientations).reshape(-1, 9)])
-        if isinstance(each, PoseTrajectory)
-        else each.positions
-        for each in motions
-    ]
-    scale = scale_of(columns, motions[0].positions.shape[1])
-    return [each / scale for each in columns]

@@ -9,19 +9,25 @@ from typing import Any, Generic
 
 import numpy as np
 
-from leadthrough import check, rotations
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models import phase
-from leadthrough.models.aligned.curves import Curves, by_arc, elastic, even_phases
+from leadthrough.models.aligned.columns import clocks_of, columns_of, scale_of
+from leadthrough.models.aligned.curves import (
+    Curves,
+    arc_phases,
+    by_arc,
+    elastic,
+    even_phases,
+    interpolated,
+)
 from leadthrough.models.aligned.fading import Option, Predictor
 from leadthrough.models.archive import Arrays
 from leadthrough.models.coordinates import NODES, Coordinates, coordinates_of
-from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.queries import CheckedQuery, even_times
-from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory
+from leadthrough.motion import MotionT, MotionT_co
+from leadthrough.planning.detours import around
 
-# Weight of the orientations' extent against the positions'; smaller turns than the least are noise.
-_TURNING, _MIN_TURN = 0.3, 0.1  # , rad
 _TURN = 2.0 * np.pi
 
 
@@ -68,14 +74,31 @@ class Way(Generic[MotionT_co]):
         from scipy.interpolate import CubicSpline
 
         rows, phases, clock = self.predictor.predicted(self.options, self.asked(query))
-        even = even_phases(len(rows))
+        rows, even = rows * self.scale, even_phases(len(rows))
+        if query.obstacles:
+            rows, phases, clock = self._around(query, rows, phases, clock)
+            even = even_phases(len(rows))
         times = even_times(query.end(float(clock[-1])), query.dt)
         at = np.linspace(0.0, clock[-1], phase.SAMPLES)
         rising = np.concatenate([[True], np.diff(clock) > 0.0])
         progress = phase.smoothed(np.interp(at, clock[rising], even[rising]))
         covered = np.interp(times / times[-1], even_phases(len(progress)), progress)
-        columns = CubicSpline(even, rows * self.scale)(covered)
+        columns = CubicSpline(even, rows)(covered)
         return self.coordinates.motion(times, np.interp(covered, even, phases), columns)
+
+    def _around(
+        self, query: CheckedQuery, rows: Float64Array, phases: Float64Array, clock: Float64Array
+    ) -> tuple[Float64Array, Float64Array, Float64Array]:
+        """Rows, phases and times that keep clear of obstacles, slower as the path gets longer."""
+        size, even = self.coordinates.size, even_phases(len(rows))
+        found = around(rows[:, :size], query.obstacles)
+        if found is None:
+            return rows, phases, clock
+        points, fractions, longer = found
+        made = interpolated(fractions, even, np.column_stack([rows, phases, clock]))
+        made[:, :size] = points
+        made = interpolated(even_phases(len(points)), arc_phases(points), made)
+        return made[:, :-2], made[:, -2], longer * made[:, -1]
 
     def arrays(self) -> Arrays:
         """Its arrays by name, for a file."""
@@ -106,12 +129,7 @@ def restored(settings: dict[str, Any], arrays: Arrays) -> Way:
 
 def learned(motions: Sequence[MotionT]) -> Way[MotionT]:
     """Demonstrations of one way."""
-    columns = [each.positions for each in motions]
-    poses = [each for each in motions if isinstance(each, PoseTrajectory)]
-    reference = np.empty((1, 4))
-    if poses:
-        reference = mean_orientations([each.orientations[-1:] for each in poses])
-        columns = [np.hstack([each.positions, _lifted(each, reference)]) for each in poses]
+    columns, reference = columns_of(motions)
     scale = scale_of(columns, motions[0].positions.shape[1])
     clocks = clocks_of(motions)
     curves = by_arc([each / scale for each in columns], clocks)
@@ -126,17 +144,6 @@ def learned(motions: Sequence[MotionT]) -> Way[MotionT]:
     return Way(coordinates, scale, predictor, tuple(options))
 
 
-def clocks_of(motions: Sequence[Motion]) -> list[Float64Array]:
-    """The times (n,) of each motion from 0 on, s."""
-    return [each.times - each.times[0] for each in motions]
-
-
-def _lifted(motion: PoseTrajectory, reference: Float64Array) -> Float64Array:
-    """Rotation vectors (n, 3) from a reference (1, 4), continuous, the last at most pi long."""
-    back = rotations.inverse(np.repeat(reference, len(motion.times), 0))
-    return rotations.lift(rotations.compose(back, motion.orientations), anchor="goal")
-
-
 def _continued(vector: Float64Array, near: Float64Array) -> Float64Array:
     """The rotation vector (3,) of the same rotation that lies nearest to another."""
     angle = float(np.linalg.norm(vector))
@@ -145,18 +152,3 @@ def _continued(vector: Float64Array, near: Float64Array) -> Float64Array:
     axis = vector / angle
     turns = np.round((float(axis @ near) - angle) / _TURN)
     return np.asarray(axis * (angle + _TURN * turns))
-
-
-def scale_of(columns: Sequence[Float64Array], size: int) -> Float64Array:
-    """The extent (width,) of positions, and that of orientations for their weight."""
-    width = columns[0].shape[1]
-    extent = [float(np.mean([_extent(each[:, :size]) for each in columns]))]
-    if width > size:
-        turn = np.mean([_extent(each[:, size:]) for each in columns])
-        extent.append(max(float(turn), _MIN_TURN) / _TURNING)
-    scale = np.repeat([each or 1.0 for each in extent], [size, width - size][: len(extent)])
-    return np.asarray(scale, dtype=np.float64)
-
-
-def _extent(rows: Float64Array) -> float:
-    return float(np.linalg.norm(np.ptp(rows, axis=0)))

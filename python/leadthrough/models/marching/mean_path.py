@@ -8,9 +8,8 @@ as wide as the detour may become; if they block a branch, another demonstrated o
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,19 +17,17 @@ from numpy.typing import NDArray
 import leadthrough._core as core
 from leadthrough.check import Float64Array, NoPath
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import (
+from leadthrough.models.marching.route import Query, Route, route_along
+from leadthrough.models.queries import MAX_GAIN, fraction_inside
+from leadthrough.planning.detours import detoured
+from leadthrough.planning.maps import (
+    CELLS_PER_KNOT,
     Scales,
     grid_over,
     min_distance,
-    quickest_in_tube,
-    slowed_at,
     tube_field,
 )
-from leadthrough.models.marching.route import CELLS_PER_KNOT, Query, Route, route_along
-from leadthrough.models.queries import MAX_GAIN, fraction_inside
-from leadthrough.planning import Grid
 from leadthrough.preprocess.resample import arc_length, by_arc_length
-from leadthrough.shapes import Shape
 
 _SAMPLES = 1000
 _ROTATED_FRACTION = 1.0 / 3.0
@@ -242,7 +239,7 @@ def _through(
         nominal[[0, -1]] = query.ends
     knot_spacing = _KNOTS * scales.radius
     grid, scales = grid_over([nominal], query.obstacles, scales)
-    path = _with_detours(nominal, grid, query.obstacles, scales)
+    path = detoured(nominal, grid, query.obstacles, scales)
     if path is not nominal:
         knot_spacing = CELLS_PER_KNOT * float(grid.spacing.max())
     chosen = mean.weights > 0.0
@@ -257,48 +254,3 @@ def _through(
         method="mean_path",
         region=mean.region if path is nominal else None,  # a detour needs its room
     )
-
-
-def _with_detours(
-    mean: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
-) -> Float64Array:
-    """A mean path with detours through its tube; itself where there is none."""
-    if not obstacles:
-        return mean
-    influenced = slowed_at(mean, grid, obstacles, scales)
-    if not influenced.any():
-        return mean
-    try:
-        parts = [
-            _detour(stretch, grid, obstacles, scales) if blocked else stretch
-            for stretch, blocked in _stretches(mean, influenced)
-        ]
-    except NoPath:
-        # An end of a detour may be enclosed although start and goal are not.
-        parts = [quickest_in_tube(mean, grid, obstacles, scales)]
-    return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
-
-
-def _detour(
-    stretch: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
-) -> Float64Array:
-    """The quickest path from end to end of a stretch."""
-    # As wide a tube as the detour may become: it leaves and rejoins the path gently.
-    wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
-    return quickest_in_tube(stretch, grid, obstacles, wide)
-
-
-def _stretches(
-    path: Float64Array, influenced: NDArray[np.bool_]
-) -> list[tuple[Float64Array, bool]]:
-    """Consecutive parts of a path (n, d) and whether each is a detour around an obstacle."""
-    blocked = np.zeros(len(path), dtype=bool)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], influenced, [0]])))
-    for first, end in edges.reshape(-1, 2):
-        extra = (end - first + 1) // 2
-        blocked[max(first - extra, 0) : end + extra] = True
-    changes = np.flatnonzero(np.diff(blocked)) + 1
-    bounds = [0, *(int(change) for change in changes), len(path) - 1]
-    return [
-        (path[a : b + 1], bool(blocked[a])) for a, b in pairwise(bounds) if b > a or len(path) == 1
-    ]

@@ -19,15 +19,6 @@ from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.marching import orientation
 from leadthrough.models.marching.experience import Experience, experience_like, experience_of
-from leadthrough.models.marching.maps import (
-    GROWTH,
-    MAP_RADIUS,
-    OBSTACLE_MAPS,
-    Scales,
-    map_of,
-    mean_speed,
-    with_obstacles,
-)
 from leadthrough.models.marching.planner import planned
 from leadthrough.models.marching.policy import Policy, policy_to
 from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, split
@@ -43,6 +34,15 @@ from leadthrough.motion import (
     plain_events,
 )
 from leadthrough.planning import Grid
+from leadthrough.planning.maps import (
+    GROWTH,
+    MAP_RADIUS,
+    OBSTACLE_MAPS,
+    Scales,
+    map_of,
+    mean_speed,
+    with_obstacles,
+)
 from leadthrough.shapes import Shape, check_shapes
 
 METHODS = ("auto", "map", "start", "mean_path")

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import MAP_RADIUS, TUBE_RADIUS, Scales, min_distance
 from leadthrough.models.marching.mean_path import MAX_DEVIATION, along_mean, branches, with_ends
 from leadthrough.models.marching.route import Query, Route, from_start, through_map
+from leadthrough.planning.maps import MAP_RADIUS, TUBE_RADIUS, Scales, min_distance
 from leadthrough.preprocess import arc_length, by_arc_length, frechet_distance
 
 # A mean path is predicted where a demonstration's ends are nearer to start and goal than this

@@ -17,8 +17,8 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, NoPath
 from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import Scales, grid_over, speeds_along, with_detours
 from leadthrough.planning import ArrivalField, Grid, arrival_times, direction
+from leadthrough.planning.maps import Scales, grid_over, speeds_along, with_detours
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes

@@ -18,7 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, NoPath
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import (
+from leadthrough.models.targets import Target
+from leadthrough.planning import Grid, arrival_times, descend
+from leadthrough.planning.maps import (
+    CELLS_PER_KNOT,
     MAX_CELLS_FROM_AFAR,
     Scales,
     clear_outside,
@@ -31,8 +34,6 @@ from leadthrough.models.marching.maps import (
     with_detours,
     with_obstacles,
 )
-from leadthrough.models.targets import Target
-from leadthrough.planning import Grid, arrival_times, descend
 from leadthrough.planning.speed_map import (
     ExperienceField,
     FreeField,
@@ -45,9 +46,6 @@ from leadthrough.planning.speed_map import (
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
-
-# Grid noise is shorter than this many cells; the shapes of demonstrations are not.
-CELLS_PER_KNOT = 8.0
 
 # Width of the weights over the demonstrations' starts, in their mean distance from each other.
 _START_WIDTH = 0.25

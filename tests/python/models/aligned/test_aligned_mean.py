@@ -107,3 +107,16 @@ def test_families_of_other_motions_are_no_candidates():
 def test_learning_from_nothing_is_refused():
     with pytest.raises(FitError, match="demonstrations"):
         lt.learn([])
+
+
+@pytest.mark.parametrize("model", [lt.AlignedMean(), lt.FastMarching()], ids=str)
+def test_a_detour_rejoins_the_stroke_where_it_left_it(model):
+    down_and_up = np.column_stack([0.1 * np.sin(np.pi * U), 1.0 - np.abs(2.0 * U - 1.0)])
+    post = lt.Sphere(0.03, (0.05, 0.5, 0.0))  # between both halves, and near both
+    skill = model.fit(
+        [lt.Trajectory(TIMES, down_and_up + np.array([0.0, 0.01 * i])) for i in range(3)]
+    )
+    plain, made = skill.generate(), skill.generate(obstacles=[post])
+    assert post.distance(np.column_stack([made.positions, np.zeros(len(made))])).min() > 0.0
+    lengths = [np.linalg.norm(np.diff(m.positions, axis=0), axis=1).sum() for m in (plain, made)]
+    assert lengths[1] > 0.97 * lengths[0]

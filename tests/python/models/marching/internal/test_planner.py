@@ -8,13 +8,13 @@ from models.marching.paths import apart
 from models.marching.test_moved_ends import away, family, shown
 
 import leadthrough as lt
-from leadthrough.models.marching import maps, mean_path
+from leadthrough.models.marching import mean_path
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.maps import Scales
 from leadthrough.models.marching.planner import directed, resemble_another
 from leadthrough.models.marching.policy import start_barrier
 from leadthrough.models.marching.route import Query
-from leadthrough.planning import Grid
+from leadthrough.planning import Grid, maps
+from leadthrough.planning.maps import Scales
 
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 200)
 

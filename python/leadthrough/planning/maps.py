@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.planning import Grid
+from leadthrough.planning.grid import Grid
 from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
     DetourField,
@@ -31,6 +31,9 @@ from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.smooth import smooth_path
 from leadthrough.shapes import Shape
 
+# Grid noise is shorter than this many cells; the shapes of demonstrations are not.
+CELLS_PER_KNOT = 8.0
+_SATURATION = 0.02  # speed outside a tube
 OBSTACLE_MAPS = ("product", "minimum")
 # Radii in fractions of the demonstrations' mean length, so that the unit of the data does not
 # matter. Tubes overlap in the map of all demonstrations; a tube around one path is thinner.
@@ -77,6 +80,11 @@ class Scales:
     growth: float = 1.0  # factor by which the tubes may become wider than the radius
     workspace: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     obstacle_map: str = "product"  # how obstacles enter the map, "product" or "minimum"
+
+
+def scales_of(length: float) -> Scales:
+    """The scales of a tube around one path of a length."""
+    return Scales(TUBE_RADIUS * length, MAP_RADIUS * length, _SATURATION, None, growth=GROWTH)
 
 
 def map_of(paths: Sequence[Float64Array], scales: Scales) -> tuple[Grid, Float64Array, Scales]:
