@@ -24,6 +24,18 @@ py::tuple fit_spline_(const Vector& parameters, const Table& q, double tolerance
   return py::make_tuple(as_array(fit.breaks), std::move(fit.coefficients));
 }
 
+py::tuple smooth_spline_(const Vector& parameters, const Table& q, double tolerance,
+                         const Vector& lower, const Vector& upper) {
+  require(parameters.size() == q.rows() && q.rows() > 6 && q.cols() > 0 &&
+          lower.size() == q.cols() && upper.size() == q.cols());
+  SplineFit fit;
+  {
+    const py::gil_scoped_release release;
+    fit = smooth_spline(parameters, q, tolerance, {lower, upper});
+  }
+  return py::make_tuple(as_array(fit.breaks), std::move(fit.coefficients));
+}
+
 Rows cubic_through_(const Vector& parameters, const Table& q) {
   require(parameters.size() == q.rows() && q.rows() > 1);
   const Unlocked unlocked;
@@ -65,6 +77,9 @@ py::array_t<Eigen::Index> rows_apart_(const Table& q, double tolerance) {
 void bind_spline_fit(py::module_& module) {
   module.def("fit_spline", &fit_spline_, py::arg("parameters").noconvert(),
              py::arg("q").noconvert(), py::arg("tolerance"));
+  module.def("smooth_spline", &smooth_spline_, py::arg("parameters").noconvert(),
+             py::arg("q").noconvert(), py::arg("tolerance"), py::arg("lower").noconvert(),
+             py::arg("upper").noconvert());
   module.def("cubic_through", &cubic_through_, py::arg("parameters").noconvert(),
              py::arg("q").noconvert());
   module.def("spline_slopes", &spline_slopes_, py::arg("parameters").noconvert(),

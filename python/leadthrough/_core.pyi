@@ -774,6 +774,13 @@ def motion_peaks(
 def fit_spline(
     parameters: Float64Array, q: Float64Array, tolerance: float
 ) -> tuple[IndexArray, Float64Array]: ...
+def smooth_spline(
+    parameters: Float64Array,
+    q: Float64Array,
+    tolerance: float,
+    lower: Float64Array,
+    upper: Float64Array,
+) -> tuple[IndexArray, Float64Array]: ...
 def polynomial_values(
     knots: Float64Array, coefficients: Float64Array, times: Float64Array, order: int
 ) -> Float64Array: ...

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "leadthrough/base/interrupt.hpp"
 
@@ -22,6 +23,9 @@ constexpr Index kFirstSpans = 4;
 constexpr Index kLeastSamples = 3;
 // Each end weighs as much as the square of this many samples.
 constexpr double kWeightOfEnds = 1e4;
+// Weights of the third derivative over a path of length 1, as powers of ten: a bend of a thousandth
+// of the path counts little at the first, one of the whole path much at the last.
+constexpr double kSoftest = -20.0, kStiffest = 4.0, kStep = 0.25;
 
 class Fit {
  public:
@@ -44,18 +48,46 @@ class Fit {
       span_[static_cast<std::size_t>(i)] = span;
       set_basis(i, span);
     }
+    set_normal();
   }
 
   // Whether the equations have a solution.
   bool solve() {
-    if (!factorize()) return false;
-    residuals_ = q_;
-    coefficients_ = Rows::Zero(spans_ + kDegree, q_.cols());
-    for (int pass = 0; pass < 2; ++pass) {
-      check_interrupt();
-      coefficients_ += correction();
-      measure_residuals();
+    if (!factorize(0.0)) return false;
+    check_interrupt();
+    coefficients_ = solved(q_);
+    coefficients_ += solved(missed(q_, coefficients_));
+    finish();
+    return true;
+  }
+
+  // The same with each column as stiff as the tolerance allows.
+  bool smooth(const CurveBounds& bounds, double tolerance) {
+    set_penalty();
+    coefficients_.resize(spans_ + kDegree, q_.cols());
+    for (Index j = 0; j < q_.cols(); ++j) {
+      const Rows column = q_.col(j);
+      const auto fit = [&](double exponent) -> std::optional<Rows> {
+        check_interrupt();
+        if (!factorize(std::pow(10.0, exponent))) return {};
+        Rows x = solved(column);
+        // A curve lies between its coefficients.
+        x = x.cwiseMax(bounds.lower[j]).cwiseMin(bounds.upper[j]);
+        if (missed(column, x).cwiseAbs().maxCoeff() > tolerance) return {};
+        return x;
+      };
+      std::optional<Rows> best = fit(kSoftest);
+      if (!best) return false;
+      Index low = 0, high = static_cast<Index>((kStiffest - kSoftest) / kStep) + 1;
+      while (high - low > 1) {
+        const Index middle = (low + high) / 2;
+        std::optional<Rows> x = fit(kSoftest + kStep * static_cast<double>(middle));
+        (x ? low : high) = middle;
+        if (x) best.swap(x);
+      }
+      coefficients_.col(j) = *best;
     }
+    finish();
     return true;
   }
 
@@ -71,14 +103,12 @@ class Fit {
   Rows pieces() const {
     Rows table(spans_ * kOrder, q_.cols());
     for (Index span = 0; span < spans_; ++span) {
-      Rows local = coefficients_.middleRows(span, kOrder);
+      table.middleRows(span * kOrder, kOrder) =
+          derivatives(coefficients_.middleRows(span, kOrder), span);
       double factorial = 1.0;
-      for (Index order = 0; order < kOrder; ++order) {
-        if (order > 0) {
-          differentiate(local, span, order);
-          factorial *= static_cast<double>(order);
-        }
-        table.row(span * kOrder + order) = at_start(local, span, order) / factorial;
+      for (Index order = 1; order < kOrder; ++order) {
+        factorial *= static_cast<double>(order);
+        table.row(span * kOrder + order) /= factorial;
       }
     }
     return table;
@@ -110,17 +140,45 @@ class Fit {
     return i == 0 || i + 1 == q_.rows() ? kWeightOfEnds * kWeightOfEnds : 1.0;
   }
 
-  // The band of the normal matrix as L D L^T: row i holds D, then the column of L below it.
-  bool factorize() {
-    const Index size = spans_ + kDegree;
-    band_ = Rows::Zero(size, kOrder);
+  // The band of the normal matrix: row i holds the diagonal, then the column below it.
+  void set_normal() {
+    normal_ = Rows::Zero(spans_ + kDegree, kOrder);
     for (Index i = 0; i < q_.rows(); ++i) {
       check_interrupt(i);
       const Index first = span_[static_cast<std::size_t>(i)];
       for (Index k = 0; k < kOrder; ++k)
         for (Index m = k; m < kOrder; ++m)
-          band_(first + k, m - k) += weight(i) * basis_(i, k) * basis_(i, m);
+          normal_(first + k, m - k) += weight(i) * basis_(i, k) * basis_(i, m);
     }
+  }
+
+  // The integral of the squared third derivative over a path of length 1, in the same form.
+  void set_penalty() {
+    penalty_ = Rows::Zero(spans_ + kDegree, kOrder);
+    const double length = parameters_[parameters_.size() - 1] - parameters_[0];
+    for (Index span = 0; span < spans_; ++span) {
+      const Rows terms = derivatives(Rows::Identity(kOrder, kOrder), span);
+      const double width = (knots_[span + kOrder] - knots_[span + kDegree]) / length;
+      Eigen::Matrix3d moments;
+      Eigen::Matrix<double, 3, kOrder> third;
+      for (Index a = 0; a < 3; ++a) {
+        const double factor = std::array{1.0, 1.0, 0.5}[static_cast<std::size_t>(a)];
+        third.row(a) = factor * std::pow(length, static_cast<double>(3 + a)) * terms.row(3 + a);
+        for (Index b = 0; b < 3; ++b)
+          moments(a, b) =
+              std::pow(width, static_cast<double>(a + b + 1)) / static_cast<double>(a + b + 1);
+      }
+      const Eigen::Matrix<double, kOrder, kOrder> part = third.transpose() * moments * third;
+      for (Index k = 0; k < kOrder; ++k)
+        for (Index m = k; m < kOrder; ++m) penalty_(span + k, m - k) += part(k, m);
+    }
+  }
+
+  // The matrix as L D L^T: row i holds D, then the column of L below it.
+  bool factorize(double stiffness) {
+    const Index size = spans_ + kDegree;
+    band_ = normal_;
+    if (stiffness > 0.0) band_ += stiffness * static_cast<double>(q_.rows()) * penalty_;
     for (Index i = 0; i < size; ++i) {
       const double pivot = band_(i, 0);
       if (!(pivot > 0.0)) return false;
@@ -134,14 +192,14 @@ class Fit {
     return true;
   }
 
-  // Coefficients that fit the residuals.
-  Rows correction() const {
+  // Coefficients that fit samples, one column a coordinate.
+  Rows solved(const Rows& samples) const {
     const Index size = spans_ + kDegree;
-    Rows x = Rows::Zero(size, q_.cols());
-    for (Index i = 0; i < q_.rows(); ++i) {
+    Rows x = Rows::Zero(size, samples.cols());
+    for (Index i = 0; i < samples.rows(); ++i) {
       const Index first = span_[static_cast<std::size_t>(i)];
       for (Index k = 0; k < kOrder; ++k)
-        x.row(first + k) += weight(i) * basis_(i, k) * residuals_.row(i);
+        x.row(first + k) += weight(i) * basis_(i, k) * samples.row(i);
     }
     for (Index i = 0; i < size; ++i)
       for (Index k = 1; k <= std::min(kDegree, size - 1 - i); ++k)
@@ -154,12 +212,29 @@ class Fit {
     return x;
   }
 
-  void measure_residuals() {
-    residuals_ = q_;
-    for (Index i = 0; i < q_.rows(); ++i)
+  Rows missed(const Rows& samples, const Rows& coefficients) const {
+    Rows residuals = samples;
+    for (Index i = 0; i < samples.rows(); ++i)
       for (Index k = 0; k < kOrder; ++k)
-        residuals_.row(i) -=
-            basis_(i, k) * coefficients_.row(span_[static_cast<std::size_t>(i)] + k);
+        residuals.row(i) -= basis_(i, k) * coefficients.row(span_[static_cast<std::size_t>(i)] + k);
+    return residuals;
+  }
+
+  // A curve begins and ends at its outer coefficients.
+  void finish() {
+    coefficients_.row(0) = q_.row(0);
+    coefficients_.row(coefficients_.rows() - 1) = q_.row(q_.rows() - 1);
+    residuals_ = missed(q_, coefficients_);
+  }
+
+  // All derivatives where a span begins, from its coefficients.
+  Rows derivatives(Rows local, Index span) const {
+    Rows result(kOrder, local.cols());
+    for (Index order = 0; order < kOrder; ++order) {
+      if (order > 0) differentiate(local, span, order);
+      result.row(order) = at_start(local, span, order);
+    }
+    return result;
   }
 
   // Coefficients of the derivative of `order` from those of the one before.
@@ -192,7 +267,7 @@ class Fit {
   VectorXd knots_;
   Rows basis_;               // (samples, order)
   std::vector<Index> span_;  // of each sample
-  Rows band_, coefficients_, residuals_;
+  Rows normal_, penalty_, band_, coefficients_, residuals_;
 };
 
 bool wide_enough(const std::vector<Index>& breaks) {
@@ -221,6 +296,17 @@ SplineFit fit_spline(const Eigen::Ref<const VectorXd>& parameters, const Eigen::
     breaks.swap(finer);
   }
   return {};
+}
+
+SplineFit smooth_spline(const Eigen::Ref<const VectorXd>& parameters,
+                        const Eigen::Ref<const Rows>& q, double tolerance,
+                        const CurveBounds& bounds) {
+  std::vector<Index> breaks;
+  const Index spans = std::max<Index>((q.rows() - 1) / kLeastSamples, 1);
+  for (Index k = 0; k <= spans; ++k) breaks.push_back(k * (q.rows() - 1) / spans);
+  Fit fit(parameters, q, breaks);
+  if (!fit.smooth(bounds, tolerance)) return {};
+  return {breaks, fit.pieces()};
 }
 
 std::vector<Index> rows_apart(const Eigen::Ref<const Rows>& q, double tolerance) {

@@ -15,11 +15,23 @@ struct SplineFit {
   Rows coefficients;
 };
 
+// Lower and upper bounds of the path, a value a column; infinite where there is none.
+struct CurveBounds {
+  Eigen::VectorXd lower, upper;
+};
+
 // A least-squares fit with as few pieces as the tolerance allows: those that miss a sample by more
-// are halved. parameters: increasing, more than six, of the rows of q. The ends are met as if they
-// were interpolated.
+// are halved. parameters: increasing, more than six, of the rows of q. The ends are
+// interpolated.
 SplineFit fit_spline(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                      const Eigen::Ref<const Rows>& q, double tolerance);
+
+// A penalized fit (Eilers and Marx 1996): of each column the smallest third derivative, in the mean
+// square, that leaves no sample by more than the tolerance, to a quarter of a power of ten of its
+// weight. Arguments as before; the path is inside the bounds.
+SplineFit smooth_spline(const Eigen::Ref<const Eigen::VectorXd>& parameters,
+                        const Eigen::Ref<const Rows>& q, double tolerance,
+                        const CurveBounds& bounds);
 
 // The first row, and every row that differs from the last one found by more than the tolerance in
 // some column.

@@ -37,8 +37,6 @@ constexpr int kMaxCoarseRounds = 8, kRoundsOfPush = 4, kMaxLocalRounds = 16, kMa
               kMaxRounds = 60;
 // Windows that are too short for any profile grow by this part of them, at least by a sample.
 constexpr Index kWidening = 4;
-// The first round looks at one sample of so many.
-constexpr Index kFirstParts = 3;
 // Excess of a limit that long strides leave to all samples.
 constexpr double kCoarseExcess = 1e-3;
 // A place is a bottleneck where the motion is so many times slower than on average over the
@@ -186,13 +184,12 @@ class TimeLawSearch {
     LawSamples before;
     std::swap(before, smooth_);
     sample(period, windows_.first * (stride_ / stride), windows_.second * (stride_ / stride));
-    // Nearly all samples exceed a limit slightly at first: some tell as much.
-    const bool all = stride == 1 && rounds_ > 1;
-    const Index parts = all ? options_.parts : stride == 1 ? kFirstParts : 1;
+    const bool all = stride == 1;
+    const Index parts = all ? options_.parts : 1;
     const std::size_t same = stride == sampled_ ? smooth_.same_as(before) : 0;
     measure_use(path_, grid_, limits_, smooth_,
                 {period, parts, all, rests_at_start(), rests_at_end()}, same, ratios_);
-    sampled_ = all ? stride : 0;
+    sampled_ = stride;
     return true;
   }
 
@@ -236,7 +233,7 @@ class TimeLawSearch {
     for (int k = 0; k < kMaxRounds; ++k) {
       check_interrupt();
       if (!round(stride, law)) return false;
-      if (stride == 1 && k > 0 && excess() == 0.0) return true;
+      if (stride == 1 && excess() == 0.0) return true;
       if (k == 0 && cap_by_jerk()) {
         capped_ = true;
         continue;

@@ -198,6 +198,15 @@ def check_positions(positions: Float64Array, limits: JointLimits) -> None:
         )
 
 
+def positions_outside(used: Extremes, limits: JointLimits) -> Float64Array:
+    """How far joints (joints,) leave their position limits, 0 for as much as rounding."""
+    low, high = used.positions
+    beyond = np.maximum(limits.lower - low, high - limits.upper)
+    ranges = limits.upper - limits.lower
+    half = np.where(np.isfinite(ranges), 0.5 * ranges, 0.0)
+    return np.where(beyond > np.maximum(POSITION_ROUNDING, ROUNDING * half), beyond, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Extremes:
     """The largest values that joints reach, (quantities, joints), when, and in which steps."""

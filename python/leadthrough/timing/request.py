@@ -16,6 +16,10 @@ InverseDynamics = Callable[[Float64Array, Float64Array, Float64Array], Float64Ar
 
 # Rounding may take positions beyond their limits by this, rad or m.
 POSITION_ROUNDING = 1e-9
+_NOMINAL_TOLERANCE = 1e-5  # rad or m: nothing is smoothed up to it
+# Tolerances of smooth paths. All up to the one given are tried, so that more never takes longer.
+_RUNGS = [float(f"{digit}e{power}") for power in range(-5, 0) for digit in (1, 2, 3, 5)][1:]
+_SAME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,15 +50,31 @@ class Request:
     dwell_times: Mapping[int, float]
     tip_speed: TipSpeed | None
     inverse_dynamics: InverseDynamics | None
+    margins: Float64Array | float = 0.0  # by which a fitted path stays inside them, (joints,)
+    smooth: bool = False  # whether a path through samples is as smooth as the tolerance allows
     blend: float = 0.0
     earliest_times: Float64Array | None = None  # s, for every row of the path
     start_velocity: Float64Array | None = None
     end_velocity: Float64Array | None = None
 
-    def keeps_positions(self, q: Float64Array) -> bool:
-        """Whether configurations (n, joints) lie inside the position limits, but for rounding."""
-        outside = np.maximum(self.lower - q, q - self.upper)
-        return bool(outside.max() <= POSITION_ROUNDING)
+    def outside(self, q: Float64Array) -> float:
+        """How far some of the configurations (n, joints) lies outside the position limits."""
+        return float(np.maximum(self.lower - q, q - self.upper).max())
+
+    def inside(self, margins: Float64Array) -> Request:
+        """The request with position limits that are narrower by margins (joints,)."""
+        return replace(self, margins=self.margins + margins)
+
+    def clipped(self, q: Float64Array, fraction: Float64Array) -> Float64Array:
+        """Configurations (n, joints) inside the limits by a fraction (n,) of the margins."""
+        margins = fraction[:, None] * self.margins
+        return np.clip(q, self.lower + margins, self.upper - margins)
+
+    def smoother(self) -> list[Request]:
+        """The request with the nominal tolerance and with smooth paths up to its tolerance."""
+        tight = replace(self, path_tolerance=min(self.path_tolerance, _NOMINAL_TOLERANCE))
+        rungs = [rung for rung in _RUNGS if rung <= self.path_tolerance * (1.0 + _SAME)]
+        return [tight, *(replace(self, path_tolerance=rung, smooth=True) for rung in rungs)]
 
     @property
     def rests_at_ends(self) -> tuple[bool, bool]:

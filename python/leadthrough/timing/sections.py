@@ -15,7 +15,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import JointTrajectory
-from leadthrough.timing.request import Request
+from leadthrough.timing.request import POSITION_ROUNDING, Request
 from leadthrough.trajectories import Curve, Spline
 from leadthrough.trajectories.minimum_jerk import QUINTIC
 
@@ -114,6 +114,12 @@ def _moved(piece: Float64Array, by: float) -> Float64Array:
     return np.array(table) @ piece
 
 
+# Spans of a spline that is bounded by its control points: the fewest and the most, doubled until
+# it lies within this fraction of the tolerance from the samples; dropped ones need the rest.
+_MIN_SPANS, _MAX_SPANS, _SHARE = 128, 30_000, 0.8
+_FADE = 0.1  # of such a spline, over which its distance from the limits grows
+# Samples that are nearer than this fraction of the tolerance to the one before are dropped.
+_FRACTION_DROPPED = 0.05
 # Number of samples through which curves are fitted that are not splines, or not smooth enough.
 _SAMPLES_OF_A_CURVE = 2000
 
@@ -182,25 +188,52 @@ def _fitted(
 ) -> tuple[Rows, Float64Array, Spline]:
     """The samples kept, by their index, their parameters and a spline near all samples."""
     tolerance = request.path_tolerance
-    found = _within(times, q, tolerance)
-    if not request.keeps_positions(q) or request.keeps_positions(_reached(found[2])):
+    if request.smooth and (found := _smoothed(q, request)):
         return found
-    kept, parameters, near = _within(times, q, 0.1 * tolerance)
-    even = np.linspace(*near.domain, max(_SAMPLES_OF_A_CURVE, 8 * len(q)))
-    places = np.union1d(parameters, even)
-    u = places / near.domain[1]
-    ramp = np.minimum(1.0, 10.0 * np.minimum(u, 1.0 - u))[:, None]  # the ends stay where they are
-    away = ramp * np.minimum(0.8 * tolerance, 0.5 * (request.upper - request.lower))
-    inside = np.clip(near.evaluate(places), request.lower + away, request.upper - away)
-    return kept, parameters, fit_within(places, inside, 0.1 * tolerance)
-
-
-def _within(
-    times: Float64Array, q: Float64Array, tolerance: float
-) -> tuple[Rows, Float64Array, Spline]:
     # Dropped samples and the fit share the tolerance.
     kept, parameters = moving_samples(times, q, 0.5 * tolerance)
-    return kept, parameters, fit_within(parameters, q[kept], 0.5 * tolerance)
+    spline = fit_within(parameters, q[kept], 0.5 * tolerance)
+    beyond = request.outside(_reached(spline))
+    if beyond <= POSITION_ROUNDING or request.outside(q) > tolerance:
+        return kept, parameters, spline
+    kept, parameters = moving_samples(times, q, 0.2 * tolerance)
+    near = fit_within(parameters, q[kept], 0.2 * tolerance)
+    return kept, parameters, _bounded(near, parameters, q[kept], request)
+
+
+def _bounded(near: Spline, parameters: Float64Array, q: Float64Array, request: Request) -> Spline:
+    """A spline near another one, inside the limits as its control points are (Schoenberg's)."""
+    from scipy.interpolate import BSpline
+
+    spans = _MIN_SPANS
+    while True:
+        knots = np.pad(np.linspace(*near.domain, spans + 1), _DEGREE, mode="edge")
+        averages = np.lib.stride_tricks.sliding_window_view(knots[1:-1], _DEGREE).mean(axis=1)
+        ends = np.minimum(averages - knots[0], knots[-1] - averages) / knots[-1]
+        fade = np.minimum(ends / _FADE, 1.0)  # the ends stay where they are
+        points = request.clipped(near.evaluate(averages), fade)
+        curve, breaks = BSpline(knots, points, _DEGREE), knots[_DEGREE:-_DEGREE]
+        terms = [curve(breaks[:-1], k) / math.factorial(k) for k in range(_DEGREE + 1)]
+        spline = Spline(breaks, np.stack(terms, axis=1))
+        missed = np.abs(spline.evaluate(parameters) - q).max()
+        if missed <= _SHARE * request.path_tolerance or spans > _MAX_SPANS:
+            return spline
+        spans *= 2
+
+
+def _smoothed(q: Float64Array, request: Request) -> tuple[Rows, Float64Array, Spline] | None:
+    """The smoothest spline over arc length within the tolerance; None if samples are too few."""
+    dropped = _FRACTION_DROPPED * request.path_tolerance
+    kept = _kept(q, dropped)
+    if len(kept) <= _DEGREE + 1:
+        return None
+    points = np.ascontiguousarray(q[kept])
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    lengths = np.concatenate([[0.0], np.cumsum(steps)])
+    tolerance = request.path_tolerance - dropped
+    bounds = request.lower + request.margins, request.upper - request.margins
+    breaks, table = core.smooth_spline(lengths, points, tolerance, *bounds)
+    return (kept, lengths, _quintics(lengths[breaks], table)) if len(breaks) else None
 
 
 def _reached(spline: Spline) -> Float64Array:
@@ -361,12 +394,18 @@ def moving_samples(
     times: Float64Array, q: Float64Array, tolerance: float
 ) -> tuple[NDArray[np.intp], Float64Array]:
     """The samples that differ from the one kept before by more than the tolerance."""
-    indices = core.rows_apart(np.ascontiguousarray(q), tolerance)
-    if indices[-1] != len(q) - 1:  # the last one lies within the tolerance
-        indices = np.append(indices[: max(len(indices) - 1, 1)], len(q) - 1)
+    indices = _kept(q, tolerance)
     steps = np.diff(times[indices])
     usual = float(np.median(np.diff(times)))
     return indices, np.concatenate([[0.0], np.cumsum(np.minimum(steps, usual))])
+
+
+def _kept(q: Float64Array, tolerance: float) -> NDArray[np.intp]:
+    """Indices of the last sample and of those farther than the tolerance from the one before."""
+    indices = core.rows_apart(np.ascontiguousarray(q), tolerance)
+    if indices[-1] == len(q) - 1:
+        return indices
+    return np.append(indices[: max(len(indices) - 1, 1)], len(q) - 1)
 
 
 def fit_within(parameters: Float64Array, q: Float64Array, tolerance: float) -> Spline:
@@ -375,9 +414,12 @@ def fit_within(parameters: Float64Array, q: Float64Array, tolerance: float) -> S
         return through(parameters, q)
     parameters, q = np.ascontiguousarray(parameters), np.ascontiguousarray(q)
     breaks, table = core.fit_spline(parameters, q, tolerance)
-    if len(breaks) == 0:
-        return through(parameters, q)
-    return Spline(parameters[breaks], table.reshape(len(breaks) - 1, _DEGREE + 1, q.shape[1]))
+    return _quintics(parameters[breaks], table) if len(breaks) else through(parameters, q)
+
+
+def _quintics(knots: Float64Array, table: Float64Array) -> Spline:
+    """The spline of pieces whose coefficients are rows of a table."""
+    return Spline(knots, table.reshape(len(knots) - 1, _DEGREE + 1, -1))
 
 
 def through(parameters: Float64Array, q: Float64Array) -> Spline:

@@ -338,6 +338,15 @@ call(core.step_extremes, None, times=np.array([0.0, 1.0]), **sampled)
 call(core.motion_peaks, None, times=np.array([0.0, 1.0]), **sampled)
 ramp = np.linspace(0.0, 1.0, 20)
 call(core.fit_spline, [0, 4, 9, 14, 19], parameters=ramp, q=ramp[:, None], tolerance=1e-9)
+NARROW = {"lower": np.zeros(1), "upper": np.full(1, ramp[-1])}
+call(
+    core.smooth_spline,
+    [0, 3, 6, 9, 12, 15, 19],
+    parameters=ramp,
+    q=ramp[:, None],
+    tolerance=1e-9,
+    **NARROW,
+)
 call(core.rows_apart, [0, 1], q=LINE, tolerance=1e-9)
 
 # Objects of other sizes, which go with none of the above.

@@ -36,7 +36,7 @@ FREE = dict(
     longest_step(q)  march(cells speed)  mass_matrix(q)  nearest_bodies(q)
     nearest_sources(arrival)  normalised_basis(centres phases)  posture_task(q velocity)
     product(left right)  solve_definite(right)
-    fit_spline(q)  rows_apart(q)  time_lines(points)
+    fit_spline(q)  smooth_spline(q)  rows_apart(q)  time_lines(points)
     so3_exp(rotation_vectors)  so3_from_matrix(matrices)  so3_left_jacobian(rotation_vectors)
     so3_left_jacobian_inverse(rotation_vectors)  so3_lift(quaternions)  so3_log(quaternions)
     so3_mean(layers weights)  so3_slerp_through(at)  so3_to_matrix(quaternions)

@@ -512,3 +512,46 @@ def test_limits_that_are_missing_or_never_kept_are_refused():
     refused("finite limit", lt.retime, [[0.0, 0.0], [1.0, 0.0]], free)
     stuck = JointLimits(("a", "b"), [-9, -9], [9, 9], [1, 0], [1, 1], [1, 1])
     assert "b moves" in str(raised(LimitsInfeasible, lt.retime, [[0.0, 0.0], [1.0, 0.1]], stuck))
+
+
+def hand_motion(seed, limits, *, joint_at_limit=False, noise=0.0):
+    """A smooth motion of all joints at 100 Hz; one of them may rest at its upper limit."""
+    rng, u = np.random.default_rng(seed), np.linspace(0.0, 1.0, 300)[:, None]
+    middle = 0.5 * (np.maximum(limits.lower, -7.0) + np.minimum(limits.upper, 7.0))
+    waves = [rng.normal(size=len(middle)) * 0.1 * np.sin(np.pi * k * u) for k in (1, 2, 3)]
+    q = middle + sum(waves) + 0.3 * rng.normal(size=len(middle)) * u
+    if joint_at_limit:
+        arrives = np.clip(1.0 - u[:, 0] / 0.7, 0.0, 1.0) ** 3
+        leaves = np.clip((u[:, 0] - 0.3) / 0.7, 0.0, 1.0) ** 3
+        pressed = np.clip(0.2 * np.sin(2.0 * np.pi * u[:, 0]), 0.0, None)
+        joint = seed % 5  # the last one of the UR3 has no limit
+        q[:, joint] = limits.upper[joint] - (arrives, leaves, pressed)[seed % 3]
+    q = np.clip(q + noise * rng.normal(size=q.shape), limits.lower, limits.upper)
+    return lt.JointTrajectory(3.0 * u[:, 0], q)
+
+
+@pytest.mark.parametrize("robot", ["ur3", "panda"])
+@pytest.mark.parametrize("rate", [100.0, 1000.0])
+def test_recordings_that_rest_at_a_limit_are_legal(robot, rate):
+    limits = lt.Arm.load(robot).limits
+    for seed in range(6):
+        given = hand_motion(seed, limits, joint_at_limit=True, noise=(0.0, 1e-5)[seed % 2])
+        motion = lt.retime(given, limits, rate=rate)
+        assert check_limits(motion, limits).ok
+        np.testing.assert_allclose(motion.positions[[0, -1]], given.positions[[0, -1]], atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_more_path_tolerance_never_takes_longer_and_is_a_tube(seed):
+    given = hand_motion(seed, PANDA, noise=3e-4)
+    durations = []
+    for tolerance in (1e-5, 3e-4, 7e-4, 3e-3):
+        motion = lt.retime(given, PANDA, rate=500.0, path_tolerance=tolerance)
+        durations.append(motion.duration)
+        assert check_limits(motion, PANDA).ok
+        steps = np.linspace(0.0, motion.duration, 20 * len(motion.times))
+        fine = np.column_stack([np.interp(steps, motion.times, q) for q in motion.positions.T])
+        missed, _ = cKDTree(fine).query(given.positions, p=np.inf)
+        assert missed.max() <= tolerance + np.abs(np.diff(fine, axis=0)).max()
+    assert (np.diff(durations) <= 1e-9).all()
+    assert durations[-1] < 0.7 * durations[0]  # the noise is not followed
