@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, numbers_text, one_line
 from leadthrough.drawing import Drawn, of_joints, of_points, of_poses
-from leadthrough.repr import numbers_text, one_line
 
 _FIELDS = ("positions", "orientations", "velocities", "accelerations")
 

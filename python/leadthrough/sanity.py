@@ -12,8 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import numbers_text
+from leadthrough.check import Float64Array, InvalidInput, numbers_text
 from leadthrough.shapes import Shape
 
 _PACKAGE = "leadthrough."

@@ -8,8 +8,8 @@ import pytest
 import leadthrough as lt
 from leadthrough import planning, trajectories
 from leadthrough.arm import JointState, PoseTask, PostureTask, TaskStack, damped_least_squares
+from leadthrough.check import ShortRepr
 from leadthrough.models import Frame, choose_components, infer, kmeans
-from leadthrough.repr import ShortRepr
 
 T = np.linspace(0.0, 2.0, 100)
 S = lt.trajectories.minimum_jerk_time_scaling(T / 2.0)

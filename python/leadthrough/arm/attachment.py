@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr, numbers_text
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr, numbers_text
 from leadthrough.shapes import Shape, Solid, names_of
 
 # The error that a measured or printed tensor may have, as a fraction of its largest moment.

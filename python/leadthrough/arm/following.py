@@ -32,7 +32,7 @@ from leadthrough.arm.tracking import (
     least_rotated,
     starts,
 )
-from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 from leadthrough.joint_names import in_order
 from leadthrough.motion import (
     JointTrajectory,
@@ -43,7 +43,6 @@ from leadthrough.motion import (
     normalised_times,
     with_derivatives,
 )
-from leadthrough.repr import ShortRepr
 
 OnRateLimit = Literal["slow", "deviate", "raise", "exceed_limits"]
 _IN_TIME: tuple[OnRateLimit, ...] = ("deviate", "raise")

@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 # Of the target's frame: along its axes, then about them.
 Axis = Literal["x", "y", "z", "rx", "ry", "rz"]

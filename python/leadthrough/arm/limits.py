@@ -25,8 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 _MAX_FILE = 2**20  # bytes
 _BOUNDS = ("lower", "upper")

@@ -23,10 +23,9 @@ from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.limits import known_acceleration
 from leadthrough.arm.tasks import ArmTask, JointLimitTask, PostureTask
-from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
+from leadthrough.check import Float64Array, InvalidInput, InvalidRobot, ShortRepr
 from leadthrough.drawing import Drawn, Panel, over
 from leadthrough.motion import JointTrajectory, with_derivatives
-from leadthrough.repr import ShortRepr
 
 Scheme = Literal["siciliano-slotine", "reverse"]
 _SCHEMES: tuple[Scheme, ...] = get_args(Scheme)

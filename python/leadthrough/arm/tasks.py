@@ -22,8 +22,7 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import magnitudes
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.shapes import Shape
 
 # m/s and rad/s, or a point: nothing along any axis.

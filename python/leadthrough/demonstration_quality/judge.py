@@ -18,14 +18,13 @@ from typing import Literal, get_args
 import numpy as np
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.demonstration_quality.left_out import LeftOut, Material
 from leadthrough.models import Model, ProMP, TargetRegion
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.align import features
-from leadthrough.repr import ShortRepr
 
 Trait = Literal["shape", "timing", "jerk", "stall"]
 TRAITS: tuple[Trait, ...] = get_args(Trait)

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from leadthrough.check import LeadthroughError
-from leadthrough.repr import ShortRepr
+from leadthrough.check import LeadthroughError, ShortRepr
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

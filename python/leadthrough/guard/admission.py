@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.joint_names import in_order
 from leadthrough.motion import Event, JointTrajectory, computed_joints
-from leadthrough.repr import ShortRepr
 
 Verdict = Literal["allowed", "changed", "braking"]
 Kind = Literal[

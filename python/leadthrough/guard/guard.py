@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard.admission import (
     KINDS,
     Admission,
@@ -36,7 +36,6 @@ from leadthrough.guard.rules import (
     rules_for,
 )
 from leadthrough.motion import Event, JointTrajectory
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Obstacle, Scene, SceneLike, as_scene
 
 _MIN_RATE, _MAX_RATE = 1.0, 1e4  # Hz

@@ -14,10 +14,9 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import JointLimits
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.joint_names import in_order
 from leadthrough.motion import JointTrajectory
-from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.filters import FilterState, JerkFilter
 
 _MIN_ROOM = 0.01  # fraction of a limit that a motion has to leave

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from leadthrough.check import InvalidInput
+from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, lerobot, reader_process, robomimic
 from leadthrough.io.columns import check_complete, recording
 from leadthrough.io.files import StrPath
@@ -20,7 +20,6 @@ from leadthrough.io.headers import AngleUnit, QuaternionOrder
 from leadthrough.io.recording import Recording
 from leadthrough.io.table import Request, Table, as_request
 from leadthrough.motion import Demonstration, Motion
-from leadthrough.repr import ShortRepr
 from leadthrough.rest import trim
 
 _AT_A_TIME = 20  # demonstrations of a robomimic file

@@ -9,7 +9,7 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.motion import (
     Demonstration,
     Event,
@@ -19,7 +19,6 @@ from leadthrough.motion import (
     PoseTrajectory,
     Trajectory,
 )
-from leadthrough.repr import ShortRepr
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough.check import InvalidInput
+from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.models.targets import Target, TargetRegion
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import MovingObstacle, Obstacle, RandomObstacle, Scene, Shape
 
 

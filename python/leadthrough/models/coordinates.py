@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.joint_names import in_order
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.posture import Posture, arrays_of, demonstrated_posture, settings_of
@@ -36,7 +36,6 @@ from leadthrough.motion import (
     plain_events,
     with_derivatives,
 )
-from leadthrough.repr import ShortRepr
 
 # Phases of the reference orientation.
 NODES = np.linspace(0.0, 1.0, 201)

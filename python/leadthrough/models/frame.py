@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.models.targets import Target
 from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory
-from leadthrough.repr import ShortRepr
 
 # Largest entry of axes.T @ axes - identity that passes for rounding.
 _ORTHONORMAL = 1e-6

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import FitError, Float64Array, InvalidInput, UnsupportedQuery
+from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr, UnsupportedQuery
 from leadthrough.io.files import StrPath
 from leadthrough.joint_names import alike
 from leadthrough.models import archive
@@ -33,7 +33,6 @@ from leadthrough.motion import (
     moved_events,
     normalised_times,
 )
-from leadthrough.repr import ShortRepr
 
 _KIND = "library"
 # Targets this much off a line or plane, as a fraction of their spread, lie on it.

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any, Generic, NoReturn, Protocol, runtime_chec
 
 from numpy.typing import ArrayLike
 
-from leadthrough.check import Float64Array, NotFitted
+from leadthrough.check import Float64Array, NotFitted, ShortRepr
 from leadthrough.io.files import StrPath
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.targets import Target
 from leadthrough.motion import Motion, MotionT, MotionT_co
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 # A point or joints (d,); of poses a position (3,), or (position (3,), orientation (4,) w, x, y, z).
 Target: TypeAlias = ArrayLike | tuple[ArrayLike, ArrayLike]

@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm, FollowOptions, check_arm
-from leadthrough.check import IkFailure, InvalidInput
+from leadthrough.check import IkFailure, InvalidInput, ShortRepr
 from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times
 from leadthrough.motion_planning.blocked_segment import CollisionFreeIk
 from leadthrough.motion_planning.bypass import bypass
 from leadthrough.motion_planning.tip_paths import Query, TipMotion, TipPaths
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene, SceneLike, as_scene
 
 LastResort = Literal["joint_space"]

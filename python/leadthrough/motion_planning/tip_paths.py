@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.check import Float64Array, IkFailure, NoPath
+from leadthrough.check import Float64Array, IkFailure, NoPath, ShortRepr
 from leadthrough.models.protocol import Mapped, Skill
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target, frozen_target
@@ -26,7 +26,6 @@ from leadthrough.motion_planning.blocked_segment import (
     orientations_at,
     path_lengths,
 )
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import PointCloud, Shape
 from leadthrough.trajectories import minimum_jerk_time_scaling
 

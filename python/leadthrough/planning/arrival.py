@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.planning.grid import MAX_CELLS, Grid, bounds_of, spacings
-from leadthrough.repr import ShortRepr
 
 FloatArray = NDArray[np.float32] | NDArray[np.float64]
 # Any: numbers of every type may come in, and which precision they get is known only then.

@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput, NoPath
+from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
 from leadthrough.planning.arrival import Numbers, arrival_times
 from leadthrough.planning.descent import descend
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.obstacles import distance_transform
-from leadthrough.repr import ShortRepr
 
 Reason = Literal[
     "", "start_outside", "goal_outside", "start_in_wall", "goal_in_wall", "goal_enclosed"

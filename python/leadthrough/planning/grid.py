@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 CellArray = NDArray[np.int64]
 # Numbers of cells in C order, (n,).

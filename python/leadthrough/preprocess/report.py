@@ -6,9 +6,8 @@ import textwrap
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from leadthrough.check import InvalidInput
+from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.drawing import Drawn, Panel, spans_over_time
-from leadthrough.repr import ShortRepr
 
 Span = tuple[float, float]  # from and to, s
 

@@ -8,11 +8,10 @@ import numpy as np
 
 from leadthrough import check, rotations
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array, IkFailure, InvalidInput
+from leadthrough.check import Float64Array, IkFailure, InvalidInput, ShortRepr
 from leadthrough.models import Skill, TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.reachability.reach_map import reached
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Scene
 
 _SAMPLES = 25  # of the motion, that are looked at from each place

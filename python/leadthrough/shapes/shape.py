@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.shapes.surface import Surface
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.check import Float64Array
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, ShortRepr
 
 _SIDES = 40  # of a surface of revolution
 _ARC_STEPS = 12  # of a quarter of a circle

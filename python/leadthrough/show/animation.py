@@ -12,11 +12,10 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.arm import Arm
 from leadthrough.arm.link_poses import link_poses
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.drawing.palette import Colour
 from leadthrough.joint_names import in_order
 from leadthrough.motion import JointTrajectory
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes.surface import Surface
 from leadthrough.show.surfaces import creased
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from leadthrough.arm import Arm
-from leadthrough.check import InvalidInput
+from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, reader_process, rosbag
 from leadthrough.io.columns import recording
 from leadthrough.io.files import StrPath
@@ -19,7 +19,6 @@ from leadthrough.io.table import Request
 from leadthrough.models import archive
 from leadthrough.preprocess.clean import summarize
 from leadthrough.preprocess.report import RecordingSummary
-from leadthrough.repr import ShortRepr
 
 _ROBOTS = (".urdf", ".xml")
 _WRAPPED: dict[str, Any] = {

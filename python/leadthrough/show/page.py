@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.drawing import palette
 from leadthrough.io.files import StrPath, replacing
-from leadthrough.repr import ShortRepr
 from leadthrough.show.animation import Animation
 from leadthrough.show.surfaces import creased
 

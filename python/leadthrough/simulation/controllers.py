@@ -17,11 +17,10 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard import CommandedState
 from leadthrough.models import stiffness_profile
 from leadthrough.models.protocol import Distributed, Skill
-from leadthrough.repr import ShortRepr
 
 # Fraction of the heaviest joint's inertia, of turning and of sliding joints apart.
 _LIGHTEST = 0.05

@@ -9,11 +9,10 @@ from typing import Literal
 import numpy as np
 
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.drawing import Drawn, Line, Panel, over, palette
 from leadthrough.guard import CommandedState
 from leadthrough.motion import JointTrajectory
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape
 from leadthrough.simulation.simulated_arm import SimulatedArm, Touch
 

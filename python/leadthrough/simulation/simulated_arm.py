@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.arm.model import GRAVITY
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard import CommandedState
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment, per_joint
 from leadthrough.simulation.model import LINK, plant

@@ -20,9 +20,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemaini
 
 from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
-from leadthrough.check import InvalidInput
+from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io.files import replacing
-from leadthrough.repr import ShortRepr
 from leadthrough.tasks.process import Process, attempt_with
 from leadthrough.tasks.task import Job, Report, Store, Task, check_importable, job
 

@@ -23,11 +23,10 @@ from numpy.typing import NDArray
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 from leadthrough.drawing import Drawn, Panel, bars
 from leadthrough.joint_names import in_order
 from leadthrough.motion import JointTrajectory, computed_joints, with_derivatives
-from leadthrough.repr import ShortRepr
 from leadthrough.timing.request import POSITION_ROUNDING
 
 Kind = Literal["velocity", "acceleration", "jerk"]

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 # Times computed by adding steps miss the end of a domain by rounding: this fraction of its length.
 _SLACK = 1e-9

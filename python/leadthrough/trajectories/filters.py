@@ -25,8 +25,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 # A target this near, relative to the size of the numbers, is reached: nearer is rounding.
 _REACHED = 1e-14

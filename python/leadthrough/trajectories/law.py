@@ -17,9 +17,8 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.motion import PoseTrajectory
-from leadthrough.repr import ShortRepr
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.curve import Curve, PointCurve
 from leadthrough.trajectories.rotation import RotationCurve, Turning

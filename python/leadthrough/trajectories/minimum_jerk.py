@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.bezier import Bezier
 from leadthrough.trajectories.filters import limit_for, rate_limit

@@ -25,8 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import leadthrough._core as core
 from leadthrough import check, rotations
-from leadthrough.check import FitError, Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr
 from leadthrough.rotations.interpolation import squad_controls
 from leadthrough.trajectories import curve
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import Arm
+from leadthrough.check import ShortRepr
 from leadthrough.models import Skill, TargetRegion
 from leadthrough.models.certificate import Certificate, ConfidenceInterval, ValidatedScene
 from leadthrough.motion import Motion
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import SceneLike
 from leadthrough.simulation import Controller
 from leadthrough.tasks import Execution, Outcome, Row, Store, Task, pickled

@@ -19,9 +19,8 @@ from scipy.optimize import brentq
 from scipy.special import betaincinv, betaln, xlog1py, xlogy
 
 from leadthrough import check
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.models import Certificate, TargetRegion
-from leadthrough.repr import ShortRepr
 from leadthrough.tasks import Row
 
 

@@ -22,9 +22,8 @@ import numpy as np
 
 import leadthrough._core as core
 from leadthrough import check, rotations
-from leadthrough.check import FitError, Float64Array, InvalidInput, NoContinuousLogarithm
+from leadthrough.check import FitError, Float64Array, InvalidInput, NoContinuousLogarithm, ShortRepr
 from leadthrough.models.dmp.progress import running_mean
-from leadthrough.repr import ShortRepr
 
 REPRESENTATIONS = ("anchored", "lifted", "log", "euler")
 

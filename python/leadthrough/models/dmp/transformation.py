@@ -22,9 +22,8 @@ import numpy as np
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.models.dmp.progress import Progress
-from leadthrough.repr import ShortRepr
 from leadthrough.trajectories.minimum_jerk import quintic_coefficients
 
 FORMS = ("blended", "hoffmann", "ijspeert")

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.linear_mixture import GaussianGates
 from leadthrough.models.dynamical.lyapunov import (
@@ -39,7 +39,6 @@ from leadthrough.models.dynamical.lyapunov import (
 from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Samples
 from leadthrough.models.gaussians.fitting import fit_mixture
-from leadthrough.repr import ShortRepr
 
 _NEAR = 0.05  # sizes of the motion
 # Deviation, in sizes of the motion, that samples count for where they agree better.

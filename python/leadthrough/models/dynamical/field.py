@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly, CubicHermiteSpline
 
-from leadthrough.check import Float64Array, Frozen, NoPath
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, Frozen, NoPath, ShortRepr
 
 # Error of a step: a ten-thousandth of the distance from the goal, as valleys of an energy, which
 # trajectories slide along, become as narrow as they are near.

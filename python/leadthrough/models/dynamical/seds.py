@@ -21,13 +21,12 @@ from scipy.optimize import minimize
 from scipy.special import logsumexp, softmax
 
 from leadthrough import check
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.linear_mixture import GaussianGates, LinearMixture
 from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Samples
 from leadthrough.models.gaussians.fitting import fit_mixture
-from leadthrough.repr import ShortRepr
 
 OBJECTIVES = ("likelihood", "mse")
 # The slowest decay of a linear part, per duration of the demonstrations.

@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import FitError, Float64Array
+from leadthrough.check import FitError, Float64Array, ShortRepr
 from leadthrough.models.gaussians.kmeans import clustered, seeds
 from leadthrough.models.gaussians.mixture import Blocks, Mixture, Steps, fit_blocks
-from leadthrough.repr import ShortRepr
 
 FitT = TypeVar("FitT")
 # The search for a number of components ends after this many numbers without improvement.

@@ -22,9 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.models.gaussians.kmeans import clustered, seeds
-from leadthrough.repr import ShortRepr
 
 _SUM_TOLERANCE = 1e-6  # of weights that were rounded in a file
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import check
-from leadthrough.check import FitError, Float64Array, InvalidInput
+from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
 from leadthrough.models.posture import Posture, agreed, demonstrated_posture
@@ -25,7 +25,6 @@ from leadthrough.motion import (
 )
 from leadthrough.preprocess import arc_length
 from leadthrough.preprocess.noise import is_random_walk, without_noise
-from leadthrough.repr import ShortRepr
 
 # A demonstration is reversed where that brings its ends nearer to start and goal, in sum, by half
 # and by a fraction of its length: those that return to their start keep their direction.

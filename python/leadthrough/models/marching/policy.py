@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput, NoPath
+from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
 from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience
 from leadthrough.planning import ArrivalField, Grid, arrival_times, direction
 from leadthrough.planning.maps import Scales, grid_over, speeds_along, with_detours
 from leadthrough.preprocess.resample import arc_length, by_arc_length
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
 
 if TYPE_CHECKING:

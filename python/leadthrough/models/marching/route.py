@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput, NoPath
+from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.targets import Target
 from leadthrough.planning import Grid, arrival_times, descend
@@ -44,7 +44,6 @@ from leadthrough.planning.speed_map import (
     speeds_at,
 )
 from leadthrough.preprocess.resample import arc_length
-from leadthrough.repr import ShortRepr
 from leadthrough.shapes import Shape, check_shapes
 
 # Width of the weights over the demonstrations' starts, in their mean distance from each other.

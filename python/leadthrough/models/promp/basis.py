@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.models.coordinates import Coordinates, rotated_by
 from leadthrough.models.promp.gaussian import product
 from leadthrough.models.queries import asked_times, checked_threads, mapped
@@ -31,7 +31,6 @@ from leadthrough.motion import (
     computed_joints,
     moved_events,
 )
-from leadthrough.repr import ShortRepr
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

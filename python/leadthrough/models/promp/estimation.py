@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import FitError, Float64Array, InvalidInput
+from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr
 from leadthrough.models.promp.basis import Basis, raised, shaped_prior, smooth_prior
 from leadthrough.models.promp.gaussian import (
     Gaussian,
@@ -33,7 +33,6 @@ from leadthrough.models.promp.gaussian import (
     solve_definite,
 )
 from leadthrough.motion import Motion
-from leadthrough.repr import ShortRepr
 
 # The least standard deviation that a motion is believed to have, as a fraction of its reach.
 MIN_SPREAD = 3e-2

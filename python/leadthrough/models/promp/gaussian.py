@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.repr import ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 _Floats: TypeAlias = NDArray[np.floating[Any]]
 _TAKEN = -np.inf  # the variance left to a pivot that was used

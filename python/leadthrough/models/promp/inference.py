@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.combination import check_alike
 from leadthrough.models.promp.conditioning import check_seen
@@ -29,7 +29,6 @@ from leadthrough.models.promp.estimation import Experience, PosteriorPredictive,
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.model import ProMPSkill
 from leadthrough.motion import Motion, MotionT, MotionT_co
-from leadthrough.repr import ShortRepr
 
 # More samples add nothing: neighbours are not independent.
 _MAX_SAMPLES = 50
