@@ -1,9 +1,9 @@
 """Calls of the compiled core with damaged arguments: each answers, raises or can be stopped.
 
 Real calls are recorded while tests and scripts run. Of each call drawn, some arguments change their
-type, shape, size or numbers. It then runs in a process forked from this one, within a second of
-processor time, after which a signal stops it. Whatever ends the process, or does not end it, is a
-fault: the call is printed, and the exit code is 1.
+type, shape, size or numbers. It then runs in a process forked from this one, and a signal stops it
+after a second of processor time. A call that ends the process, or does not end, is a fault: it is
+printed, and the exit code is 1.
 
     python tests/python/bindings/fuzz.py --count 50000 --seed 3 python/demos/02_*.py
 
@@ -39,6 +39,8 @@ if "LEADTHROUGH_CORE" in os.environ:
 core = importlib.import_module("leadthrough._core")
 
 FEW = 6  # recorded calls of each function
+TOGETHER = 25  # calls in a child; the next one goes on after a call that ends it
+OUTCOMES = {"a": "answered", "r": "refused", "s": "stopped"}
 SECONDS, MOST_SECONDS = 1, 5  # of processor time: to be stopped, and to have ended
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -0.0, -1.0, 1e-300, 1e-30, 1e30, 1e300, 0.5, 1e9)
 INTEGERS = (-1, 0, 1, 2, 3, 1000, 2**31 - 1, 2**31, -(2**31), 2**53, 2**63 - 1, -(2**63), 2**64)
@@ -189,39 +191,52 @@ def stop(*_: object) -> None:
     raise StoppedError
 
 
-def run(call: Call) -> int:
-    """The outcome in a child: 0 answered, 1 refused, 2 stopped, 3 an error of no such kind."""
+def run(call: Call) -> bytes:
+    """The outcome of a call that ends no process."""
+    used = sum(os.times()[:2])
+    resource.setrlimit(resource.RLIMIT_CPU, (int(used) + MOST_SECONDS, resource.RLIM_INFINITY))
+    signal.alarm(100 * MOST_SECONDS)  # for what waits for ever
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
-        signal.signal(signal.SIGXCPU, stop)
-        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, MOST_SECONDS))
-        signal.alarm(100 * MOST_SECONDS)  # for what waits for ever
         with np.errstate(all="ignore"):
             read(call.function(*call.arguments, **call.options))
     except ANSWERS:
-        return 1
+        return b"r"
     except StoppedError:
-        return 2
-    except Exception as error:
-        print(repr(error), file=sys.stderr)
-        return 3
-    return 0
+        return b"s"
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+    return b"a"
 
 
-def outcome(call: Call) -> tuple[str, str]:
-    """How a child ends that makes the call, and what it wrote."""
-    with tempfile.TemporaryFile() as written:
+def run_all(calls: Sequence[Call], written: int) -> None:
+    signal.signal(signal.SIGPROF, stop)
+    for call in calls:
+        os.write(written, run(call))
+
+
+def first_outcomes(calls: Sequence[Call]) -> tuple[list[str], str]:
+    """Outcomes of the calls in a child, up to one that ends it, and what it wrote."""
+    with tempfile.TemporaryFile() as codes, tempfile.TemporaryFile() as errors:
         child = os.fork()
         if child == 0:
-            os.dup2(written.fileno(), 2)
-            os._exit(run(call))
+            os.dup2(errors.fileno(), 2)
+            try:
+                run_all(calls, codes.fileno())
+            except BaseException as error:
+                print(repr(error), file=sys.stderr, flush=True)
+                os._exit(1)
+            os._exit(0)
         status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        written.seek(0)
-        text = written.read().decode(errors="replace")
-    if 0 <= status <= 2:
-        return ("answered", "refused", "stopped")[status], text
+        codes.seek(0)
+        errors.seek(0)
+        text = errors.read().decode(errors="replace")
+        seen = [OUTCOMES[code] for code in codes.read().decode()]
+    if status == 0 and len(seen) == len(calls):
+        return seen, ""
     if any(each in text for each in OUT_OF_MEMORY):
-        return "refused", text
-    return ("hung" if -status in (signal.SIGKILL, signal.SIGALRM) else "crashed"), text
+        return [*seen, "refused"], ""
+    return [*seen, "hung" if -status in (signal.SIGXCPU, signal.SIGALRM) else "crashed"], text
 
 
 def recorded(scripts: Sequence[str]) -> Recorder:
@@ -245,10 +260,16 @@ def recorded(scripts: Sequence[str]) -> Recorder:
 
 def outcomes(recorder: Recorder, count: int, seed: int) -> Iterator[tuple[Call, str, str]]:
     names = sorted(name for name, calls in recorder.calls.items() if calls)
+    waiting: list[Call] = []
     for n in range(count):
         rng = np.random.default_rng([seed, n])
-        call = damaged_call(recorder.calls[names[rng.integers(len(names))]], rng, recorder.objects)
-        yield call, *outcome(call)
+        calls = recorder.calls[names[rng.integers(len(names))]]
+        waiting.append(damaged_call(calls, rng, recorder.objects))
+        while len(waiting) == TOGETHER or (waiting and n + 1 == count):
+            seen, text = first_outcomes(waiting)
+            for call, how in zip(waiting, seen, strict=False):
+                yield call, how, text
+            waiting = waiting[len(seen) :]
 
 
 def main() -> int:
