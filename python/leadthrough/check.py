@@ -27,6 +27,7 @@ Kind = TypeVar("Kind")
 
 # Rounding in a file format moves a recorded quaternion off length 1; more is not a rotation.
 UNIT_LENGTH_TOLERANCE = 1e-2
+MIN_STEP = 1e-60  # s; rates over shorter steps overflow in the third derivative
 MAX_NUMBERS = 10**8  # that one call makes, 0.75 GiB
 
 # Texts of values at the prompt.
@@ -363,6 +364,8 @@ def times(value: object, name: str) -> Float64Array:
             "strictly increasing times",
             f"{result[i]} s then {result[i + 1]} s at samples {i} and {i + 1}",
         )
+    if steps.size and steps.min() < MIN_STEP:
+        raise refused(name, f"steps of at least {MIN_STEP} s", f"one of {steps.min()} s")
     if not math.isfinite(float(result[-1]) - float(result[0])):
         raise refused(name, "a finite duration", f"{result[0]} to {result[-1]} s")
     return result

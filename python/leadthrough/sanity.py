@@ -74,6 +74,11 @@ def joints(given: Float64Array, demonstrated: Float64Array, name: str) -> None:
         )
 
 
+def degrees(outside: float) -> str:
+    """The question about joints this far beyond their limits, rad; empty within two turns."""
+    return "degrees? joints are in radians" if outside > _TURNS else ""
+
+
 def orientation(
     given: Float64Array, demonstrated: Float64Array, end: Float64Array, name: str
 ) -> None:

@@ -198,3 +198,8 @@ def test_the_docs_show_the_example_of_the_package() -> None:
     lines = [line.strip() for line in shown.group(1).splitlines()]
     program = (example / "reach.cpp").read_text()
     assert all(line in program for line in lines)
+
+
+def test_a_wheel_is_tried_with_the_machines_mirror_and_no_host_is_named():
+    for file in ("python/wheel/try_in", ".github/workflows/release.yml"):
+        assert not re.findall(r"https?://\S+", (ROOT / file).read_text(encoding="utf-8")), file

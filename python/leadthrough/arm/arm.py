@@ -108,7 +108,8 @@ class Arm(ArmModel):
         """The arm from one link of a URDF to another.
 
         Args:
-            path_or_xml: path of the URDF, or the document itself.
+            path_or_xml: path of the URDF, or the document itself. A file .xacro is expanded with
+                the defaults of its arguments, by the package of the extra `xacro`.
             base: name of the link where the arm begins; by default the root.
             tip: name of the link where it ends; by default the only leaf.
             limits: all limits of the joints, or the path of a TOML file that completes the URDF's
@@ -124,6 +125,7 @@ class Arm(ArmModel):
         Raises:
             InvalidInput: if a file cannot be read, or a name or value does not fit the robot.
             InvalidRobot: if the document is not a URDF of an arm that can be used.
+            MissingDependency: for a file .xacro, if xacro is not installed.
         """
         locked = checked_values(locked_joints)
         document = robot_files.read(path_or_xml)

@@ -59,6 +59,7 @@ def check_motion(
 ) -> CollisionReport:
     """See `Arm.check`."""
     q, times = _configurations(trajectory, tuple(chain.joint_names))
+    _warn_of_degrees(chain, q)
     around = as_scene(scene)
     pairs = (against(model, chain, around.shapes), core.itself(model))
     margins = (around.margin, around.self_collision_margin)
@@ -114,6 +115,17 @@ def _configurations(
     if len(q) == 0:
         raise InvalidInput("trajectory: expected at least one configuration, got none")
     return q, None
+
+
+def _warn_of_degrees(chain: core.Chain, q: Float64Array) -> None:
+    """Warns of configurations (m, joints) turns beyond the limits."""
+    outside = np.maximum(chain.lower - q, q - chain.upper)
+    if question := sanity.degrees(float(outside.max())):
+        i, j = np.unravel_index(int(outside.argmax()), q.shape)
+        sanity.warn(
+            f"trajectory: {chain.joint_names[j]} is at {q[i, j]:.4g} rad, "
+            f"{outside[i, j]:.4g} beyond its limits: {question}"
+        )
 
 
 def _require_short_steps(

@@ -14,6 +14,7 @@ from leadthrough import check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.limits import known_acceleration
+from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 _FREE = np.empty(0)
@@ -79,6 +80,7 @@ class DifferentialIk(ShortRepr):
         posture: ArrayLike | None = None,
         nullspace_gain: float = 1.0,
     ) -> None:
+        check_arm(arm)
         chain, joints = arm._chain, len(arm.joint_names)
         interval = magnitudes.interval(dt)
         rates = (

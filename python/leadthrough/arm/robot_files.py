@@ -7,6 +7,7 @@ is missed, but the free space inside a hollow mesh counts as occupied.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module, metadata
@@ -19,13 +20,15 @@ from urllib.parse import unquote, urlparse
 import numpy as np
 
 import leadthrough._core as core
-from leadthrough import check
+from leadthrough import check, optional
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
 
 # Bytes: above the core's own bound, which refuses the document with a reason.
 _MAX_FILE = 2**25
 _PACKAGES = "example-robot-data or robot_descriptions"
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_XACRO_PREFIX = re.compile(r"""xmlns:([\w.-]+)\s*=\s*["'][^"']*xacro/?["']""")
 _BESIDE_MESHES = ("urdf", "robots", "xacro")  # a package's folders for descriptions
 
 
@@ -35,14 +38,42 @@ def is_document(path_or_xml: str | PathLike[str]) -> TypeGuard[str]:
 
 
 def read(path_or_xml: str | PathLike[str]) -> str:
-    """The document, or the text of the file."""
+    """The document, or the text of the file; a xacro file is expanded."""
     try:
         if is_document(path_or_xml):
-            return str(path_or_xml.encode("utf-8"), "utf-8")
-        with Path(path_or_xml).open("rb") as file:
-            return str(file.read(_MAX_FILE), "utf-8")
+            document = str(path_or_xml.encode("utf-8"), "utf-8")
+        else:
+            with Path(path_or_xml).open("rb") as file:
+                document = str(file.read(_MAX_FILE), "utf-8")
     except (OSError, ValueError, TypeError) as error:
         raise InvalidInput(f"path_or_xml: expected a URDF or its path: {error}") from None
+    if not is_document(path_or_xml) and Path(path_or_xml).suffix.lower() == ".xacro":
+        document = _expanded(Path(path_or_xml))
+    _refuse_xacro(document)
+    return document
+
+
+def _expanded(path: Path) -> str:
+    """The URDF that a xacro file describes, with the defaults of its arguments."""
+    xacro = optional.load("xacro", extra="xacro")
+    try:
+        return str(xacro.process_file(str(path)).toxml())
+    except Exception as error:  # of whatever its expressions call
+        raise InvalidRobot(
+            path.name, f"cannot be expanded ({error}); expand it by `xacro` where its packages are"
+        ) from None
+
+
+def _refuse_xacro(document: str) -> None:
+    """Refuses elements that only the tool xacro understands: without them the arm is another."""
+    text = _COMMENT.sub("", document)
+    for prefix in {"xacro", *_XACRO_PREFIX.findall(text)}:
+        if element := re.search(rf"<{re.escape(prefix)}:[\w.-]+", text):
+            raise InvalidRobot(
+                f"{element[0]}>",
+                "is of xacro, not of URDF; expand the file, as by `xacro robot.urdf.xacro > "
+                'robot.urdf`, or name it .xacro and install "leadthrough[xacro]"',
+            )
 
 
 def ends_and_limits(
@@ -94,7 +125,7 @@ def find_robot(name: str) -> RobotFiles:
     names = ", ".join(map(repr, own_names())) or "none"
     raise InvalidInput(
         f"name: expected one of the robots {names}, or of {_PACKAGES} where these are installed, "
-        f"got {name!r}"
+        f"got {name!r}; a URDF is read by Arm.from_urdf (--robot FILE.urdf)"
     )
 
 
@@ -160,7 +191,13 @@ def _of_robot_descriptions(name: str) -> RobotFiles | None:
     module = f"robot_descriptions.{name.removesuffix('_description')}_description"
     if find_spec(module) is None:
         return None
-    described = import_module(module)
+    try:
+        described = import_module(module)
+    except Exception as error:  # of git, which it calls
+        raise InvalidInput(
+            f"name: the files of {name!r} could not be downloaded by robot_descriptions ({error}); "
+            "load it once with a network, or read its URDF by Arm.from_urdf"
+        ) from None
     if not hasattr(described, "URDF_PATH"):
         raise InvalidInput(f"name: {module} has no URDF, got {name!r}")
     folder = Path(getattr(described, "PACKAGE_PATH", Path(described.URDF_PATH).parent))

@@ -22,6 +22,7 @@ from leadthrough import check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.limits import known_acceleration
+from leadthrough.arm.model import check_arm
 from leadthrough.arm.tasks import ArmTask, JointLimitTask, PostureTask
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot, ShortRepr
 from leadthrough.drawing import Drawn, Panel, over
@@ -67,6 +68,7 @@ class TaskStack(ShortRepr):
         scheme: Scheme = "siciliano-slotine",
         rest_damping: float = 10.0,
     ) -> None:
+        check_arm(arm)
         check.choice(scheme, "scheme", _SCHEMES)
         rest = magnitudes.not_negative(rest_damping, "rest_damping")
         vars(self).update(arm=arm, scheme=scheme, rest_damping=rest, _parts={})

@@ -263,7 +263,8 @@ def _clear_path(
     index, status = int(sample), "blocked" if touch or pairs else "jump"
     message = f"sample {index} at {time:.6g} s: {status}, {reason}"
     nearest = path.postures[index] if last is None else last
-    raise IkFailure(message, index=index, status=status, residual=(0.0, 0.0), q=nearest.copy())
+    known = np.where(np.isnan(nearest), chain.middle, nearest)  # an endless joint prefers nothing
+    raise IkFailure(message, index=index, status=status, residual=(0.0, 0.0), q=known)
 
 
 def _bodies(pairs: list[tuple[str, str, int]]) -> str:

@@ -39,7 +39,7 @@ OBSTACLE_FILES = {
     "mesh": (".stl", ".obj", ".dae"),
     "cloud": (".pcd", ".ply", ".npy", ".csv", ".txt", ".xyz"),
 }
-_URDF = (".urdf", ".xml")
+_URDF = (".urdf", ".xml", ".xacro")
 _LINK = re.compile(r"<link\s[^>]*?name\s*=\s*[\"']([^\"']+)")
 
 Complete = Callable[[str], list[str]]

@@ -14,9 +14,12 @@ import leadthrough as lt
 from leadthrough import io, preprocess
 from leadthrough.cli import errors
 from leadthrough.cli.options import RestOptions
+from leadthrough.io import reading as files
 from leadthrough.io.files import replacing
 from leadthrough.models import archive
 from leadthrough.motion import Motion
+
+listed, can_read = files.listed, files.can_read
 
 _REPORTED = 0.1  # s; shorter rests are left out silently
 _EACH = 8  # recordings that are reported one by one
@@ -31,48 +34,6 @@ _COLUMNS = (
 
 
 _Clean = Callable[[io.Recording], tuple[lt.Demonstration, preprocess.CleaningReport]]
-
-
-def listed(paths: Sequence[Path], *, also: Sequence[str] = ()) -> list[Path]:
-    """The paths, with the recordings in a folder, by their names, instead of the folder.
-
-    A folder that is a ROS 2 bag or a data set stays.
-
-    Args:
-        paths: files and folders.
-        also: suffixes to take from a folder besides those that can be read, in lower case.
-
-    Raises:
-        InvalidInput: if there is nothing to read in a folder.
-    """
-    files = []
-    for path in paths:
-        found = _inside(path, also) if path.is_dir() and not can_read(path) else [path]
-        if not found:
-            raise lt.errors.InvalidInput(
-                f"{path}: nothing to read in this folder; name one with recordings, such as .csv, "
-                ".npz or .mcap files"
-            )
-        files += found
-    return files
-
-
-def _inside(folder: Path, also: Sequence[str]) -> list[Path]:
-    return [
-        path
-        for path in sorted(folder.iterdir())
-        if not path.name.startswith(".")
-        and (can_read(path) or (path.is_file() and path.suffix.lower() in also))
-    ]
-
-
-def can_read(path: Path) -> bool:
-    """Whether a file or folder is there whose format can be read."""
-    try:
-        lt.io.formats.of_file(path)
-    except lt.errors.InvalidInput:
-        return False
-    return True
 
 
 def cleaned(files: Sequence[Path], **how: Any) -> list[lt.Demonstration]:

@@ -18,7 +18,7 @@ from leadthrough.cli.command import OF_THE_ROBOT, read_profile
 if TYPE_CHECKING:
     from leadthrough.show.info import FileInfo
 
-_URDF = (".urdf", ".xml")
+_URDF = (".urdf", ".xml", ".xacro")
 
 
 def info(

@@ -58,7 +58,7 @@ def urdf_of(name: str) -> Path:
 
 
 def _is_path(name: str) -> bool:
-    return "/" in name or name.lower().endswith((".urdf", ".xml"))
+    return "/" in name or name.lower().endswith((".urdf", ".xml", ".xacro"))
 
 
 def ranges(arm: lt.Arm) -> dict[str, tuple[float, float]]:

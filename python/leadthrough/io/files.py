@@ -12,6 +12,7 @@ counts, not that on the disk. With these limits reading one file takes at most 1
 from __future__ import annotations
 
 import os
+import platform
 import re
 import shutil
 import sqlite3
@@ -27,6 +28,8 @@ from typing import Any
 from leadthrough.check import InvalidInput, LeadthroughError
 
 StrPath = str | os.PathLike[str]
+# How names of temporaries begin: those of another computer in a shared folder are not ours.
+_TEMPORARY = f".leadthrough-{uuid.uuid5(uuid.NAMESPACE_DNS, platform.node()).hex[:12]}-"
 
 
 @contextmanager
@@ -81,10 +84,16 @@ def _writing(target: Path) -> Iterator[None]:
         raise InvalidInput(f"path: {target} cannot be written ({error})") from error
 
 
-def _names(path: StrPath) -> tuple[Path, Path]:
-    """The path's target behind any links, and an unused name in the same folder."""
+def checked_path(path: object) -> Path:
+    """`path`, if it is one."""
     if not isinstance(path, str | os.PathLike):
         raise InvalidInput(f"path: expected a path, got {path!r}")
+    return Path(path)
+
+
+def _names(path: StrPath) -> tuple[Path, Path]:
+    """The path's target behind any links, and an unused name in the same folder."""
+    checked_path(path)
     try:
         target = Path(os.path.realpath(path))
         exists = target.parent.is_dir()
@@ -92,7 +101,32 @@ def _names(path: StrPath) -> tuple[Path, Path]:
         raise InvalidInput(f"path: expected a path, got {path!r} ({error})") from None
     if not exists:
         raise InvalidInput(f"path: no such folder: {target.parent}; make it first")
-    return target, target.with_name(f".{uuid.uuid4().hex}{Path(path).suffix}")
+    _clear_left_over(target.parent)
+    own = f"{_TEMPORARY}{os.getpid()}-{uuid.uuid4().hex}"
+    return target, target.with_name(f"{own}{Path(path).suffix}")
+
+
+def _clear_left_over(folder: Path) -> None:
+    """Removes temporary files and folders of this computer's processes that were killed."""
+    for path in folder.glob(f"{_TEMPORARY}*"):
+        number = path.name.removeprefix(_TEMPORARY).partition("-")[0]
+        if not number.isdecimal() or _runs(int(number)):
+            continue
+        with suppress(OSError):
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def _runs(process: int) -> bool:
+    """Whether a process of this computer runs, as far as can be told."""
+    if os.name == "nt":
+        return True  # asking would end it
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True
+    return True
 
 
 def _mode(target: Path) -> int | None:

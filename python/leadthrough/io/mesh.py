@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import reader_process
-from leadthrough.io.files import ReadLimits, StrPath, read_bytes, refusing_damage
+from leadthrough.io.files import ReadLimits, StrPath, checked_path, read_bytes, refusing_damage
 from leadthrough.shapes import Mesh
 
 _Triangles = tuple[Float64Array, NDArray[np.int64]]
@@ -43,7 +43,7 @@ def read_mesh(
         MissingDependency: if its format needs the extra `mesh`.
     """
     unit = check.number(scale, "scale", above=0.0)
-    vertices, faces = read_triangles(Path(path))
+    vertices, faces = read_triangles(checked_path(path))
     return Mesh(unit * vertices, faces, position, orientation)
 
 

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import npz
-from leadthrough.io.files import ReadLimits, StrPath, read_bytes, refusing_damage
+from leadthrough.io.files import ReadLimits, StrPath, checked_path, read_bytes, refusing_damage
 from leadthrough.shapes import PointCloud
 
 SUFFIXES = (".pcd", ".ply", ".npy", ".csv", ".txt", ".xyz")
@@ -64,7 +64,7 @@ def read_point_cloud(
         InvalidInput: if the file cannot be read or has no points or too many.
     """
     unit = check.number(scale, "scale", above=0.0)
-    return PointCloud(unit * read_points(Path(path)), radius, position, orientation)
+    return PointCloud(unit * read_points(checked_path(path)), radius, position, orientation)
 
 
 def read_points(path: Path) -> Float64Array:

@@ -52,7 +52,7 @@ def read_demonstrations(
     file, which `leadthrough.io.headers` lists.
 
     Args:
-        paths: one file or folder, or several.
+        paths: one file or folder, or several. Of a folder of recordings all are read, by name.
         columns: columns, arrays or fields to read, any of {"time": name, "positions":
             [names], "orientations": [names], "joints": [names]}.
         rate: Hz, > 0, for files without time; their first sample is then at 0 s.
@@ -174,11 +174,57 @@ def paths_of(paths: StrPath | Sequence[StrPath]) -> list[Path]:
     return [Path(path) for path in several]
 
 
+def listed(paths: Sequence[Path], *, also: Sequence[str] = ()) -> list[Path]:
+    """The paths, with the recordings in a folder, by their names, instead of the folder.
+
+    A folder that is a ROS 2 bag or a data set stays.
+
+    Args:
+        paths: files and folders.
+        also: suffixes to take from a folder besides those that can be read, in lower case.
+
+    Raises:
+        InvalidInput: if there is nothing to read in a folder.
+    """
+    files = []
+    for path in paths:
+        found = _inside(path, also) if _is_folder(path) and not can_read(path) else [path]
+        if not found:
+            raise InvalidInput(
+                f"{path}: nothing to read in this folder; name one with recordings, such as .csv, "
+                ".npz or .mcap files"
+            )
+        files += found
+    return files
+
+
+def _is_folder(path: Path) -> bool:
+    return os.path.isdir(path)  # noqa: PTH112  (Path.is_dir raises for a name that is too long)
+
+
+def _inside(folder: Path, also: Sequence[str]) -> list[Path]:
+    return [
+        path
+        for path in sorted(folder.iterdir())
+        if not path.name.startswith(".")
+        and (can_read(path) or (path.is_file() and path.suffix.lower() in also))
+    ]
+
+
+def can_read(path: Path) -> bool:
+    """Whether a file or folder is there whose format can be read."""
+    try:
+        formats.of_file(path)
+    except InvalidInput:
+        return False
+    return True
+
+
 def _demonstrations(paths: Sequence[Path], request: Request) -> list[Demonstration]:
     """The demonstrations in files, whole."""
     return [
         Demonstration(_faultless(path, found, table, request), name=found.name)
-        for path in paths
+        for path in listed(paths)
         for table, found in _recordings(path, request)
     ]
 

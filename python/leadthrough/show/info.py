@@ -20,7 +20,7 @@ from leadthrough.models import archive
 from leadthrough.preprocess.clean import summarize
 from leadthrough.preprocess.report import RecordingSummary
 
-_ROBOTS = (".urdf", ".xml")
+_ROBOTS = (".urdf", ".xml", ".xacro")
 _WRAPPED: dict[str, Any] = {
     "width": 80,
     "subsequent_indent": "  ",

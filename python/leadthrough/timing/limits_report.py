@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough import check
+from leadthrough import check, sanity
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 from leadthrough.drawing import Drawn, Panel, bars
@@ -191,8 +191,11 @@ def check_positions(positions: Float64Array, limits: JointLimits) -> None:
         i = int(np.argmax(outside))
         name = limits.joint_names[i]
         raise LimitsInfeasible(
-            f"{name} leaves its position limits along the path, by {outside[i]:.3g}; a smooth path "
-            "may do so between samples that satisfy them",
+            f"{name} leaves its position limits along the path, by {outside[i]:.3g}; "
+            + (
+                sanity.degrees(outside[i])
+                or "a smooth path may do so between samples that satisfy them"
+            ),
             joint=name,
         )
 

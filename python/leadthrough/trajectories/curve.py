@@ -96,7 +96,7 @@ class PointCurve(ShortRepr, ABC):
 
 def times_inside(t: ArrayLike, domain: tuple[float, float]) -> Float64Array:
     """`t` as times of the domain, (n,) or of no dimension; rounding beyond its ends is clipped."""
-    times = check.array(t, "t", shape=() if np.ndim(t) == 0 else ("n",))
+    times = check.array_of_rank(t, "t", shapes=((), ("n",)))
     first, last = domain
     if not times.size or (first <= times.min() and times.max() <= last):
         return times

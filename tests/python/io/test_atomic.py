@@ -195,3 +195,24 @@ def test_a_bag_s_folder_is_on_the_disk_before_it_takes_its_name(tmp_path, ur_mot
     assert folder.parent == tmp_path
     assert "bag" not in beside
     assert synced[-1][0] == tmp_path
+
+
+def test_what_a_killed_writer_left_is_cleared_by_the_next(tmp_path):
+    killed = """
+import os, signal, sys
+from leadthrough.io.files import making_folder, replacing
+with replacing("a.csv") as file, making_folder("b") as folder:
+    file.write_text("half")
+    folder.mkdir()
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+    subprocess.run([sys.executable, "-c", killed], cwd=tmp_path, check=False)
+    other = tmp_path / ".leadthrough-0123456789ab-1-other"
+    other.write_text("of another computer")
+    assert len(list(tmp_path.iterdir())) == 3
+    with replacing(tmp_path / "own.csv") as own:
+        own.write_text("whole")
+        with replacing(tmp_path / "next.csv") as file:
+            file.write_text("whole")
+    left = sorted(path.name for path in tmp_path.iterdir())
+    assert left == [other.name, "next.csv", "own.csv"]

@@ -23,7 +23,7 @@ from leadthrough.models.dmp.channels import PointChannels
 from leadthrough.models.dmp.learning import check_choices, check_weights, learn_motion
 from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.primitive import Primitive, take_parts
-from leadthrough.models.dmp.query import check_final_velocity, check_step
+from leadthrough.models.dmp.query import check_final_velocity, check_state, check_step
 from leadthrough.models.protocol import Demonstrations, Skill, Target, Unfitted
 from leadthrough.models.queries import CheckedQuery, even_phases
 from leadthrough.motion import Motion, MotionT, MotionT_co, moved_events
@@ -214,6 +214,7 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
             UnsupportedQuery: for obstacles or limits that are not among `supports`, and where the
                 orientation "lifted" would spin on the way to a new goal, or from a new pose.
         """
+        check_state(state)
         changed = goal is not None or measured is not None or coupling is not None
         constrained = bool(obstacles) or limits is not None
         if not (changed or constrained) and type(dt) is float and lag == 0.0:

@@ -27,6 +27,12 @@ def check_step(dt: float, lag: float, duration: float) -> float:
     return span / (1.0 + check.number(lag, "lag", at_least=0.0))
 
 
+def check_state(state: object) -> None:
+    """Refuses what `begin` and `step` of a movement primitive did not make."""
+    if not hasattr(state, "tick"):
+        raise check.refused("state", "one from begin or step", type(state).__name__)
+
+
 def check_final_velocity(velocity: ArrayLike | None, form: str) -> None:
     """Refuses a final velocity with a form that ends at rest."""
     if velocity is not None and form != "blended":

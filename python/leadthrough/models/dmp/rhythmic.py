@@ -25,6 +25,7 @@ from leadthrough.models.dmp.primitive import Primitive, take_parts
 from leadthrough.models.dmp.query import (
     as_pose,
     check_channels,
+    check_state,
     check_step,
     moved_ends,
     pose_acceleration,
@@ -193,6 +194,7 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
             goal: (d,), of poses (3,), moves the centre.
             coupling: as in `DMPSkill.step`.
         """
+        check_state(state)
         span = check_step(dt, 0.0, state.duration)
         if goal is not None:
             state = self._redirected(state, goal)

@@ -91,6 +91,8 @@ class Experience(ShortRepr):
     ) -> Experience:
         """The one of which a file has the `arrays` under <name>_<index>."""
         path = check.frozen(arrays[f"path_{index}"], "path", shape=("n", "d"))
+        if len(path) < 2:
+            raise check.refused("path", "at least two points", len(path))
         orientations = arrays.get(f"orientations_{index}")
         joints = None
         if joint_names is not None:

@@ -153,3 +153,16 @@ def test_meshes_outside_of_the_robots_folders_are_not_read(tmp_path, layout):
     ):  # fmt: skip
         assert find_mesh(name, folders) is None, name
     assert find_mesh(str(secret), [*folders, str(home / "secret")]) == secret
+
+
+
+def test_a_robot_that_cannot_be_downloaded_names_the_cure(monkeypatch):
+    def failing(_):
+        raise OSError("no route to host")
+
+    files = "leadthrough.arm.robot_files."
+    monkeypatch.setattr(f"{files}find_spec", lambda _: object())
+    monkeypatch.setattr(f"{files}import_module", failing)
+    monkeypatch.setattr(f"{files}_own", lambda _: None)
+    monkeypatch.setattr(f"{files}_of_example_robot_data", lambda _: None)
+    refused("load it once with a network, or name its URDF", lt.Arm.load, "gen3")
