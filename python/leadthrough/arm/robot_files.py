@@ -125,7 +125,7 @@ def find_robot(name: str) -> RobotFiles:
     names = ", ".join(map(repr, own_names())) or "none"
     raise InvalidInput(
         f"name: expected one of the robots {names}, or of {_PACKAGES} where these are installed, "
-        f"got {name!r}; a URDF is read by Arm.from_urdf (--robot FILE.urdf)"
+        f"got {name!r}; in Python, a URDF is read by Arm.from_urdf"
     )
 
 
@@ -196,7 +196,7 @@ def _of_robot_descriptions(name: str) -> RobotFiles | None:
     except Exception as error:  # of git, which it calls
         raise InvalidInput(
             f"name: the files of {name!r} could not be downloaded by robot_descriptions ({error}); "
-            "load it once with a network, or read its URDF by Arm.from_urdf"
+            "load it once with a network, or name its URDF; in Python, by Arm.from_urdf"
         ) from None
     if not hasattr(described, "URDF_PATH"):
         raise InvalidInput(f"name: {module} has no URDF, got {name!r}")

@@ -31,7 +31,7 @@ UNITS = {
 # A start this far from the demonstrated one, rad or m, is another posture to a person beside it.
 _ELSEWHERE = 0.3
 # Names of columns that number the joints.
-_NUMBERED = re.compile(r"((?:q|j|joint|axis|a|theta|position)_?)(\d+)", re.IGNORECASE)
+_NUMBERED = re.compile(r"((?:q|j|joint|axis|a|theta|position)(?:_d)?[_\[]?)(\d+)\]?", re.IGNORECASE)
 
 
 def load(name: str, details: ArmDetails) -> lt.Arm:

@@ -88,10 +88,10 @@ def _refuse_unfit(motion: Motion, name: str) -> None:
     turns = isinstance(motion, PoseTrajectory) and not _is_still(motion.orientations)
     if _is_still(motion.positions) and not turns:
         raise FitError(f"{name}: does not move; leave it out")
-    if not turns and np.ptp(motion.positions, axis=0).max() < 1.0 / MAX_NUMBER:
-        raise FitError(f"{name}: moves by less than {1.0 / MAX_NUMBER:.0e}; use another unit")
     if np.abs(motion.positions).max() > MAX_NUMBER:
         raise FitError(f"{name}: has numbers beyond {MAX_NUMBER:.0e}; use another unit")
+    if not turns and np.ptp(motion.positions, axis=0).max() < 1.0 / MAX_NUMBER:
+        raise FitError(f"{name}: moves by less than {1.0 / MAX_NUMBER:.0e}; use another unit")
 
 
 def _is_still(rows: Float64Array) -> bool:
