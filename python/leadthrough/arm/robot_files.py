@@ -20,7 +20,7 @@ from urllib.parse import unquote, urlparse
 import numpy as np
 
 import leadthrough._core as core
-from leadthrough import check, optional
+from leadthrough import check
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
 
@@ -55,7 +55,7 @@ def read(path_or_xml: str | PathLike[str]) -> str:
 
 def _expanded(path: Path) -> str:
     """The URDF that a xacro file describes, with the defaults of its arguments."""
-    xacro = optional.load("xacro", extra="xacro")
+    xacro = check.package("xacro", extra="xacro")
     try:
         return str(xacro.process_file(str(path)).toxml())
     except Exception as error:  # of whatever its expressions call

@@ -6,8 +6,7 @@ from motions import arm, minimum_jerk, reach
 from refusals import refused
 
 import leadthrough as lt
-from leadthrough import arm as arms
-from leadthrough import trajectories
+from leadthrough import arm as arms, trajectories
 from leadthrough.errors import FitError, IkFailure, InvalidInput, LimitsInfeasible
 
 LINE = lt.Trajectory(np.linspace(0.0, 1.0, 50), np.outer(np.linspace(0.0, 1.0, 50), [1.0, 0.5]))

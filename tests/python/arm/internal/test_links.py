@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from motions import configurations
+from refusals import refused
 from urdfs import CUBE
 
 import leadthrough as lt
@@ -153,7 +154,6 @@ def test_meshes_outside_of_the_robots_folders_are_not_read(tmp_path, layout):
     ):  # fmt: skip
         assert find_mesh(name, folders) is None, name
     assert find_mesh(str(secret), [*folders, str(home / "secret")]) == secret
-
 
 
 def test_a_robot_that_cannot_be_downloaded_names_the_cure(monkeypatch):
