@@ -6,7 +6,7 @@ import math
 import re
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -19,6 +19,10 @@ import leadthrough as lt
 from leadthrough.cli import completion, options, output
 from leadthrough.models.registry import MODELS
 
+# Fraction of the extent from which on a demonstration counts as not reproduced.
+_SOUND = 0.01
+_JUDGED = 4  # recordings that `judge` needs
+_SPACE = 3  # coordinates of points in m; drawings have two, in their own unit
 _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
 
 
@@ -101,11 +105,54 @@ def learn(
     with output.busy("learning"), errors.naming(**words, path="--out"), _told(demonstrations):
         skill = chosen.fit(demonstrations)
         skill.save(out)
-    found = {"skill": str(out), "model": kind, "demonstrations": [d.name for d in demonstrations]}
-    output.facts(found, as_json=as_json)
-    if not as_json:
-        motion = "motion.csv" if robot is None else "motion.json"
+    near = lt.models.reproduction(skill, demonstrations)
+    names = [each.name for each in demonstrations]
+    found = {"skill": str(out), "model": kind, "demonstrations": names}
+    if as_json:
+        output.facts(found | {"reproduction": near.as_dict()}, as_json=True)
+        return
+    output.facts(found | {"reproduction": _nearness(near, demonstrations)}, as_json=False)
+    _hint(ctx, near, kind)
+
+
+def _nearness(near: lt.models.Reproduction, demonstrations: Sequence[lt.Demonstration]) -> str:
+    """The largest distance of a learned motion from its demonstration, in words."""
+    failed = [
+        each.name
+        for each, apart in zip(demonstrations, near.positions, strict=True)
+        if math.isinf(apart)
+    ]
+    if failed:
+        return f"none from start to goal of {', '.join(failed)}"
+    motion = demonstrations[0].motion
+    unit, factor = ("rad", 1.0) if isinstance(motion, lt.JointTrajectory) else ("mm", 1e3)
+    if motion.positions.shape[1] < _SPACE and unit == "mm":
+        unit, factor = "", 1.0
+    text = f"within {_short(factor * near.position)} {unit}".rstrip()
+    if near.orientation is not None:
+        text += f" and {_short(math.degrees(near.orientation))} degrees"
+    first, *others = (each.name for each in demonstrations)
+    between = " and " if len(others) == 1 else " .. "
+    return f"{text} of {between.join([first, *others[-1:]])}"
+
+
+def _short(number: float) -> str:
+    """Two digits of a number, or its whole part where that has more."""
+    return f"{number:.0f}" if number >= 10.0 else f"{number:.2g}"
+
+
+def _hint(ctx: typer.Context, near: lt.models.Reproduction, model: str) -> None:
+    """Prints the next command: a cure where demonstrations are not reproduced."""
+    out = ctx.params["out"]
+    files = (*ctx.params["files"], *output.reading_words(ctx))
+    if near.fraction <= _SOUND or (model == "aligned-mean" and len(near.positions) < _JUDGED):
+        motion = "motion.csv" if ctx.params["robot"] is None else "motion.json"
         output.hint(ctx, "leadthrough", "plan", out, *output.arm_words(ctx), "-o", motion)
+    elif len(near.positions) < _JUDGED:
+        words = (*files, *output.arm_words(ctx), "--model", "aligned-mean", "-o", out)
+        output.hint(ctx, "leadthrough", "learn", *words)
+    else:
+        output.hint(ctx, "leadthrough", "judge", *files)
 
 
 def _streamed(

@@ -37,4 +37,5 @@ from .registry import (
     model_entry as model_entry,
     model_names as model_names,
 )
+from .reproduction import Reproduction as Reproduction, reproduction as reproduction
 from .targets import Target as Target, TargetRegion as TargetRegion

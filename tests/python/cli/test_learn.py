@@ -1,5 +1,7 @@
 """`leadthrough learn`: errors and warnings name the recordings, whose rests are left out."""
 
+import re
+
 import numpy as np
 from cli.command_line import facts, run, write_table
 
@@ -74,3 +76,34 @@ def test_a_cleaned_recording_begins_with_the_motion(folder):
     assert found["report"]["still"] == [0.0, 0.0]
     (found,) = facts("clean", "recorded/reach1.csv", "--pause", "9", "-o", "clean.csv")
     assert found["report"]["pauses"] == []
+
+
+def test_the_learned_motions_are_compared_with_each_recording(folder):
+    said = run("learn", "recorded", "-o", "reach.npz").stdout
+    assert re.search(r"within \d.* mm and 0\.\d+ degrees of reach1 \.\. reach3", said)
+    assert re.search(
+        r"within 0\.0\d+ rad", run("learn", "recorded", "--joints", "-o", "j.npz").stdout
+    )
+    near = facts("learn", "recorded", "-o", "reach.npz")["reproduction"]
+    assert 0.0 < near["position"] < 2e-3
+    assert 0.0 < near["orientation"] < 0.01
+    assert 0.0 < near["fraction"] < 0.01
+
+
+def test_a_recording_that_is_learned_badly_comes_with_the_cure(empty_folder):
+    t = np.linspace(0.0, 10.0, 2000)
+    many = np.column_stack([t, 0.1 * t, np.sin(12.0 * t), 0.2 * np.cos(12.0 * t)])
+    words = ("learn", written(empty_folder, "spiral", many), "-o", "s.npz")
+    said = run(*words, "--set", "weights=10").stdout
+    (cure,) = re.findall(r"next: leadthrough (.*)", said)
+    assert cure.startswith("learn")
+    again = run(*cure.split())
+    assert "next: leadthrough plan s.npz" in again.stdout
+
+
+def test_drawings_are_compared_in_their_own_unit(empty_folder):
+    t = np.linspace(0.0, 1.0, 100)
+    drawn = np.column_stack([t, 40.0 * t, 20.0 * t**2])
+    shown = written(empty_folder, "drawing", drawn, header="t,x,y")
+    said = run("learn", shown, "--column", "positions=x,y", "-o", "s.npz").stdout
+    assert re.search(r"within [\d.e-]+ of drawing", said)

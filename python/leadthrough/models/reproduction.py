@@ -1,0 +1,112 @@
+"""How near a skill comes to the demonstrations that it was learned from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from leadthrough import rotations
+from leadthrough.check import Float64Array, ShortRepr
+from leadthrough.errors import LeadthroughError
+from leadthrough.models.demonstrations import Demonstrations, motions_of
+from leadthrough.models.frame import target_of
+from leadthrough.models.protocol import Skill
+from leadthrough.motion import Motion, PoseTrajectory
+from leadthrough.preprocess import arc_length, by_arc_length, frechet_distance
+
+_STEP = 1e-3  # of the extent, between compared points of a path
+_MIN_POINTS, _MAX_POINTS, _POINTS_A_ROW = 200, 4000, 10
+_CHORD = 2.0 * np.sqrt(2.0)  # Frobenius distance of opposite rotation matrices
+
+
+@dataclass(frozen=True, eq=False)
+class Reproduction(ShortRepr):
+    """Distances of a skill's motions from its demonstrations, path from path.
+
+    Attributes:
+        positions: Frechet distance (k,) from each demonstration, in its unit (m; of joints rad, as
+            the norm over all); infinite where the skill has no motion from its start to its goal.
+        orientations: likewise of orientations (k,), rad; None without orientations.
+        extents: diagonals (k,) of the boxes that hold the demonstrations' positions.
+    """
+
+    positions: Float64Array
+    orientations: Float64Array | None
+    extents: Float64Array
+
+    @property
+    def position(self) -> float:
+        """The largest distance from a demonstration."""
+        return float(self.positions.max())
+
+    @property
+    def orientation(self) -> float | None:
+        """The largest distance from a demonstration's orientations, rad."""
+        return None if self.orientations is None else float(self.orientations.max())
+
+    @property
+    def fraction(self) -> float:
+        """The largest distance from a demonstration as a fraction of its extent."""
+        return float((self.positions / np.where(self.extents > 0.0, self.extents, 1.0)).max())
+
+    def as_dict(self) -> dict[str, float | None]:
+        """The largest distances in plain values; None where there are none."""
+        found = {
+            "position": self.position,
+            "orientation": self.orientation,
+            "fraction": self.fraction,
+        }
+        return {name: x if x is not None and np.isfinite(x) else None for name, x in found.items()}
+
+
+def reproduction(skill: Skill[Any], demonstrations: Demonstrations[Motion]) -> Reproduction:
+    """The distances of a skill's motions from demonstrations.
+
+    Each is generated from the demonstration's own start to its own goal, in its duration, as far
+    as the skill supports that. Paths are compared, not their timing.
+
+    Args:
+        skill: the skill, learned from these or others.
+        demonstrations: one or more, of the skill's type of motion.
+
+    Raises:
+        FitError: if there is no demonstration, or one does not move.
+
+    Source: Eiter and Mannila 1994, the discrete Frechet distance, of up to 4000 points evenly
+        spaced along each path.
+    """
+    motions = motions_of(demonstrations)
+    pairs = np.array([_distances(skill, each) for each in motions])
+    posed = isinstance(motions[0], PoseTrajectory)
+    extents = [float(np.linalg.norm(np.ptp(each.positions, axis=0))) for each in motions]
+    return Reproduction(pairs[:, 0], pairs[:, 1] if posed else None, np.array(extents))
+
+
+def _distances(skill: Skill[Any], shown: Motion) -> tuple[float, float]:
+    """The distances of positions and of orientations (0 without), infinite without a motion."""
+    asked: dict[str, Any] = {"duration": shown.duration}
+    if not hasattr(skill, "period"):  # a rhythm has neither start nor goal
+        asked |= {"start": target_of(shown, 0), "goal": target_of(shown, -1)}
+    asked = {name: value for name, value in asked.items() if name in skill.supports}
+    try:
+        made = skill.generate(**asked, dt=shown.duration / _MAX_POINTS)
+    except LeadthroughError:
+        return np.inf, np.inf
+    apart = _apart(shown.positions, made.positions)
+    if not isinstance(shown, PoseTrajectory):
+        return apart, 0.0
+    chord = _apart(
+        *(rotations.to_matrix(each.orientations).reshape(-1, 9) for each in (shown, made))
+    )
+    return apart, 2.0 * float(np.arcsin(min(chord / _CHORD, 1.0)))
+
+
+def _apart(shown: Float64Array, made: Float64Array) -> float:
+    """The Frechet distance of paths (n, d) and (m, d)."""
+    size = float(np.linalg.norm(np.ptp(shown, axis=0)))
+    steps = arc_length(shown)[-1] / (_STEP * size) if size > 0.0 else 0.0
+    most = min(_MAX_POINTS, max(_MIN_POINTS, _POINTS_A_ROW * len(shown)))
+    count = int(np.clip(steps, _MIN_POINTS, most))
+    return frechet_distance(by_arc_length(shown, count), by_arc_length(made, count))
