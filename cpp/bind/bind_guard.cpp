@@ -105,6 +105,14 @@ PacedRows stopped(const StepLimits& limits, const RowsRef& start, const RowsRef&
   return pair_of(guard::stopped(limits, start, path));
 }
 
+PacedRows eased(const StepLimits& limits, const RowsRef& start, const RowsRef& path, double rate) {
+  require_start(limits, start);
+  require_rows(limits, path, 1);
+  require(rate > 0.0);
+  const py::gil_scoped_release release;
+  return pair_of(guard::eased(limits, start, path, rate));
+}
+
 // Along states, or positions alone: sample and the two bodies by name, or empty names where the
 // work ended.
 std::optional<std::tuple<double, std::string, std::string>> first_contact(
@@ -142,6 +150,8 @@ void bind_guard(py::module_& module) {
              py::arg("most_samples"));
   module.def("stopped", &stopped, py::arg("limits"), py::arg("start").noconvert(),
              py::arg("path").noconvert());
+  module.def("eased", &eased, py::arg("limits"), py::arg("start").noconvert(),
+             py::arg("path").noconvert(), py::arg("rate"));
 
   py::class_<GuardedScene>(module, "GuardedScene")
       .def(py::init([](const CollisionModel& model, const std::vector<Shape>& obstacles,

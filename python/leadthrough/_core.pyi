@@ -324,6 +324,9 @@ def slowed(
 def stopped(
     limits: StepLimits, start: Float64Array, path: Float64Array
 ) -> tuple[Float64Array, Float64Array] | None: ...
+def eased(
+    limits: StepLimits, start: Float64Array, path: Float64Array, rate: float
+) -> tuple[Float64Array, Float64Array] | None: ...
 def first_contact(
     scene: GuardedScene,
     start: Float64Array,

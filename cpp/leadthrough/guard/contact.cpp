@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Index;
 
-// Distances this much below the margin pass between samples, m.
+// Closer to the margin than this, m, nothing moves that is not certified before.
 constexpr double kTolerance = 1e-4;
 // Smallest margin, m: distances are exact to less, and nothing may touch.
 constexpr double kMinMargin = 2.0 * kTouching;
@@ -96,15 +96,17 @@ class Certifier {
   }
 
   // Adds those of the pairs in open_[first, end) that are not certified while the joints change by
-  // at most `change` around the present configuration, with the margins of time `late`.
-  void keep_open(std::size_t first, std::size_t end, const MovingValues& change, double late) {
+  // at most `change` around the configuration of time `at`, with the margins of time `late`.
+  void keep_open(std::size_t first, std::size_t end, const MovingValues& change, double at,
+                 double late) {
     for (std::size_t i = first; i < end; ++i) {
       check_interrupt();
       const std::size_t p = open_[i];
       const double motion = collision::pair_motion(scene_, reach_, scene_.pairs[p], change);
       const double least = margin(p, late);
-      const double slack = std::min(kTolerance, least - kTouching);
-      if (!apart(p, least - slack + motion)) open_.push_back(p);
+      if (apart(p, least - kTouching + motion)) continue;
+      open_.push_back(p);
+      fine_ = fine_ && least - margin(p, at) + motion > kTolerance;
     }
   }
 
@@ -119,7 +121,7 @@ class Certifier {
       change[k] = std::max(travel_[index(middle)][k] - travel_[index(low)][k],
                            travel_[index(high)][k] - travel_[index(middle)][k]);
     const std::size_t left = open_.size();
-    keep_open(first, end, change, static_cast<double>(high));
+    keep_open(first, end, change, static_cast<double>(middle), static_cast<double>(high));
     const std::size_t right = open_.size();
     if (right > left) between(low, middle, left, right);
     if (right > left && !contact_) between(middle, high, left, right);
@@ -138,9 +140,10 @@ class Certifier {
     for (std::size_t k = 0; k < moving_count(scene_.chain); ++k)
       change[k] = (to - middle) * (travel_[index(low) + 1][k] - travel_[index(low)][k]);
     const std::size_t left = open_.size();
-    keep_open(first, end, change, static_cast<double>(low) + to);
+    fine_ = true;
+    keep_open(first, end, change, at, static_cast<double>(low) + to);
     const std::size_t right = open_.size();
-    if (right > left && halvings == 0) touch(at, open_[left]);
+    if (right > left && (halvings == 0 || !fine_)) touch(at, open_[left]);
     if (right > left && !contact_) within(low, from, middle, left, right, halvings - 1);
     if (right > left && !contact_) within(low, middle, to, left, right, halvings - 1);
     open_.resize(left);
@@ -172,6 +175,7 @@ class Certifier {
   collision::Frames frames_;
   std::vector<std::size_t> open_;  // a stack of pairs that are not certified yet
   std::optional<Contact> contact_;
+  bool fine_ = true;  // all pairs left open move by more than the tolerance
 };
 
 }  // namespace

@@ -31,9 +31,9 @@ struct Contact {
 constexpr long kAllWork = std::numeric_limits<long>::max();
 
 // Along the samples from `start` (joints,) on, linear in between. age: periods since the obstacles'
-// poses were observed. Without a contact no distance falls below its margin by more than 0.1 mm,
-// and nothing touches. most_work: limit on tests of pairs of shapes; a motion that grazes an
-// obstacle takes a hundred times as many as one far from all.
+// poses were observed. Without a contact no distance falls below its margin; what moves within
+// 0.1 mm of it may count as a contact. most_work: limit on tests of pairs of shapes; a motion that
+// grazes an obstacle takes a hundred times as many as one far from all.
 std::optional<Contact> first_contact(const GuardedScene& scene, const Eigen::VectorXd& start,
                                      const RowsRef& samples, double age, long most_work = kAllWork);
 

@@ -5,6 +5,7 @@
 
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
+#include "leadthrough/guard/bridge.hpp"
 #include "leadthrough/guard/path_curve.hpp"
 
 namespace leadthrough::guard {
@@ -20,6 +21,12 @@ constexpr int kLocalRounds = 8, kRounds = 24;
 constexpr double kSpare = 1.002;
 // A stop takes longer with each attempt by this fraction.
 constexpr Index kStopFractions = 8;
+// An eased path has at most this many times its rows.
+constexpr Index kLongestEase = 4;
+// A ramp takes longer with each attempt by this fraction.
+constexpr Index kEaseFractions = 2;
+// A state that is not that of the path is led onto it in at most this many periods.
+constexpr Index kMostPeriods = 16;
 
 // Periods in which the fastest joint of the path can stop: the time scale of changes of pace.
 Index gentle(const StepLimits& limits, const RowsRef& path) {
@@ -169,6 +176,70 @@ std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& start, con
     if (!satisfied) continue;
     for (Index k = 0; k < first; ++k) places[k] = static_cast<double>(k);
     const Index count = first + stop;
+    return Paced{stream.middleRows(1, count), places.head(count).matrix()};
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+// A pace from `before` to `after` rows a period over `ramp` periods, as 3 u^2 - 2 u^3.
+struct Ramp {
+  double before, after, ramp;
+
+  struct At {
+    double place, rate, bend;
+  };
+  At at(double k) const {
+    const double u = std::min(1.0, k / ramp), change = after - before;
+    const double gone = ramp * u * u * u * (1.0 - 0.5 * u) + std::max(0.0, k - ramp);
+    return {before * k + change * gone, before + change * u * u * (3.0 - 2.0 * u),
+            change * 6.0 * u * (1.0 - u) / ramp};
+  }
+};
+
+// The pace along a path of a state at its first row.
+double pace_of(const RowsRef& start, const RowsRef& path, double at_rest) {
+  const Index joints = path.cols() / 3;
+  const auto along = path.row(0).segment(joints, joints);
+  const double size = along.squaredNorm();
+  if (!(size > 0.0)) return at_rest;
+  return std::clamp(start.row(0).segment(joints, joints).dot(along) / size, 0.0, 1.0);
+}
+
+}  // namespace
+
+std::optional<Paced> eased(const StepLimits& limits, const RowsRef& start, const RowsRef& path,
+                           double rate) {
+  if (path.rows() < 2) return std::nullopt;
+  const PathCurve curve(path, limits.period);
+  const double before = pace_of(start, path, rate);
+  const double last = static_cast<double>(path.rows() - 1);
+  const Index most = kLongestEase * path.rows();
+  Rows stream(most + 1, path.cols());
+  stream.row(0) = start.row(0);
+  ArrayXd places(most);
+  for (Index ramp = 1; ramp < most; ramp += 1 + ramp / kEaseFractions) {
+    const Ramp law{before, rate, static_cast<double>(ramp)};
+    // Rows from `first` to `end` that keep the limits, those of the path's end or of an excess left
+    // out.
+    const auto filled = [&](Index first, Index end) {
+      for (Index k = first; k < end; ++k) {
+        const Ramp::At now = law.at(static_cast<double>(k));
+        if (now.place > last) return k;
+        places[k - 1] = now.place;
+        curve.at(now.place, now.rate, now.bend, stream.row(k));
+        if (k > 1 && !keeps(limits, stream, k)) return k;
+      }
+      return end;
+    };
+    const Index begun = std::min(ramp + 1 + kMostPeriods, most + 1);
+    const Index known = filled(1, begun);
+    if (known <= std::min(ramp, begun - 1)) continue;
+    const auto onto = bridge_on_time(limits, start, stream.middleRows(1, known - 1), kMostPeriods);
+    if (!onto) continue;
+    stream.middleRows(1, onto->skipped) = onto->samples;
+    const Index count = (known < begun ? known : filled(begun, most + 1)) - 1;
     return Paced{stream.middleRows(1, count), places.head(count).matrix()};
   }
   return std::nullopt;

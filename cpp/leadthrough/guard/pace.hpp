@@ -23,4 +23,10 @@ std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path,
 // row from which it can stop at or before the last one.
 std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& start, const RowsRef& path);
 
+// Along a path (n, 3 joints) from a state at its first row's positions on: the pace changes as soon
+// as the limits allow from that of the state, as far as it goes along the path, to `rate` rows a
+// period. It ends before the first row at that rate that exceeds a limit.
+std::optional<Paced> eased(const StepLimits& limits, const RowsRef& start, const RowsRef& path,
+                           double rate);
+
 }  // namespace leadthrough::guard

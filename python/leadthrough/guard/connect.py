@@ -127,6 +127,7 @@ def _blocked(found: Contact, reason: str, what: str) -> NoPath:
 
 
 _JUMP = 3.0  # times its neighbours a step is longer that is a jump
+_EASED = (1.0, 0.9)  # rates of a path that is followed from another pace on
 _MAX_STRETCH = 10  # factor by which a piece may be stretched
 
 
@@ -154,6 +155,13 @@ def changed(rules: Rules, start: Float64Array, samples: Float64Array) -> Changed
             break
         target, at = run
         joined = None if first else joined_on_time(rules, last, target)
+        if joined is None and not first and not _jumps(rules, last, target):
+            along = _from_here(rules, last, inside[:end]) or _through_rest(rules, last, run)
+            if along is None:
+                complete = False
+                break
+            rows, places = [*rows, along[0]], [*places, along[1]]
+            continue
         joined = joined or joined_at_start(rules, last, target)
         if joined is None:
             complete = False
@@ -176,6 +184,46 @@ def _paced(
     none = np.empty((0, last.shape[1]))
     path = Chunk(piece, 0.0).following(none, rules.period)
     return core.slowed(rules.limits, path, _MAX_STRETCH * max(_SHORT_PIECE, len(path)))
+
+
+def _jumps(rules: Rules, start: Float64Array, target: Float64Array) -> bool:
+    """Whether the first of some states is farther than a step."""
+    joints = len(rules.joints.joint_names)
+    away = np.abs(target[0, :joints] - start[0, :joints])
+    return bool((away > rules.period * rules.joints.velocity).any())
+
+
+def _from_here(
+    rules: Rules, start: Float64Array, piece: Float64Array
+) -> tuple[Float64Array, Float64Array] | None:
+    """A piece from the present position on, at the pace of the state first; and its places."""
+    joints = piece.shape[1]
+    run = _paced(rules, start, np.concatenate([start[:, :joints], piece]))
+    if run is None:
+        return None
+    path, at = run
+    eased = [found for rate in _EASED if (found := core.eased(rules.limits, start, path, rate))]
+    if not eased:
+        return None
+    rows, places = max(eased, key=lambda found: float(found[1][-1]))
+    return rows, np.interp(places, np.arange(len(at)), at) - 1.0
+
+
+def _through_rest(
+    rules: Rules, start: Float64Array, run: tuple[Float64Array, Float64Array]
+) -> tuple[Float64Array, Float64Array] | None:
+    """A paced piece with a rest at its first sample; and its places."""
+    target, at = run
+    rest = target[:1].copy()
+    rest[:, len(rules.joints.joint_names) :] = 0.0
+    joined = joined_at_start(rules, start, rest)
+    if joined is None:
+        return None
+    parts, places = [joined[0], rest], [np.linspace(-1.0, 0.0, len(joined[0]) + 2)[1:]]
+    if (eased := core.eased(rules.limits, rest, target, 1.0)) is not None:
+        parts.append(eased[0])
+        places.append(np.interp(eased[1], np.arange(len(at)), at))
+    return np.concatenate(parts), np.concatenate(places)
 
 
 def _pieces(samples: Float64Array, step: Float64Array) -> list[int]:

@@ -280,12 +280,15 @@ class Guard(ShortRepr):
                 given.events, places[: len(rows)], start=given.start, period=self._period
             )
             return self._admitted(stopping, "changed", reasons, start=given.start, events=events)
+        whole = rows if contact is not None and contact.bodies else None
         if contact is not None:
             reasons += (_contact_reason(contact, places, given.start, self._period),)
             rows = rows[: int(contact.sample)]
         elif len(rows):
             reasons += (self._stop_reason(rows, places, given.start),)
-        return self._shortened(rows, places, reasons, start=given.start, events=given.events)
+        return self._shortened(
+            rows, places, reasons, start=given.start, events=given.events, whole=whole
+        )
 
     def _shortened(
         self,
@@ -295,9 +298,16 @@ class Guard(ShortRepr):
         *,
         start: float,
         events: tuple[Event, ...],
+        whole: Float64Array | None = None,
     ) -> Admission:
-        """As many of the rows, known to be clear, as leave room to brake."""
-        stopping = self._rules.cut(self._now(), rows, self._age)
+        """As many of the rows, known to be clear, as leave room to brake, or the whole slower."""
+        now = self._now()
+        stopping = self._rules.cut(now, rows, self._age)
+        if whole is not None and (stopping is None or stopping.executed == 0):
+            slower = self._rules.slower(now, whole, self._age)
+            if slower is not None:
+                stopping, at = slower
+                places = np.interp(at, np.arange(len(places)), places)
         if stopping is None or stopping.executed == 0:
             return self._braking(reasons, start=start, stopping=stopping)
         remaining = moved_events(

@@ -20,6 +20,8 @@ from leadthrough.shapes import Scene, compiled
 
 ALL_WORK = sys.maxsize
 _WORK_OF_STOP = 4000  # pairs of shapes that are looked at along a stop
+_PACES = (0.5, 0.25, 0.125, 0.0625)  # at which a motion is tried that comes too near something
+_LOOK_AHEAD = 16  # rows of it
 _RATES = ("velocity", "acceleration", "jerk")
 
 
@@ -29,6 +31,10 @@ class StoppingTrajectory:
 
     rows: Float64Array  # (n, 3 joints), one a period, the last at rest
     executed: int  # how many of them come before the arm brakes
+
+
+# The rows of which each command of a stopping trajectory is, with fractions in between.
+Slower = tuple[StoppingTrajectory, Float64Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +125,20 @@ class Rules:
             low, high = (low, middle) if stopping is None else (middle, high)
             best = best if stopping is None else stopping
         return best
+
+    def slower(self, start: Float64Array, rows: Float64Array, age: float) -> Slower | None:
+        """Rows at the highest of some paces at which part of them can be executed; or None."""
+        path = np.concatenate([start, rows[:_LOOK_AHEAD]])
+        for rate in _PACES:
+            eased = core.eased(self.limits, start, path, rate)
+            if eased is None:
+                continue
+            found = self.contact(start, eased[0], age, most_work=_WORK_OF_STOP)
+            clear = eased[0] if found is None else eased[0][: int(found.sample)]
+            stopping = self.cut(start, clear, age) if len(clear) else None
+            if stopping is not None and stopping.executed:
+                return stopping, eased[1] - 1.0
+        return None
 
     def _stopped(
         self, start: Float64Array, rows: Float64Array, age: float

@@ -431,6 +431,7 @@ call(core.brake, np.zeros((0, 6)), **SMALL)
 call(core.bridge_to_start, SLOW[1:1], **SMALL, target=SLOW, most_steps=10)
 call(core.bridge_on_time, SLOW[1:1], **SMALL, target=SLOW, most_steps=10)
 call(core.slowed, SLOW, limits=limits, path=SLOW, most_samples=60)
+call(core.eased, SLOW[1:], **SMALL, path=SLOW, rate=1.0)
 call(core.stopped, SLOW, **SMALL, path=SLOW)
 scene = make(
     core.GuardedScene, model=model, obstacles=[], growth=[], margin=0.0, self_collision_margin=0.0

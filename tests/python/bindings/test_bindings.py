@@ -21,7 +21,7 @@ FREE = dict(
     Chain.forward_kinematics(q)  Chain.pose(q)  bridge_on_time(target)  bridge_to_start(target)
     condition_at(position noise)  dmp_poses(phases)
     first_contact(samples)  first_excess(samples)
-    slowed(path)  stopped(path)  with_rates(start)
+    eased(path)  slowed(path)  stopped(path)  with_rates(start)
     DmpForces(nodes)  DmpPath(coefficients)  dmp_peak_speeds(phases)
     IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
     Shape.distances(points)  all_finite(values)

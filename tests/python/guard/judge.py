@@ -26,7 +26,8 @@ def worst_use(positions, limits, rate):
     padded = np.concatenate([positions[:1].repeat(3, 0), positions, positions[-1:].repeat(3, 0)])
     ulp = np.spacing(np.abs(padded).max(axis=0))
     worst = 0.0
-    for order, limit in enumerate((limits.velocity, limits.acceleration, limits.jerk), 1):
+    jerk = 7.0 / 6.0 * limits.jerk
+    for order, limit in enumerate((limits.velocity, limits.acceleration, jerk), 1):
         used = np.abs(np.diff(padded, order, axis=0)) - 2.0**order * ulp
         worst = max(worst, float((used * rate**order / limit).max()))
     return worst

@@ -84,3 +84,54 @@ def test_a_motion_inside_the_limits_passes_to_the_bit_and_connected_it_stays_ins
         assert np.array_equal(answer.motion.velocities, timed.velocities[1:])
         part = timed[len(timed) // 3 : 2 * len(timed) // 3]
         assert lt.check_limits(lt.connect(HOMES[name], part, arm), arm.limits).ok
+
+
+ALONG = np.array([1.2, 0.2, 0.0, 0.2, 0.0, 0.0, 0.3])
+
+
+def gap_to(arm, rows, radius):
+    """A ball beside the middle of a path, and how near the arm comes to it."""
+    place = arm.forward_kinematics(rows[len(rows) // 2])[0] * [1.25, 1.25, 1.0]
+    ball = lt.Sphere(radius, place)
+    return ball, float(arm.distance(rows, [ball]).min())
+
+
+@pytest.mark.parametrize("pace", [0.1, 0.5, 0.9])
+def test_a_policy_of_any_pace_passes_an_obstacle_that_may_move(panda, pace):
+    """It asks for a constant speed along a line from where the arm is, also from rest."""
+    q, rate = HOMES["panda"], 100.0
+    path = q + np.outer(np.linspace(0.0, 1.0, 200), ALONG)
+    _, gap = gap_to(panda, path, 0.05)
+    ball, gap = gap_to(panda, path, 0.05 + gap - 0.03)
+    assert gap == pytest.approx(0.03, abs=1e-6)
+    nearby = lt.shapes.MovingObstacle(ball, 0.5)
+    guard = lt.Guard(panda, [nearby], rate=rate)
+    guard.admit(q[None], q)
+    step = pace * (panda.limits.velocity[ALONG > 0] / ALONG[ALONG > 0]).min() / rate
+    sent, gone = [guard.state], 0.0
+    for _ in range(700):
+        gone = float((guard.state.q - q) @ ALONG / (ALONG @ ALONG))
+        if gone > 0.999:
+            break
+        guard.update_obstacles([nearby])
+        chunk = q + np.outer(np.clip(gone + step * np.arange(1, 51), 0.0, 1.0), ALONG)
+        assert guard.admit(chunk).safe
+        sent.append(guard.next())
+    assert gone > 0.999
+    sent.extend(guard.next() for _ in range(guard.remaining))
+    assert lt.check_limits(motion_of(sent, rate, panda.joint_names), panda.limits).ok
+
+
+@pytest.mark.parametrize(("gap", "passes"), [(0.00495, False), (0.00515, True)])
+def test_a_margin_of_five_millimetres_means_five(panda, gap, passes):
+    q, rate = HOMES["panda"], 50.0
+    share = np.linspace(0.0, 1.0, 151)[1:]
+    rows = q + np.outer(share**3 * (10.0 - 15.0 * share + 6.0 * share**2), ALONG)
+    fine = q + np.outer(np.linspace(0.0, 1.0, 4001), ALONG)
+    _, first = gap_to(panda, fine, 0.05)
+    ball, nearest = gap_to(panda, fine, 0.05 + first - gap)
+    assert nearest == pytest.approx(gap, abs=1e-6)
+    guard = lt.Guard(panda, lt.Scene([ball], 0.005), rate=rate)
+    answer = guard.admit(rows, q)
+    assert (answer.verdict == "allowed") == passes
+    assert panda.distance(answer.to_rest.positions, [ball]).min() >= 0.005 - 1e-6
