@@ -220,6 +220,7 @@ std::optional<Paced> eased(const StepLimits& limits, const RowsRef& start, const
   stream.row(0) = start.row(0);
   ArrayXd places(most);
   for (Index ramp = 1; ramp < most; ramp += 1 + ramp / kEaseFractions) {
+    check_interrupt();
     const Ramp law{before, rate, static_cast<double>(ramp)};
     // Rows from `first` to `end` that keep the limits, those of the path's end or of an excess left
     // out.
