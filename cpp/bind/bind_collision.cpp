@@ -147,7 +147,7 @@ void bind_collision(py::module_& module) {
   module.def(
       "longest_step",
       [](const CollisionScene& scene, const Eigen::Ref<const Rows>& q) {
-        require(q.cols() == scene.chain.joints());
+        require(q.cols() == scene.chain.joints() && q.rows() > 0);
         const Unlocked unlocked;
         return longest_step(scene, q);
       },

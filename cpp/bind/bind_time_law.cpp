@@ -14,6 +14,8 @@ namespace {
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
 using Table = Eigen::Ref<const Rows>;
 
+constexpr Eigen::Index kMaxPoints = 10'000'000;
+
 // The path and its grid, which the caller may read to add bounds of its own.
 class GriddedPath {
  public:
@@ -22,7 +24,8 @@ class GriddedPath {
       : path_{breaks, coefficients} {
     require(breaks.size() > 1 && coefficients.rows() >= path_.pieces() &&
             coefficients.rows() % path_.pieces() == 0 && scale.size() == path_.joints() &&
-            path_.joints() > 0 && points > 2);
+            path_.joints() > 0 && points > 2 && points <= kMaxPoints);
+    const Unlocked unlocked;
     grid_ = make_path_grid(path_, scale, points);
   }
 
@@ -33,7 +36,8 @@ class GriddedPath {
                 const Table& upper, double period, Eigen::Index parts, double start_speed,
                 double end_speed, double longest, double most_delay) const {
     require(velocity.size() == path_.joints() && acceleration.size() == path_.joints() &&
-            jerk.size() == path_.joints() && fastest.size() == grid_.points() && parts > 0);
+            jerk.size() == path_.joints() && fastest.size() == grid_.points() && parts > 0 &&
+            parts <= kMaxPoints);
     for (const Table* table : {&gain, &bend, &lower, &upper})
       require(table->rows() == grid_.points() && table->cols() == gain.cols());
     TimeLaw found;

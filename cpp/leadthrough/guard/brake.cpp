@@ -48,7 +48,7 @@ double lowest_sum(const Joint& joint, Index steps) {
 // The fewest steps in which the acceleration can end; the first one is 0.
 Index steps_to_release(const Joint& joint) {
   const double steps = std::ceil(std::abs(joint.acceleration) / joint.jerk - kSame) - 1.0;
-  return static_cast<Index>(std::max(0.0, steps));
+  return static_cast<Index>(std::clamp(steps, 0.0, static_cast<double>(kMaxSteps)));
 }
 
 // The fewest steps, above `few`, whose lowest sum is at most `sum`.
