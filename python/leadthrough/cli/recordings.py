@@ -59,13 +59,16 @@ def info(
     infos = [
         _in_words(ctx, describe(file, request=asked, **_arm(ctx, file, given))) for file in found
     ]
+    unreadable = any(each.problem for each in infos)
     if as_json:
         print(json.dumps([each.as_dict() for each in infos], allow_nan=False))
-        return
+        raise typer.Exit(int(unreadable))
     print("\n\n".join(map(str, infos)))
+    if unreadable:
+        raise typer.Exit(1)
     if write_limits is not None:
         print(f"wrote {write_limits}: replace the assumed values with the maker's")
-    if len({each.kind for each in infos}) == 1 and not any(each.problem for each in infos):
+    if len({each.kind for each in infos}) == 1:
         output.hint(ctx, *_next(ctx, infos, write_limits))
 
 
@@ -146,6 +149,8 @@ def _next(
 def _next_of_robot(
     ctx: typer.Context, robot: FileInfo, written: Path | None
 ) -> tuple[str | Path, ...]:
+    if "ends" in robot.facts:
+        return ("leadthrough", "info", robot.path, "--tip", str(robot.facts["tip"]))
     typed = {name: ctx.params[name] for name in OF_THE_ROBOT}
     if robot.facts["unknown_limits"]:
         target = Path(robot.path).with_suffix(".toml").name

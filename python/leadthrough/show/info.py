@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from leadthrough.arm import Arm
+import leadthrough._core as core
+from leadthrough.arm import Arm, ends, robot_files
 from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, reader_process, rosbag
 from leadthrough.io.columns import recording
@@ -79,6 +80,9 @@ def describe(
         raise InvalidInput(f"path: expected a path, got {path!r}")
     where = Path(path)
     if where.suffix.lower() in _ROBOTS and where.is_file():
+        robot = core.Robot(robot_files.read(where))
+        if tip is None and len(robot.leaves) > 1:
+            return _branched(where, robot)
         arm = Arm.from_urdf(where, base=base, tip=tip, limits=limits, mesh_folders=mesh_folders)
         return _robot(where, arm)
     with blaming(where):
@@ -121,6 +125,18 @@ def _skill(path: Path) -> FileInfo | None:
         return None  # an archive of something else
     facts = {"model": kind, **settings, "arrays": [f"{n} {a.shape}" for n, a in arrays.items()]}
     return FileInfo(str(path), "NumPy archive", "skill", facts)
+
+
+def _branched(path: Path, robot: core.Robot) -> FileInfo:
+    """The links of a robot with several ends, and the lines that choose one."""
+    base, tip = robot.links[0], ends.proposed_tip(robot)
+    lines = f'base = "{base}"\ntip = "{tip}"'
+    text = (
+        f"{ends.link_tree(robot)}\nit ends in several links; proposed, for leadthrough.toml:\n"
+        f"{lines}\nor type --base {base} --tip {tip}"
+    )
+    facts = {"base": base, "tip": tip, "ends": list(robot.leaves)}
+    return FileInfo(str(path), "URDF", "robot", facts, text=text)
 
 
 def _robot(path: Path, arm: Arm) -> FileInfo:

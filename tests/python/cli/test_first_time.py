@@ -91,7 +91,7 @@ def test_a_motion_that_stands_still_is_its_one_sample(folder):
 def test_a_data_set_in_an_unknown_unit_can_be_seen_once_the_unit_is_given(folder):
     episodes = [np.column_stack([np.degrees(q), opening]) for q, opening in motions()]
     save(Path("set"), episodes)
-    told = run("info", "set")
+    told = run("info", "set", code=1)
     assert "set --angles degrees or --angles percent" in said(told)
     assert "next:" not in told.output  # the next command needs the unit, too
     words = ("view", "recordings/rec0.csv", "--robot", "arm.urdf", "--tip", TIP)
