@@ -88,9 +88,9 @@ py::tuple nearest(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, 
   return py::make_tuple(std::move(distances), std::move(bodies), std::move(points));
 }
 
-py::tuple to_tuple(const Approach& approach) {
-  const Nearest& at = approach.nearest;
-  return py::make_tuple(approach.sample, at.a, at.b, at.distance, at.on_a, at.on_b);
+py::tuple to_tuple(const ClosestPair& pair) {
+  const Nearest& at = pair.nearest;
+  return py::make_tuple(pair.sample, at.a, at.b, at.distance, at.on_a, at.on_b);
 }
 
 py::tuple check(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, double margin,

@@ -20,12 +20,11 @@ using Paths = std::vector<CArray<double>>;
 struct BoundSpeeds {
   BoundGrid cells;
   std::shared_ptr<const SpeedMap> map;
-  py::object speeds;  // an array that the map reads
 };
 
 struct BoundFree : BoundSpeeds {
   BoundFree(const BoundGrid& grid, std::shared_ptr<const FreeSpeeds> speed_map)
-      : BoundSpeeds{grid, speed_map, py::none()}, free(std::move(speed_map)) {}
+      : BoundSpeeds{grid, speed_map}, free(std::move(speed_map)) {}
 
   std::shared_ptr<const FreeSpeeds> free;
 };
@@ -37,8 +36,9 @@ std::vector<std::vector<Point>> paths_in(const BoundGrid& cells, const Paths& pa
 }
 
 BoundSpeeds given(const BoundGrid& cells, double outside, const CArray<double>& speeds) {
-  require(speeds.size() == cells.grid.size() && outside >= 0.0);
-  return {cells, std::make_shared<GivenSpeeds>(cells, outside, speeds.data()), speeds};
+  require(outside >= 0.0);
+  std::vector<double> copies(speeds.data(), speeds.data() + speeds.size());
+  return {cells, std::make_shared<GivenSpeeds>(cells, outside, std::move(copies))};
 }
 
 BoundFree experience(const BoundGrid& cells, double saturation, const Paths& paths, double radius) {
@@ -63,14 +63,14 @@ BoundFree about_tubes(const BoundGrid& cells, double saturation, const Paths& pa
 
 BoundSpeeds hindered(const BoundSpeeds& free, const BoundWalls& walls, double reach) {
   require(reach > 0.0 && free.cells.grid.shape == walls.cells.grid.shape);
-  return {free.cells, std::make_shared<HinderedSpeeds>(free.map, walls.walls, reach), free.speeds};
+  return {free.cells, std::make_shared<HinderedSpeeds>(free.map, walls.walls, reach)};
 }
 
 BoundSpeeds saturated(const BoundSpeeds& free, const BoundWalls& walls, double reach,
                       double saturation) {
   require(reach > 0.0 && free.cells.grid.shape == walls.cells.grid.shape);
   auto map = std::make_shared<SaturatedSpeeds>(free.map, walls.walls, reach, saturation);
-  return {free.cells, std::move(map), free.speeds};
+  return {free.cells, std::move(map)};
 }
 
 BoundSpeeds passable(const BoundFree& free, const BoundWalls& walls, double band, double reach) {
@@ -80,7 +80,7 @@ BoundSpeeds passable(const BoundFree& free, const BoundWalls& walls, double band
     const Unlocked unlocked;
     map = std::make_shared<PassableSpeeds>(free.free, walls.walls, band, reach);
   }
-  return {free.cells, std::move(map), free.speeds};
+  return {free.cells, std::move(map)};
 }
 
 py::array_t<double> speeds_at(const BoundSpeeds& bound, const CArray<Index>& cells) {

@@ -6,6 +6,7 @@
 
 #include "leadthrough/arm/rigid.hpp"
 #include "leadthrough/arm/run_down.hpp"
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/rotation/so3.hpp"
 
@@ -261,7 +262,20 @@ void forward_kinematics(const Chain& chain, const double* q, Kinematics& kinemat
   gather(chain, kinematics.jacobian);
 }
 
+void check_rows(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+  check_argument(q.cols() == chain.joints(), "rows of configurations: expected one value a joint");
+}
+
+void check_rates(const Chain& chain, const Eigen::Ref<const Rows>& q,
+                 std::initializer_list<Eigen::Ref<const Rows>> rates) {
+  check_rows(chain, q);
+  for (const auto& each : rates)
+    check_argument(each.rows() == q.rows() && each.cols() == q.cols(),
+                   "rates: expected the size of the configurations");
+}
+
 Poses forward_kinematics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+  check_rows(chain, q);
   Poses poses{Rows3(q.rows(), 3), Rows4(q.rows(), 4)};
   for (Eigen::Index i = 0; i < q.rows(); ++i) {
     check_interrupt(i);

@@ -4,6 +4,7 @@
 // moves about or along its own z axis and fixed transforms are folded between them.
 
 #include <array>
+#include <initializer_list>
 #include <string>
 #include <variant>
 #include <vector>
@@ -90,5 +91,11 @@ struct Poses {
   Rows4 orientations;
 };
 Poses forward_kinematics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q);
+
+// Refuses configurations in rows that do not have one value a joint.
+void check_rows(const Chain& chain, const Eigen::Ref<const Rows>& q);
+// The same of configurations with their rates, all of one size.
+void check_rates(const Chain& chain, const Eigen::Ref<const Rows>& q,
+                 std::initializer_list<Eigen::Ref<const Rows>> rates);
 
 }  // namespace leadthrough

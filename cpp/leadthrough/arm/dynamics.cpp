@@ -64,6 +64,7 @@ void copy(const double* values, KDL::JntArray& joints) {
 Rows inverse_dynamics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
                             const Eigen::Ref<const Rows>& qd, const Eigen::Ref<const Rows>& qdd,
                             const Eigen::Vector3d& gravity) {
+  check_rates(chain, q, {qd, qdd});
   const KDL::Chain bodies = to_kdl(chain);
   KDL::ChainIdSolver_RNE solver(bodies, to_kdl(gravity));
   const KDL::Wrenches none(bodies.getNrOfSegments(), KDL::Wrench::Zero());
@@ -84,6 +85,7 @@ Rows inverse_dynamics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
 }
 
 Rows mass_matrix_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+  check_rows(chain, q);
   const Eigen::Index n = chain.joints();
   const KDL::Chain bodies = to_kdl(chain);
   KDL::ChainDynParam solver(bodies, KDL::Vector::Zero());

@@ -113,6 +113,7 @@ void jacobian_second_derivative(const Chain& chain, const double* q, const doubl
 }
 
 Rows jacobian_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+  check_rows(chain, q);
   Kinematics kinematics;
   return each_row(chain, q.rows(), [&](Eigen::Index row) -> const JacobianColumns& {
     forward_kinematics(chain, q.row(row).data(), kinematics);
@@ -122,6 +123,7 @@ Rows jacobian_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
 
 Rows jacobian_derivative_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
                                const Eigen::Ref<const Rows>& qd) {
+  check_rates(chain, q, {qd});
   JacobianColumns columns;
   return each_row(chain, q.rows(), [&](Eigen::Index row) -> const JacobianColumns& {
     jacobian_derivative(chain, q.row(row).data(), qd.row(row).data(), columns);
@@ -132,6 +134,7 @@ Rows jacobian_derivative_batch(const Chain& chain, const Eigen::Ref<const Rows>&
 Rows jacobian_second_derivative_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
                                       const Eigen::Ref<const Rows>& qd,
                                       const Eigen::Ref<const Rows>& qdd) {
+  check_rates(chain, q, {qd, qdd});
   JacobianColumns columns;
   return each_row(chain, q.rows(), [&](Eigen::Index row) -> const JacobianColumns& {
     jacobian_second_derivative(chain, q.row(row).data(), qd.row(row).data(), qdd.row(row).data(),

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include "leadthrough/base/layout.hpp"
+
 namespace leadthrough {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -55,6 +56,8 @@ void for_each_index(std::size_t count, int threads, const Work& work) {
     }
   } catch (const std::system_error&) {
     // The system has no more threads: the existing ones do the work.
+  } catch (const std::bad_alloc&) {
+    // Nor memory for them.
   }
   lock.unlock();
   stopping_on_failure(run);

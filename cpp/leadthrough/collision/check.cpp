@@ -70,8 +70,8 @@ class Placement {
 
 // Between two samples: the nearest approach and the first hit, if it is not at the first sample.
 struct Interval {
-  Approach closest;
-  std::optional<Approach> first;
+  ClosestPair closest;
+  std::optional<ClosestPair> first;
 };
 
 // Conservative advancement (Mirtich 1996): from a configuration the arm advances by as much as the
@@ -119,7 +119,7 @@ class Motion {
       placement.move_to(q.data());
       const Nearest nearest = placement.nearest();
       here = nearest.distance;
-      const Approach approach{nearest, static_cast<double>(i) + share};
+      const ClosestPair approach{nearest, static_cast<double>(i) + share};
       if (here < found.closest.nearest.distance) found.closest = approach;
       if (is_hit(here) && !found.first) found.first = approach;
       hit = hit || is_hit(here);
@@ -215,6 +215,7 @@ CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacle
 
 std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
                                    int threads) {
+  check_rows(scene.chain, q);
   std::vector<Nearest> found(static_cast<std::size_t>(q.rows()));
   for_each_block(q.rows(), threads, [&](Eigen::Index first, Eigen::Index end) {
     Placement placement(scene);
@@ -245,16 +246,17 @@ MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Ro
     }
   });
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Approach sample{samples[i], static_cast<double>(i)};
+    const ClosestPair sample{samples[i], static_cast<double>(i)};
     if (!report.first && motion.is_hit(sample.nearest.distance)) report.first = sample;
     if (!report.first) report.first = intervals[i].first;
-    for (const Approach& approach : {sample, intervals[i].closest})
+    for (const ClosestPair& approach : {sample, intervals[i].closest})
       if (approach.nearest.distance < report.closest.nearest.distance) report.closest = approach;
   }
   return report;
 }
 
 double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q) {
+  check_rows(scene.chain, q);
   const MotionOptions options;
   const Motion motion(scene, q, options);
   std::vector<double> room(scene.pairs.size());

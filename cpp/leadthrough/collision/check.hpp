@@ -96,8 +96,9 @@ struct Nearest {
 std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
                                    int threads);
 
-// sample: index of a row of q plus the fraction of the step to the next.
-struct Approach {
+// The closest pair along a motion. sample: index of a row of q plus the fraction of the step to the
+// next.
+struct ClosestPair {
   Nearest nearest;
   double sample = 0.0;
 };
@@ -112,8 +113,8 @@ struct MotionOptions {
 // earlier one is deeper than the tolerance.
 struct MotionReport {
   std::vector<Nearest> samples;
-  Approach closest;
-  std::optional<Approach> first;
+  ClosestPair closest;
+  std::optional<ClosestPair> first;
 };
 
 // Between rows the joints move straight and in proportion.

@@ -145,7 +145,15 @@ so3::Matrix3 zyz_jacobian(const Vector3& angles) {
 Vector3 slope_of(Representation representation, const Vector3& value, const Vector3& velocity) {
   if (representation == Representation::kRotationVector)
     return so3::left_jacobian_inverse(value) * velocity;
-  return zyz_jacobian(value).completeOrthogonalDecomposition().solve(velocity);
+  constexpr double kLocked = 1e-15;  // sine of the middle angle
+  const so3::Matrix3 axes = zyz_jacobian(value);
+  // The middle axis is orthogonal to the others.
+  const double cosine = axes.col(0).dot(axes.col(2));
+  const Vector3 across = axes.col(2) - cosine * axes.col(0);
+  const double about = axes.col(0).dot(velocity), square = across.squaredNorm();
+  const double last = square > kLocked * kLocked ? across.dot(velocity) / square
+                                                 : 0.5 * std::copysign(about, cosine * about);
+  return {about - cosine * last, axes.col(1).dot(velocity), last};
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ CellIndex Field<Times>::earliest_neighbour(const CellIndex& cell) const {
     for (const Index side : {-1, 1}) {
       CellIndex neighbour = cell;
       neighbour[axis] += side;
-      if (at(neighbour) >= earliest) continue;
+      if (!(at(neighbour) < earliest)) continue;  // nor NaN
       earliest = at(neighbour);
       result = neighbour;
     }
@@ -293,13 +293,17 @@ Descent descend_in(const Field<Times>& field, const Coordinates& start, const Co
   Coordinates p = start, unused{};
   double time = field.interpolate(p, unused);
   while (!(field.is_near(p, goal) && field.is_free(p, goal))) {
+    if (!(time >= 0.0)) return {DescentStatus::kNotTimes, {}};
     check_interrupt();
     if (static_cast<double>(result.path.size()) > most) return {DescentStatus::kTooManySteps, {}};
     if (step_down(field, length, p, time)) {
       result.path.push_back(p);
       continue;
     }
-    if (!walk_down(field, result.path, time)) return {DescentStatus::kOtherSource, {}};
+    if (!walk_down(field, result.path, time)) {
+      const bool times = holds_times(field, cell_of(result.path.back()));
+      return {times ? DescentStatus::kOtherSource : DescentStatus::kNotTimes, {}};
+    }
     p = result.path.back();
   }
   if (p != goal) result.path.push_back(goal);

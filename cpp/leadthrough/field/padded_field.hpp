@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -71,6 +72,8 @@ PaddedField<Real, D>::PaddedField(const Grid& grid, const Real* speed) : shape(g
   const Index margin = stride[0];
   first += margin;
   const auto cells = static_cast<std::size_t>(size + 2 * margin);
+  if (cells > std::numeric_limits<Cell>::max())
+    throw std::length_error("the grid has more cells than a march can number: 2^32");
   time = in_huge_pages(cells, kUnreached<Real>);
   step = in_huge_pages(cells, kUnreached<Real>);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "leadthrough/base/argument.hpp"
+#include "leadthrough/base/finite.hpp"
 #include "leadthrough/field/sparse_distance.hpp"
 
 namespace leadthrough {
@@ -30,13 +32,18 @@ double diagonal_of(const Blocks& cells) {
 
 }  // namespace
 
-GivenSpeeds::GivenSpeeds(const Blocks& cells, double outside, const double* speeds)
-    : SpeedMap(cells, outside), speeds_(speeds) {}
+GivenSpeeds::GivenSpeeds(const Blocks& cells, double outside, std::vector<double> speeds)
+    : SpeedMap(cells, outside), speeds_(std::move(speeds)) {
+  check_argument(static_cast<Index>(speeds_.size()) == cells.grid.size() &&
+                     all_finite(speeds_.data(), speeds_.size()) &&
+                     std::all_of(speeds_.begin(), speeds_.end(), [](double v) { return v >= 0.0; }),
+                 "speeds: expected one finite number >= 0 a cell");
+}
 
 std::vector<double> GivenSpeeds::at(const std::vector<Index>& cells) const {
   std::vector<double> result(cells.size());
   std::transform(cells.begin(), cells.end(), result.begin(),
-                 [this](Index cell) { return speeds_[cell]; });
+                 [this](Index cell) { return speeds_[static_cast<std::size_t>(cell)]; });
   return result;
 }
 
@@ -58,7 +65,7 @@ double GivenSpeeds::fastest_in(const Blocks& blocks, Index number) const {
   double fastest = 0.0;
   for (Index x = begin[0]; x < end[0]; ++x) {
     for (Index y = begin[1]; y < end[1]; ++y) {
-      const double* row = speeds_ + (x * shape[1] + y) * shape[2];
+      const double* row = speeds_.data() + (x * shape[1] + y) * shape[2];
       fastest = std::max(fastest, *std::max_element(row + begin[2], row + end[2]));
     }
   }

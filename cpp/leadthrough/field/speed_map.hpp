@@ -36,10 +36,10 @@ class SpeedMap {
   double outside_;
 };
 
-// Given speeds, one per cell; not copied.
+// Given speeds, one per cell: finite and not negative, or std::invalid_argument is thrown.
 class GivenSpeeds : public SpeedMap {
  public:
-  GivenSpeeds(const Blocks& cells, double outside, const double* speeds);
+  GivenSpeeds(const Blocks& cells, double outside, std::vector<double> speeds);
   std::vector<double> at(const std::vector<Index>& cells) const override;
   std::vector<double> fastest(const Blocks& blocks,
                               const std::vector<Index>& numbers) const override;
@@ -47,7 +47,7 @@ class GivenSpeeds : public SpeedMap {
  private:
   double fastest_in(const Blocks& blocks, Index number) const;
 
-  const double* speeds_;
+  std::vector<double> speeds_;
 };
 
 // Speeds without obstacles; above the saturation only in tubes about paths.

@@ -1,3 +1,4 @@
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/damped_step.hpp"
 #include "leadthrough/ik/pose_descent.hpp"
@@ -200,6 +201,11 @@ Track pursue(const Chain& chain, const TimedPath& path,
              const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
              const PursuitOptions& options) {
   const Eigen::Index samples = path.positions.rows();
+  check_path(samples, path.orientations, pull, chain);
+  check_argument(path.times.size() == samples, "times: expected one for each position");
+  check_argument(
+      options.velocity.size() == chain.joints() && options.acceleration.size() == chain.joints(),
+      "velocity, acceleration: expected one limit a joint");
   Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples)};
   const JointVector inside = project(chain, start);
   JointArray q{};

@@ -1,5 +1,6 @@
 #include "leadthrough/ik/solve.hpp"
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/parallel.hpp"
 #include "leadthrough/ik/axis_task.hpp"
@@ -65,7 +66,14 @@ IkResult solve_closest(const Chain& chain, const Target& target, const IkOptions
 
 }  // namespace
 
+void check_joints(const Chain& chain, const IkOptions& options) {
+  for (const auto* each : {&options.reference, &options.posture})
+    check_argument(!*each || (*each)->size() == chain.joints(),
+                   "reference, posture: expected one value a joint");
+}
+
 JointVector project(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q) {
+  check_argument(q.size() == chain.joints(), "q: expected one value a joint");
   JointVector inside(chain.joints());
   for (int i = 0; i < chain.joints(); ++i)
     inside[i] = wraps(chain, i) ? wrapped(q[i], q[i], chain.lower[i], chain.upper[i])
@@ -85,6 +93,7 @@ JointVector middle(const Chain& chain) {
 IkResult solve_ik(const Chain& chain, const IkTarget& target,
                   const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
                   std::uint64_t stream) {
+  check_joints(chain, options);
   const JointVector start = project(chain, q0);
   return visit_target(target, options.axes, [&](auto dimension, const auto& seen) {
     constexpr int M = decltype(dimension)::value;
@@ -99,6 +108,10 @@ std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const 
                                      const Eigen::Ref<const Rows4>& orientations,
                                      const Eigen::Ref<const Rows>& starts, const IkOptions& options,
                                      int threads) {
+  check_argument(orientations.rows() == positions.rows() || orientations.rows() == 0,
+                 "orientations: expected a row for each position, or none");
+  check_argument(starts.rows() == positions.rows() && starts.cols() == chain.joints(),
+                 "starts: expected a row for each position and one value a joint");
   const auto count = static_cast<std::size_t>(positions.rows());
   std::vector<IkResult> results(count);
   for_each_index(count, threads, [&](std::size_t i) {

@@ -74,6 +74,8 @@ struct IkResult {
   std::array<bool, kMaxJoints> limiting{};  // with kLimits, the joints whose limits block
 };
 
+// Here and below, arguments of another size than the chain's throw std::invalid_argument.
+//
 // A start q0 outside the limits is moved to the nearest configuration inside. `stream` selects an
 // independent sequence of restarts.
 IkResult solve_ik(const Chain& chain, const IkTarget& target,
@@ -94,6 +96,9 @@ std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const 
 std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
                                    const Eigen::Ref<const Eigen::VectorXd>& q0,
                                    const IkOptions& options, int count, double separation);
+
+// Refuses a reference or posture of another number of joints.
+void check_joints(const Chain& chain, const IkOptions& options);
 
 // Nearest configuration inside the limits; the middle of each range, 0 without a range.
 JointVector project(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q);

@@ -58,6 +58,7 @@ class Postures {
 std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
                                    const Eigen::Ref<const Eigen::VectorXd>& q0,
                                    const IkOptions& options, int count, double separation) {
+  check_joints(chain, options);
   const JointVector start = project(chain, q0);
   const JointVector reference = options.reference.value_or(start);
   Postures postures(chain, reference, separation);

@@ -1,5 +1,6 @@
 #include "leadthrough/ik/tracking.hpp"
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/axis_task.hpp"
 #include "leadthrough/ik/pose_descent.hpp"
@@ -57,11 +58,21 @@ void Track::keep(Eigen::Index samples) {
   orientation_errors.conservativeResize(samples);
 }
 
+void check_path(Eigen::Index samples, const Eigen::Ref<const Rows4>& orientations, const Pull& pull,
+                const Chain& chain) {
+  check_argument(orientations.rows() == samples || orientations.rows() == 0,
+                 "orientations: expected a row for each position, or none");
+  check_argument(pull.postures.rows() == samples && pull.postures.cols() == chain.joints() &&
+                     pull.shares.size() == samples,
+                 "pull: expected a row for each position and one value a joint");
+}
+
 Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
             const Eigen::Ref<const Rows4>& orientations,
             const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
             const TrackOptions& options) {
   const Eigen::Index samples = positions.rows();
+  check_path(samples, orientations, pull, chain);
   Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples)};
   const JointVector inside = project(chain, start);
   JointArray q{};

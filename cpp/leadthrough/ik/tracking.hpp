@@ -32,6 +32,10 @@ struct Pull {
   Eigen::Ref<const Eigen::VectorXd> shares;
 };
 
+// Refuses arguments whose sizes differ from those of a path's samples or the chain.
+void check_path(Eigen::Index samples, const Eigen::Ref<const Rows4>& orientations, const Pull& pull,
+                const Chain& chain);
+
 // The path alone, no time. positions: one row a sample; orientations (w, x, y, z) may have no
 // rows. start: the configuration before the first sample.
 Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,

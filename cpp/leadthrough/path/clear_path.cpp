@@ -75,7 +75,7 @@ class Search {
  private:
   // Refines until the check finds no pair nearer than the margins; `touch` is the remaining closest
   // pair.
-  std::optional<Rows> smooth(const Climb& found, std::optional<Approach>& touch) {
+  std::optional<Rows> smooth(const Climb& found, std::optional<ClosestPair>& touch) {
     make_knots(found);
     Rows q(path_.positions.rows(), chain_.joints());
     touch.reset();
@@ -172,8 +172,8 @@ class Search {
   // Raises the room of knots where the motion comes too near; returns the closest pair, if any. A
   // controller interpolates the samples by a smooth curve: this curve is checked, on a finer grid
   // where it bulges.
-  std::optional<Approach> give_room(const Rows& q, double exactness) {
-    std::optional<Approach> touch;
+  std::optional<ClosestPair> give_room(const Rows& q, double exactness) {
+    std::optional<ClosestPair> touch;
     std::vector<double> more(knots_.size(), 0.0);
     for (std::size_t scene = 0; scene < scenes_.size(); ++scene) {
       check_interrupt();
@@ -196,12 +196,12 @@ class Search {
 
   // Rows, `parts` per sample, that come too near, and their missing clearance.
   void look_at(const CollisionScene& scene, const Rows& rows, Eigen::Index parts,
-               const MotionOptions& options, std::optional<Approach>& touch,
+               const MotionOptions& options, std::optional<ClosestPair>& touch,
                std::vector<double>& more) const {
     const MotionReport report = check_motion(scene, rows, options);
     if (!report.first) return;
     const auto per_sample = static_cast<double>(parts);
-    Approach closest = report.closest;
+    ClosestPair closest = report.closest;
     closest.sample /= per_sample;
     if (!touch || closest.nearest.distance < touch->nearest.distance) touch = closest;
     raise(closest, options.margin, more);
@@ -232,7 +232,7 @@ class Search {
     return result;
   }
 
-  void raise(const Approach& at, double needed, std::vector<double>& more) const {
+  void raise(const ClosestPair& at, double needed, std::vector<double>& more) const {
     const double missing = needed - at.nearest.distance;
     if (!(missing > 0.0)) return;
     const double step = samples_.size() > 1 ? samples_[1] : 1.0;

@@ -19,7 +19,7 @@ struct ClearPath {
   std::optional<JointArray> last;  // the configuration at the last layer reached
   DeadEnd dead_end;
   // The closest pair, if a path was found but is not certified.
-  std::optional<Approach> touch;
+  std::optional<ClosestPair> touch;
 };
 
 // After a failed search the next is finer and takes three times as long.

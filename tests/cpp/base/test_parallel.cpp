@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "arm/robots.hpp"
+#include "base/allocations.hpp"
 #include "leadthrough/base/parallel.hpp"
 #include "leadthrough/collision/check.hpp"
 #include "leadthrough/field/eikonal.hpp"
@@ -52,6 +54,15 @@ TEST(Threads, EachIndexIsCalledOnce) {
   std::vector<int> calls(1000);
   for_each_index(calls.size(), 4, [&](std::size_t i) { ++calls[i]; });
   EXPECT_EQ(calls, std::vector<int>(1000, 1));
+}
+
+TEST(Threads, AllWorkIsDoneWithoutMemoryForThreads) {
+  for (int left = 0; left < 6; ++left) {
+    std::vector<int> calls(100);
+    const test::NoMemory none(left);
+    for_each_index(calls.size(), 4, [&](std::size_t i) { ++calls[i]; });
+    EXPECT_EQ(std::count(calls.begin(), calls.end(), 1), 100);
+  }
 }
 
 TEST(Threads, AnExceptionComesOutAndStopsTheRest) {

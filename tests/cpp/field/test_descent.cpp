@@ -93,6 +93,16 @@ TEST(Descent, SaysWhyThereIsNoPath) {
   EXPECT_EQ(status({0, 2, 0}, {0, 4, 2}), DescentStatus::kGoalNotSource);
 }
 
+TEST(Descent, EndsAtTimesThatAreNoNumbers) {
+  const Grid grid{{1, 30, 30}};
+  std::vector<double> time(900);
+  for (Index x = 0; x < 30; ++x)
+    for (Index y = 0; y < 30; ++y) time[30 * x + y] = std::hypot(x, y);
+  for (Index y = 0; y < 30; ++y) time[30 * 15 + y] = time[30 * 16 + y] = std::nan("");
+  const auto descent = descend(grid, time.data(), {0, 25, 25}, {0, 0, 0}, 0.5);
+  EXPECT_EQ(descent.status, DescentStatus::kNotTimes);
+}
+
 TEST(Descent, DirectionsLeadDownWithoutTouchingAWall) {
   std::mt19937 generator(2);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);

@@ -208,6 +208,11 @@ TEST(Eikonal, SecondOrderTakesTheFirstWhereItsDifferencesContradict) {
   EXPECT_NEAR(time[5], 10.0 + 0.1 * std::sqrt(0.5), 1e-12);
 }
 
+TEST(Eikonal, AGridOfTooManyCellsIsRefused) {
+  const Grid grid{{1700, 1700, 1700}};
+  EXPECT_THROW(march_first_order<float>(grid, nullptr, {{0, 0.0}}), std::length_error);
+}
+
 TEST(Eikonal, ABallMakesTimesExactUpToTheFirstOtherSpeed) {
   const Grid grid{{1, 21, 31}, {1.0, 1.0, 1.0}};
   std::vector<double> speed(grid.size(), 2.0);

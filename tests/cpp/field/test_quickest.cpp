@@ -98,6 +98,16 @@ TEST(Quickest, AsksForNoCellTwice) {
     for (const Index cell : counted.asked[n]) EXPECT_TRUE(seen.insert(cell).second);
 }
 
+TEST(Quickest, SpeedsThatAreNoSpeedsAreRefused) {
+  const Blocks cells{{{1, 4, 4}}, {}};
+  for (const double wrong : {kInfinity, std::nan(""), -1.0}) {
+    std::vector<double> speeds(16, 1.0);
+    speeds[5] = wrong;
+    EXPECT_THROW(GivenSpeeds(cells, 0.0, speeds), std::invalid_argument);
+  }
+  EXPECT_THROW(GivenSpeeds(cells, 0.0, {1.0}), std::invalid_argument);
+}
+
 TEST(Blocks, CountFromTheFirstCellAndReachTheirCells) {
   const Blocks cells{{{1, 9, 6}, {0.5, 0.5, 0.25}}, {0.0, 1.0, 2.0}, 2};
   const Blocks blocks = blocks_of(cells, 2);

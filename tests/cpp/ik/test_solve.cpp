@@ -49,6 +49,22 @@ TEST(Ik, ReachesEveryReachableTargetInsideTheLimits) {
   }
 }
 
+TEST(Ik, SizesOfAnotherChainAreRefused) {
+  const Chain chain = test::crooked_chain();
+  const JointVector q0 = middle(chain), three = JointVector::Zero(3);
+  const Pose tip = forward_kinematics(chain, q0.data());
+  const IkTarget target{tip.position, tip.rotation};
+  IkOptions with_posture, with_reference;
+  with_posture.posture = with_reference.reference = three;
+  EXPECT_THROW(solve_ik(chain, target, three), std::invalid_argument);
+  EXPECT_THROW(solve_ik(chain, target, q0, with_posture), std::invalid_argument);
+  EXPECT_THROW(solve_ik_all(chain, target, q0, with_reference, 3, 0.1), std::invalid_argument);
+  const Rows3 positions = tip.position.transpose();
+  EXPECT_THROW(solve_ik_batch(chain, positions, Rows4(0, 4), Rows::Zero(2, 7), {}, 1),
+               std::invalid_argument);
+  EXPECT_THROW(forward_kinematics_batch(chain, Rows::Zero(2, 3)), std::invalid_argument);
+}
+
 TEST(Ik, PositionsAloneAreReachedToo) {
   const Chain chain = test::crooked_chain();
   const Poses targets = forward_kinematics_batch(chain, random_configurations(chain, 100, 3));
