@@ -47,6 +47,7 @@ def learn(
     number: Annotated[list[int] | None, typer.Option("--motion")] = None,
     resting: options.RestOptions,
     pause: options.Pause = None,
+    drop: Annotated[list[str] | None, typer.Option()] = None,
     as_joints: Annotated[bool, typer.Option("--joints")] = False,
     layout: options.ReadOptions,
     table: options.FaultTable = None,
@@ -65,11 +66,13 @@ def learn(
         clean: Remove faulty samples first; stderr reports them.
         cut: Split recordings into motions at pauses.
         number: Number of the motion to learn, counted from 1; may be repeated. By default all.
+        drop: Name of a recording to leave out, such as one that contradicts the others; may be
+            repeated.
         as_joints: With --robot, learn its joints instead of poses of its tip.
         samples: With --table, most samples that are kept of each recording.
     """
     from leadthrough import check
-    from leadthrough.cli import errors, parse, reading, robot as robots
+    from leadthrough.cli import errors, outliers, parse, reading, robot as robots
 
     reading.check_skill_output(out)
     if model is not None:
@@ -93,7 +96,9 @@ def learn(
     else:
         robots.refuse("--cut", pause=pause)
     demonstrations = reading.trimmed(_chosen(demonstrations, number), resting)
+    demonstrations = outliers.without(demonstrations, drop or [])
     if arm is not None:
+        outliers.refuse_too_fast(ctx, arm, demonstrations)
         demonstrations = [
             _of_the_arm(arm, demonstration, as_joints=as_joints) for demonstration in demonstrations
         ]
@@ -102,6 +107,9 @@ def learn(
     _refuse_other_kinds(kind, demonstrations)
     words = {f"demonstrations[{i}]": each.name for i, each in enumerate(demonstrations)}
     words |= options.of_model(chosen)
+    if "rhythmic" not in repr(chosen).lower():  # a rhythm may be any number of periods long
+        with errors.naming(**words):
+            outliers.refuse_contradictions(ctx, demonstrations)
     with output.busy("learning"), errors.naming(**words, path="--out"), _told(demonstrations):
         skill = chosen.fit(demonstrations)
         skill.save(out)
@@ -143,16 +151,14 @@ def _short(number: float) -> str:
 
 def _hint(ctx: typer.Context, near: lt.models.Reproduction, model: str) -> None:
     """Prints the next command: a cure where demonstrations are not reproduced."""
-    out = ctx.params["out"]
-    files = (*ctx.params["files"], *output.reading_words(ctx))
     if near.fraction <= _SOUND or (model == "aligned-mean" and len(near.positions) < _JUDGED):
         motion = "motion.csv" if ctx.params["robot"] is None else "motion.json"
-        output.hint(ctx, "leadthrough", "plan", out, *output.arm_words(ctx), "-o", motion)
+        words = ("plan", ctx.params["out"], *output.arm_words(ctx), "-o", motion)
     elif len(near.positions) < _JUDGED:
-        words = (*files, *output.arm_words(ctx), "--model", "aligned-mean", "-o", out)
-        output.hint(ctx, "leadthrough", "learn", *words)
+        words = output.repeated(ctx, "model", "parameter", changed=("--model", "aligned-mean"))
     else:
-        output.hint(ctx, "leadthrough", "judge", *files)
+        words = ("judge", *ctx.params["files"], *output.reading_words(ctx))
+    output.hint(ctx, "leadthrough", *words)
 
 
 def _streamed(

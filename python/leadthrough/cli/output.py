@@ -56,6 +56,15 @@ def typed(ctx: typer.Context, *names: str) -> tuple[str, ...]:
     return tuple(word for name in given for word in _words(options[name], ctx.params[name]))
 
 
+def repeated(
+    ctx: typer.Context, *left_out: str, changed: tuple[str, ...]
+) -> tuple[str | Path, ...]:
+    """The command that is running, as typed, without some parameters and with other words."""
+    names = [each.name for each in ctx.command.params if each.name is not None]
+    kept = [name for name in names if name not in (*left_out, "files", "as_json")]
+    return (str(ctx.command.name), *ctx.params["files"], *typed(ctx, *kept), *changed)
+
+
 def words(**values: str | Path | None) -> tuple[str, ...]:
     """Options as words of a command line."""
     given = {name: value for name, value in values.items() if value is not None}

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from leadthrough import rotations
+from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
+from leadthrough.errors import FitError
 from leadthrough.models.choice import Choice
+from leadthrough.models.contradictions import contradictions
 from leadthrough.models.demonstrations import Demonstrations, MisalignmentWarning, motions_of
 from leadthrough.models.protocol import Model, Skill
 from leadthrough.models.registry import model_entry
@@ -26,7 +28,10 @@ _TURNING, _MIN_TURN = 0.3, 0.1  # , rad
 
 
 def learn(
-    demonstrations: Demonstrations[MotionT], *, candidates: Sequence[str | Model] = CANDIDATES
+    demonstrations: Demonstrations[MotionT],
+    *,
+    candidates: Sequence[str | Model] = CANDIDATES,
+    outliers: Literal["refuse", "drop"] = "refuse",
 ) -> Skill[MotionT]:
     """A skill of the family that predicts left-out demonstrations best.
 
@@ -37,12 +42,23 @@ def learn(
         demonstrations: one or more demonstrations, or motions, of one type.
         candidates: names of models, as `models.model_names`, or models with settings. Families
             that do not learn this type of motion are left out.
+        outliers: what to do with a demonstration that contradicts all others: one that runs
+            backwards, of another task, rotated by more than 70 degrees, or four times as fast or
+            slow. Two that agree with each other are a second way, and stay.
 
     Raises:
-        FitError: if no candidate can learn the demonstrations.
+        FitError: if no candidate can learn the demonstrations; with outliers="refuse" also for one
+            that contradicts all others, with the place.
         InvalidInput: if no candidate is of this type of motion.
     """
+    check.choice(outliers, "outliers", ("refuse", "drop"))
     motions = motions_of(demonstrations)
+    found = {each.index: each.text for each in contradictions(motions)}
+    if found and outliers == "refuse":
+        texts = (f"demonstrations[{i}]: {text}" for i, text in found.items())
+        raise FitError(f"{'; '.join(texts)}; leave out, or set outliers='drop'")
+    demonstrations = [each for i, each in enumerate(demonstrations) if i not in found]
+    motions = [each for i, each in enumerate(motions) if i not in found]
     models = _models(candidates, motions[0])
     folds = _left_out(len(motions))
     errors = {

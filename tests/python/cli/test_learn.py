@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pytest
 from cli.command_line import facts, run, write_table
 
 import leadthrough as lt
@@ -107,3 +108,57 @@ def test_drawings_are_compared_in_their_own_unit(empty_folder):
     shown = written(empty_folder, "drawing", drawn, header="t,x,y")
     said = run("learn", shown, "--column", "positions=x,y", "-o", "s.npz").stdout
     assert re.search(r"within [\d.e-]+ of drawing", said)
+
+
+def recorded_otherwise(folder, name, change):
+    """The example's reach2 under another name, its table (n, 7) of times and joints changed."""
+    header = (folder / "recorded/reach2.csv").read_text().splitlines()[0]
+    rows = np.loadtxt(folder / "recorded/reach2.csv", delimiter=",", skiprows=1)
+    return written(folder / "recorded", name, change(rows), header=header)
+
+
+def reversed_(rows):
+    return np.column_stack([rows[:, 0], rows[::-1, 1:]])
+
+
+def of_another_task(rows):
+    swing = np.sin(np.outer(rows[:, 0], np.arange(2, 8)))
+    return np.column_stack([rows[:, 0], rows[0, 1:] + 0.4 * swing])
+
+
+def ten_times_as_fast(rows):
+    return np.column_stack([0.1 * rows[:, 0], rows[:, 1:]])
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (reversed_, "runs backwards"),
+        (of_another_task, "takes a path of its own"),
+        (ten_times_as_fast, "times its speed limit"),
+    ],
+)
+def test_a_recording_that_contradicts_the_others_is_named_with_the_command_that_drops_it(
+    folder, change, said
+):
+    recorded_otherwise(folder, "odd", change)
+    (folder / "recorded/reach2.csv").unlink()
+    refused = run("learn", "recorded", "-o", "s.npz", code=1)
+    assert re.search(rf"odd: .*{said}", refused.stderr)
+    assert not (folder / "s.npz").exists()
+    (cure,) = re.findall(r"next: leadthrough (.*)", refused.stdout)
+    assert cure.endswith("--drop odd")
+    assert "demonstrations  reach1, reach3" in run(*cure.split()).stdout
+
+
+def test_a_recording_to_drop_has_a_name_that_was_read(folder):
+    said = run("learn", "recorded", "--drop", "reach9", "-o", "s.npz", code=2).stderr
+    assert "--drop: expected one of 'reach1'" in said
+
+
+def test_a_pace_ten_times_as_high_is_named_without_an_arm(empty_folder):
+    files = [
+        written(empty_folder, f"r{i}", reach() * [f, 1, 1, 1]) for i, f in enumerate((1, 0.1, 1))
+    ]
+    said = run("learn", *files, "-o", "s.npz", code=1).stderr
+    assert "r1: is 10 times as fast as the others" in said
