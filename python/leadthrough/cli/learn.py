@@ -21,7 +21,8 @@ from leadthrough.models.registry import MODELS
 
 # Fraction of the extent from which on a demonstration counts as not reproduced.
 _SOUND = 0.01
-_JUDGED = 4  # recordings that `judge` needs
+_JUDGED = 2  # recordings that `judge` needs
+_ALIGN = "preprocess.align_by_time_warping"
 _SPACE = 3  # coordinates of points in m; drawings have two, in their own unit
 _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
 
@@ -35,7 +36,8 @@ def learn(
         str | None,
         typer.Option(
             help=f"Model to fit: {', '.join(each.name for each in MODELS)}, or one that another "
-            "package adds; by default dmp.",
+            "package adds; by default dmp, or aligned-mean where dmp misses a recording by "
+            "more than 1 % of its extent and aligned-mean is nearer.",
             autocompletion=completion.models,
         ),
     ] = None,
@@ -48,6 +50,7 @@ def learn(
     resting: options.RestOptions,
     pause: options.Pause = None,
     drop: Annotated[list[str] | None, typer.Option()] = None,
+    align: bool = False,
     as_joints: Annotated[bool, typer.Option("--joints")] = False,
     layout: options.ReadOptions,
     table: options.FaultTable = None,
@@ -68,6 +71,7 @@ def learn(
         number: Number of the motion to learn, counted from 1; may be repeated. By default all.
         drop: Name of a recording to leave out, such as one that contradicts the others; may be
             repeated.
+        align: Bring the recordings to their mean timing first.
         as_joints: With --robot, learn its joints instead of poses of its tip.
         samples: With --table, most samples that are kept of each recording.
     """
@@ -102,18 +106,22 @@ def learn(
         demonstrations = [
             _of_the_arm(arm, demonstration, as_joints=as_joints) for demonstration in demonstrations
         ]
+    if align:
+        demonstrations = lt.preprocess.align_by_time_warping(demonstrations)
     kind = model or "dmp"
     chosen = model_of(kind, parse.parameters(parameter or []))
     _refuse_other_kinds(kind, demonstrations)
     words = {f"demonstrations[{i}]": each.name for i, each in enumerate(demonstrations)}
-    words |= options.of_model(chosen)
-    if "rhythmic" not in repr(chosen).lower():  # a rhythm may be any number of periods long
-        with errors.naming(**words):
+    words |= options.of_model(chosen) | {_ALIGN: "--align"}
+    with output.busy("learning"), errors.naming(**words, path="--out"):
+        if "rhythmic" not in repr(chosen).lower():  # a rhythm may be any number of periods long
             outliers.refuse_contradictions(ctx, demonstrations)
-    with output.busy("learning"), errors.naming(**words, path="--out"), _told(demonstrations):
-        skill = chosen.fit(demonstrations)
+        with _told(ctx, demonstrations):
+            skill = chosen.fit(demonstrations)
+        near = lt.models.reproduction(skill, demonstrations)
+        if model is None and not parameter and near.fraction > _SOUND:
+            kind, skill, near = _nearer(kind, skill, near, demonstrations)
         skill.save(out)
-    near = lt.models.reproduction(skill, demonstrations)
     names = [each.name for each in demonstrations]
     found = {"skill": str(out), "model": kind, "demonstrations": names}
     if as_json:
@@ -121,6 +129,20 @@ def learn(
         return
     output.facts(found | {"reproduction": _nearness(near, demonstrations)}, as_json=False)
     _hint(ctx, near, kind)
+
+
+def _nearer(
+    kind: str,
+    skill: lt.models.Skill,
+    near: lt.models.Reproduction,
+    demonstrations: list[lt.Demonstration],
+) -> tuple[str, lt.models.Skill, lt.models.Reproduction]:
+    """The mean of aligned demonstrations, if that reproduces them better than a skill."""
+    other: lt.models.Skill = lt.AlignedMean().fit(demonstrations)
+    found = lt.models.reproduction(other, demonstrations)
+    if found.fraction < near.fraction:
+        return "aligned-mean", other, found
+    return kind, skill, near
 
 
 def _nearness(near: lt.models.Reproduction, demonstrations: Sequence[lt.Demonstration]) -> str:
@@ -204,8 +226,9 @@ def _refuse_other_kinds(model: str, demonstrations: list[lt.Demonstration]) -> N
 
 
 @contextmanager
-def _told(demonstrations: list[lt.Demonstration]) -> Iterator[None]:
-    """Prints warnings of misaligned demonstrations on stderr, with the recordings' names."""
+def _told(ctx: typer.Context, demonstrations: list[lt.Demonstration]) -> Iterator[None]:
+    """Prints warnings of misaligned demonstrations on stderr, with names and the cure."""
+    from leadthrough.cli import errors
 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", lt.models.MisalignmentWarning)
@@ -216,7 +239,9 @@ def _told(demonstrations: list[lt.Demonstration]) -> Iterator[None]:
             lambda found: ", ".join(demonstrations[int(i)].name for i in found[1].split(",")),
             str(each.message),
         )
-        print(f"warning: {text}", file=sys.stderr)
+        text = errors.in_words(text, {_ALIGN: "--align"})
+        cure = output.line(ctx, "leadthrough", *output.repeated(ctx, changed=("--align",)))
+        print(f"warning: {text}: {cure}", file=sys.stderr)
 
 
 def _chosen(

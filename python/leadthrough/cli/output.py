@@ -28,10 +28,15 @@ _WHOLE_WORDS: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": F
 
 
 def hint(ctx: typer.Context, *words: str | Path) -> None:
-    """Prints the next command line, quoted for a shell, with --no-profile where it was set."""
+    """Prints the next command line."""
+    advise(line(ctx, *words))
+
+
+def line(ctx: typer.Context, *words: str | Path) -> str:
+    """A command line quoted for a shell, with --no-profile where it was set."""
     program = f"{_PROGRAM} --no-profile" if ctx.find_root().params.get("no_profile") else _PROGRAM
     kept = {word: word for word in _OPERATORS} | {_PROGRAM: program}
-    advise(" ".join(kept.get(str(word)) or shlex.quote(_word(word)) for word in words))
+    return " ".join(kept.get(str(word)) or shlex.quote(_word(word)) for word in words)
 
 
 def advise(text: str) -> None:

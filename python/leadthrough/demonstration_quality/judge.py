@@ -36,7 +36,7 @@ one has the same path at other times; a jerky one trembles; a stalled one rests 
 """
 
 SUSPICIOUS = 3.0  # usual differences; from here on it is a fault
-_MIN_COUNT = 4
+_MIN_COUNT = 2
 _FAULTS: dict[Trait, Fault] = {
     "shape": "outlier",
     "timing": "misaligned",
@@ -128,7 +128,7 @@ def judge_demonstrations(
     """The faults and the worth of each demonstration, and the goal to demonstrate next.
 
     Args:
-        demonstrations: at least four of one task, all of one type and size, preferably without
+        demonstrations: at least two of one task, all of one type and size, preferably without
             rests at their ends.
         model: fitted with each demonstration left out in turn; `ProMP()` by default.
         goals: region of the next demonstration's goal; without it there is no suggestion.
@@ -138,7 +138,7 @@ def judge_demonstrations(
         task_timeout: largest time of one task, s; None for no bound.
 
     Raises:
-        InvalidInput: if an argument is wrong, or there are fewer than four demonstrations.
+        InvalidInput: if an argument is wrong, or there are fewer than two demonstrations.
         FitError: if a demonstration has a single sample or does not move.
         MissingDependency: for a Dask cluster, if the extra `dask` is not installed.
         SchedulerUnreachable: if its scheduler does not answer any more.

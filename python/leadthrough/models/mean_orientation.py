@@ -94,8 +94,8 @@ def _disagreement(stacked: Float64Array) -> str:
     )
     if all(_same_rotation(stacked[near[0]], stacked[i]) for i in far):
         return text + (
-            "they turn alike, but at different times: leave one out, or bring them into step, in "
-            "Python with preprocess.align_by_time_warping"
+            "they turn alike, but at different times: leave one out, or bring them into step with "
+            "preprocess.align_by_time_warping"
         )
     return text + "fit each group alone, or leave one out"
 

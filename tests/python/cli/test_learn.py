@@ -1,6 +1,7 @@
 """`leadthrough learn`: errors and warnings name the recordings, whose rests are left out."""
 
 import re
+import shlex
 
 import numpy as np
 import pytest
@@ -39,6 +40,9 @@ def test_recordings_out_of_step_are_named_and_learned(tmp_path):
     said = run("learn", *files, "--model", "promp", "-o", tmp_path / "s.npz").stderr
     assert "warning: r3: misaligned" in said
     assert (tmp_path / "s.npz").exists()
+    (cure,) = re.findall(r"or leave them out: leadthrough (.*)", said)
+    assert cure.endswith("--align")
+    assert "misaligned" not in run(*shlex.split(cure)).stderr
 
 
 def standing_still():
@@ -162,3 +166,12 @@ def test_a_pace_ten_times_as_high_is_named_without_an_arm(empty_folder):
     ]
     said = run("learn", *files, "-o", "s.npz", code=1).stderr
     assert "r1: is 10 times as fast as the others" in said
+
+
+def test_a_long_recording_is_learned_by_the_family_that_reproduces_it(empty_folder):
+    t = np.linspace(0.0, 60.0, 3000)
+    many = np.column_stack([t, 0.02 * t, np.sin(4.0 * t), 0.2 * np.cos(4.0 * t)])
+    found = facts("learn", written(empty_folder, "long", many), "-o", "s.npz")
+    assert found["model"] == "aligned-mean"
+    assert found["reproduction"]["fraction"] < 0.01
+    assert type(lt.load_skill("s.npz").model) is lt.AlignedMean

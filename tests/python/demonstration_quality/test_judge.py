@@ -88,8 +88,17 @@ def test_a_goal_far_from_all_demonstrated_ones_is_suggested_next(lasa):
     assert found.next.uncertainty > 0.0
 
 
+def test_two_are_judged_and_of_three_the_outlier_is_found(lasa):
+    motions = thinned(lasa["Sine"])[:2]
+    two = lt.judge_demonstrations(motions, model=lt.ProMP(weights=10))
+    assert [each.faults for each in two.verdicts] == [(), ()]
+    other = lt.Trajectory(motions[0].times, motions[0].positions * [1.0, -1.0])
+    three = lt.judge_demonstrations([*motions, other], model=lt.ProMP(weights=10))
+    assert ["outlier" in each.faults for each in three.verdicts] == [False, False, True]
+
+
 def test_too_few_are_refused(lasa):
-    refused("at least 4", lt.judge_demonstrations, lasa["Line"][:3])
+    refused("at least 2", lt.judge_demonstrations, lasa["Line"][:1])
 
 
 def test_the_command_names_the_recordings(lasa, tmp_path):
