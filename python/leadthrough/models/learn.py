@@ -42,7 +42,7 @@ def learn(
         demonstrations: one or more demonstrations, or motions, of one type.
         candidates: names of models, as `models.model_names`, or models with settings. Families
             that do not learn this type of motion are left out.
-        outliers: what to do with a demonstration that contradicts all others: one that runs
+        outliers: treatment of a demonstration that contradicts all others: one that runs
             backwards, of another task, rotated by more than 70 degrees, or four times as fast or
             slow. Two that agree with each other are a second way, and stay.
 
