@@ -68,11 +68,14 @@ class Study:
         tasks: returns the tasks of a configuration, in a fixed order.
         report: returns the report of a configuration and its rows; rows of failed tasks are
             missing.
+        of_recordings: returns a configuration with the recordings in a folder, for (configuration,
+            folder); None for a study without any.
     """
 
     configure: Callable[[bool, int], Any]
     tasks: Callable[[Any], Sequence[Task]]
     report: Callable[[Any, list[Row]], Report]
+    of_recordings: Callable[[Any, Path], Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)

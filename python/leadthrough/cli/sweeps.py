@@ -233,6 +233,7 @@ def experiment(
     quick: bool = False,
     out: Path | None = None,
     seed: options.Seed = 0,
+    recordings: Path | None = None,
     jobs: int = 1,
     on: options.On = None,
     task_timeout: options.TaskTimeout = None,
@@ -245,6 +246,7 @@ def experiment(
         name: Name of the study; leave it out to list all studies.
         quick: Run a small part of the study.
         out: Folder for the results; by default leadthrough-NAME.
+        recordings: Folder with sets of demonstrations, to run the study on these instead.
         jobs: Number of parallel processes; the same as --on local:N.
     """
     from leadthrough import check
@@ -258,6 +260,13 @@ def experiment(
     chosen = STUDIES[check.choice(name, "NAME", STUDIES)]
     folder = out or Path(f"leadthrough-{name}")
     config = chosen.configure(quick, check.integer(seed, "seed", at_least=0))
+    if recordings is not None:
+        if chosen.of_recordings is None:
+            able = [each for each, one in STUDIES.items() if one.of_recordings is not None]
+            raise check.InvalidInput(
+                f"--recordings: expected the study {' or '.join(able)}, got {name}"
+            )
+        config = chosen.of_recordings(config, recordings)
     place = on or f"local:{check.integer(jobs, 'jobs', at_least=1)}"
     with errors.interruptible():
         outcome = study.run(chosen, config, out=folder, on=place, task_timeout=task_timeout)

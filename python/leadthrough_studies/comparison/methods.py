@@ -17,6 +17,7 @@ from leadthrough.errors import LeadthroughError
 from leadthrough.models import model_entry
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import arc_length
+from leadthrough_studies.comparison.recordings import Chosen
 from leadthrough_studies.comparison.rivals import (
     MISSING,
     CartesianPrimitive,
@@ -153,6 +154,7 @@ _PAPER = {
 # By name, for points. The package's own models stand at their defaults.
 POINTS: dict[str, tuple[Model, ...]] = {
     "FastMarching": _of("fast-marching"),
+    "AlignedMean": _of("aligned-mean"),
     "FML, paper's setting": _of("fast-marching", _PAPER),
     "DMP": _of("dmp"),
     "ProMP": _of("promp"),
@@ -192,6 +194,7 @@ COURSES: dict[str, tuple[Model, ...]] = {
 # For poses. UMIC is left out: its constraint at samples says little in six dimensions.
 POSES: dict[str, tuple[Model, ...]] = {
     "FastMarching": _of("fast-marching"),
+    "AlignedMean": _of("aligned-mean"),
     "DMP": _of("dmp"),
     "ProMP": _of("promp"),
     "GMR": _of("gmr"),
@@ -202,6 +205,12 @@ POSES: dict[str, tuple[Model, ...]] = {
 if "movement-primitives" not in MISSING:
     POSES[_NEAREST] = (CartesianPrimitive(),)
 POSES |= {name: tuple(OfPoses(each) for each in models) for name, models in _INSTALLED.items()}
+
+# For sets of recordings: what demonstrations of any kind can be given to.
+RECORDED: dict[str, tuple[Model, ...]] = {
+    "learn": (Chosen(),),
+    **{name: models for name, models in POINTS.items() if name in POSES and name not in SYSTEMS},
+}
 
 
 def chosen(models: Sequence[Model], shown: Shown, error: Error, *, folds: int) -> Model:

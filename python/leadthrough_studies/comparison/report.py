@@ -19,6 +19,7 @@ from leadthrough_studies.comparison.figures import (
 from leadthrough_studies.comparison.on_arms import ARMS
 from leadthrough_studies.comparison.pages import page_parts
 from leadthrough_studies.comparison.paper import PIXELS_PER_MM, REMARK, TABLE_1, TABLE_2
+from leadthrough_studies.comparison.recordings import ERRORS, REFERENCE, relative
 from leadthrough_studies.comparison.rivals import LIBRARIES, MISSING
 from leadthrough_studies.study import Report, Row, mean, selected
 
@@ -53,6 +54,8 @@ _PICTURED = ("FastMarching", "ProMP", "CLF-DM", "Modified DS", "SEDS, likelihood
 
 def report(config: Any, rows: list[Row]) -> Report:
     """The means of every method by protocol and task, and the paper's tables anew."""
+    if config.recordings:
+        return _of_recordings(config, rows)
     table = [*_drawings(config, rows), *_others(config, rows)]
     figures = {"errors": _errors_figure(config, rows)} if selected(rows, study="drawings") else {}
     for start in range(0, len(config.motions), 15):
@@ -77,6 +80,18 @@ def report(config: Any, rows: list[Row]) -> Report:
         "stability": _stability(config, rows),
     }
     return Report(table, figures, summary, {"comparison": page_parts(table, summary, figures)})
+
+
+def _of_recordings(config: Any, rows: list[Row]) -> Report:
+    """Geometric means over all sets, and the means of each set."""
+    table = relative(rows, seed=config.seed)
+    sets = [
+        {"set": name, "method": method, **{error: mean(own, error) for error in ERRORS}}
+        for name, _ in config.recordings
+        for method in dict.fromkeys(row["method"] for row in rows)
+        if (own := selected(rows, set=name, method=method))
+    ]
+    return Report(table, {}, {"reference": REFERENCE, "sets": sets})
 
 
 def _drawings(config: Any, rows: list[Row]) -> list[Row]:

@@ -6,6 +6,7 @@
 - Courses of points in space and motions of poses, recorded (with LEADTHROUGH_DATA) and simulated:
   each demonstration left out in turn, with its start and goal given (`material`).
 - Responses: a push half-way, and a goal that has moved.
+- Sets of recordings in a folder of yours (`--recordings`): each demonstration left out in turn.
 - Stability of the dynamical systems: ten thousand starts for each motion.
 - Arms: the motions that were made, on a Panda and a UR3.
 
@@ -17,15 +18,17 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from leadthrough.io import lasa
 from leadthrough_studies.comparison import material
-from leadthrough_studies.comparison.methods import COURSES, POINTS, POSES, SYSTEMS
+from leadthrough_studies.comparison.methods import COURSES, POINTS, POSES, RECORDED, SYSTEMS
+from leadthrough_studies.comparison.recordings import sets_in
 from leadthrough_studies.comparison.report import report
 from leadthrough_studies.comparison.rivals import MISSING, NOT_INSTALLED
-from leadthrough_studies.comparison.trials import draw, examine, move, trace
+from leadthrough_studies.comparison.trials import draw, examine, leave_out, move, trace
 from leadthrough_studies.study import Study, Task
 
 PROTOCOLS = ("IN", "LOO")
@@ -46,6 +49,7 @@ class ComparisonConfig:
         left_out: number of demonstrations that are tested of each motion; None for all.
         folds: number of demonstrations that inner cross-validation leaves out; 0 for none.
         starts: number of starts of each test of stability.
+        recordings: sets of recorded demonstrations, with their files.
         seed: of simulated demonstrations; methods draw with their own seeds.
     """
 
@@ -58,6 +62,7 @@ class ComparisonConfig:
     left_out: int | None = None
     folds: int = 2
     starts: int = 10_000
+    recordings: tuple[tuple[str, str], ...] = ()
     seed: int = 0
 
 
@@ -79,6 +84,12 @@ def configure(quick: bool, seed: int) -> ComparisonConfig:
     return ComparisonConfig(
         tuple(lasa.motions()), courses=courses, motions_of_poses=poses, seed=seed
     )
+
+
+def of_recordings(config: ComparisonConfig, folder: Path) -> ComparisonConfig:
+    """The configuration with the sets in a folder, and nothing else."""
+    nothing: dict[str, Any] = {"motions": (), "courses": (), "motions_of_poses": ()}
+    return replace(config, recordings=sets_in(folder), **nothing)
 
 
 def _named(motions: Mapping[str, Path | None]) -> tuple[tuple[str, str], ...]:
@@ -113,7 +124,12 @@ def tasks(config: ComparisonConfig) -> list[Task]:
         for name, file in motions
         for method in methods
     ]
-    return [*drawings, *examined, *others]
+    recorded = [
+        Task(leave_out, {"name": name, "method": method, **common}, {"file": Path(file)})
+        for name, file in config.recordings
+        for method in RECORDED
+    ]
+    return [*drawings, *examined, *others, *recorded]
 
 
-STUDY = Study(configure, tasks, report)
+STUDY = Study(configure, tasks, report, of_recordings)

@@ -15,8 +15,16 @@ from leadthrough.io import lasa
 from leadthrough.models import MisalignmentWarning
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import by_arc_length
-from leadthrough_studies.comparison import material, measures
-from leadthrough_studies.comparison.methods import COURSES, POINTS, POSES, SYSTEMS, Model, chosen
+from leadthrough_studies.comparison import material, measures, recordings
+from leadthrough_studies.comparison.methods import (
+    COURSES,
+    POINTS,
+    POSES,
+    RECORDED,
+    SYSTEMS,
+    Model,
+    chosen,
+)
 from leadthrough_studies.comparison.on_arms import ARMS, before, on_all, on_paper
 from leadthrough_studies.study import Row
 
@@ -103,6 +111,34 @@ def move(
     learn = _learner(POSES[method], _error_of_poses, folds)
     shown = material.poses(name, file, seed)
     labels = {"study": "poses", "task": name, "method": method}
+    return [{**labels, **each} for each in _tested(shown, learn, row, left_out)]
+
+
+def leave_out(*, name: str, method: str, left_out: int | None, folds: int, file: Path) -> list[Row]:
+    """A row for every demonstration of a set that is left out, with its start and goal given.
+
+    Args:
+        name: name of the set.
+        method: key of RECORDED.
+        left_out: number of demonstrations that are left out; None for all.
+        folds: number of demonstrations that inner cross-validation leaves out.
+        file: its recordings.
+    """
+    shown = recordings.read(file)
+    poses = isinstance(shown[0].motion, PoseTrajectory)
+    reproduced = _between if poses else _course
+
+    def row(learned: Learned, tested: Demonstration[Any]) -> Row:
+        made = reproduced(learned.skill, tested.motion)
+        return {**recordings.errors(tested.motion, made), "setting": learned.setting}
+
+    def error(skill: Any, tested: Demonstration[Any]) -> float:
+        made = reproduced(skill, tested.motion)
+        return float(recordings.errors(tested.motion, made)["Frechet"])
+
+    models = (POSES if poses else RECORDED).get(method) or RECORDED[method]
+    learn = _learner(models, error, folds)
+    labels = {"study": "recordings", "set": name, "method": method}
     return [{**labels, **each} for each in _tested(shown, learn, row, left_out)]
 
 
