@@ -35,8 +35,8 @@ class DMP(Unfitted):
     """Dynamic movement primitives of points in any number of dimensions, of joints, or of poses.
 
     Attributes:
-        weights: number of kernels per channel, 2 to 1000; None: 4 per second and at least 50, as
-            long motions with many details need.
+        weights: number of kernels per channel, 2 to 1000; None: as few, doubled from 50, as replay
+            the demonstrated motion within its noise or a thousandth of its extent.
         form: "blended", which meets start, goal and velocities exactly; "hoffmann" (Hoffmann et al.
             2009, Pastor et al. 2009), whose force is not scaled by the goal either; "ijspeert"
             (Ijspeert et al. 2002, 2013), whose force is. At the end of a motion the last two are

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -18,12 +19,11 @@ from leadthrough.models.dmp.orientation import (
 )
 from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.primitive import Parts
-from leadthrough.models.dmp.regression import REGRESSIONS, fit, fit_rhythm
+from leadthrough.models.dmp.regression import REGRESSIONS, fit, fit_rhythm, fit_with_enough
 from leadthrough.models.dmp.transformation import (
     FORMS,
     MAX_WEIGHTS,
     TransformationSystem,
-    enough_weights,
 )
 from leadthrough.motion import Motion
 
@@ -62,14 +62,11 @@ def learn_motion(
             )
         coordinates, rotated = learn(mean.phases, mean.orientations, orientation)
         values, groups = np.hstack([values, rotated]), (_POSITION, _ORIENTATION)
-    system = fit(
-        mean.phases,
-        values,
-        weights=weights or enough_weights(mean.duration),
-        form=form,
-        regression=regression,
-        groups=groups,
-    )
+    settings: Any = {"form": form, "regression": regression, "groups": groups}
+    if weights is None:
+        system = fit_with_enough(mean.phases, values, **settings)
+    else:
+        system = fit(mean.phases, values, weights=weights, **settings)
     if coordinates is not None and mean.orientations is not None:
         channels = PoseChannels(system, mean.size, coordinates)
         if channels.refuses_spins:

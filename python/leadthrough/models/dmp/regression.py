@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 import leadthrough._core as core
 from leadthrough.check import FitError, Float64Array
 from leadthrough.models.dmp.transformation import (
+    MAX_WEIGHTS,
     RATE,
     RHYTHMIC,
     Ends,
@@ -33,6 +34,7 @@ from leadthrough.models.dmp.transformation import (
     minimum_jerk,
     tabulated,
 )
+from leadthrough.preprocess.noise import noise_of
 
 REGRESSIONS = ("replay", "ridge", "lwr")
 
@@ -43,6 +45,9 @@ _RIDGE = 1e-8
 _MIN_DISTANCE = 1e-3
 # A channel that moves less than this fraction of its group's largest range needs no force.
 _STILL = 1e-6
+# The weights that follow from the data begin with this number, and end where the replay is within
+# so many standard deviations of the noise, or this fraction of the extent.
+_MIN_WEIGHTS, _NOISE, _DETAIL = 50, 3.0, 1e-3
 _SWUNG_IN = 4.0  # periods
 
 
@@ -112,6 +117,45 @@ def fit(
     return TransformationSystem(
         form, solution, replace(ends, start_slope=slopes[0], goal_slope=slopes[1])
     )
+
+
+def fit_with_enough(
+    phases: Float64Array,
+    values: Float64Array,
+    *,
+    form: str,
+    regression: str,
+    groups: Sequence[slice] = (slice(None),),
+) -> TransformationSystem:
+    """A system with as few weights, doubled from 50 to 1000, as replay the values closely."""
+    weights = _MIN_WEIGHTS
+    while True:
+        system = fit(
+            phases, values, weights=weights, form=form, regression=regression, groups=groups
+        )
+        if weights == MAX_WEIGHTS or _replays(system, phases, values, groups):
+            return system
+        weights = min(2 * weights, MAX_WEIGHTS)
+
+
+def _replays(
+    system: TransformationSystem,
+    phases: Float64Array,
+    values: Float64Array,
+    groups: Sequence[slice],
+) -> bool:
+    """Whether values are replayed within their noise or a thousandth of their extent."""
+    ends = system.ends
+    made, _ = core.dmp_rollout(
+        system.forces, system.demonstrated_course, ends.start, ends.start_slope, phases
+    )
+    for group in groups:
+        own = values[:, group]
+        noise = _NOISE * noise_of(own) * np.sqrt(own.shape[1])
+        allowed = max(noise, _DETAIL * float(np.linalg.norm(np.ptp(own, axis=0))))
+        if np.linalg.norm(made[:, group] - own, axis=1).max() > allowed:
+            return False
+    return True
 
 
 def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> TransformationSystem:

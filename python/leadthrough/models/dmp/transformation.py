@@ -36,10 +36,6 @@ RATE = 12.5  # per unit of phase: alpha = 25, beta = 6.25
 DECAY = float(-np.log(0.01))
 MAX_WEIGHTS = 1000
 
-# A guided hand moves with frequencies below some 2 Hz: four kernels per second.
-_WEIGHTS_PER_SECOND = 4.0
-_MIN_WEIGHTS = 50
-
 # A force is tabulated at this many evenly spaced phases per weight, and is linear between them.
 _INTERVALS_PER_WEIGHT = 20
 # Value of a kernel at its neighbour's centre; 1 at its own.
@@ -135,11 +131,6 @@ class TransformationSystem(ShortRepr):
 
     def __getstate__(self) -> dict[str, Any]:  # table and course are made again
         return {"form": self.form, "weights": self.weights, "ends": self.ends}
-
-
-def enough_weights(duration: float) -> int:
-    """Number of kernels for a motion of a duration, s: 4 per second, from 50 to 1000."""
-    return int(min(max(_WEIGHTS_PER_SECOND * duration, _MIN_WEIGHTS), MAX_WEIGHTS))
 
 
 def kernels_of(form: str, weights: int) -> Kernels:

@@ -262,14 +262,21 @@ def test_two_samples_give_a_minimum_jerk_motion():
     np.testing.assert_allclose(made.positions[:, 0], minimum_jerk(made.times), atol=1e-9)
 
 
-@pytest.mark.parametrize(("duration", "count"), [(3.0, 50), (20.0, 80), (1e4, 1000)])
-def test_long_motions_get_as_many_kernels_as_they_ask_for(duration, count):
-    model = lt.DMP(weights=None)
-    times = np.linspace(0.0, duration, 2500)
-    shown = lt.Trajectory(times, np.sin(times / duration * [[1.0], [2.0]]).T)
-    skill = model.fit([shown])
-    assert skill.model == lt.DMP(weights=count)
-    assert skill.system.weights.shape[0] == count
+def test_motions_with_more_detail_get_more_kernels():
+    u = np.linspace(0.0, 1.0, 2500)
+
+    def learned(turns, noise=0.0):
+        wave = np.column_stack([np.sin(turns * u), np.cos(turns * u)])
+        wave += noise * np.random.default_rng(0).normal(size=wave.shape)
+        skill = lt.DMP(weights=None).fit([lt.Trajectory(60.0 * u, wave)])
+        assert skill.system.weights.shape[0] == skill.model.weights
+        off = np.linalg.norm(skill.generate(dt=60.0 / 2499).positions - wave, axis=1).max()
+        return skill.model.weights, off
+
+    assert learned(6.0)[0] == 50
+    many, off = learned(300.0)
+    assert many > 50 and off < 1e-3 * np.hypot(2.0, 2.0)
+    assert learned(6.0, noise=0.05)[0] <= 100  # noise is no detail
 
 
 TIMES = np.linspace(0.0, 2.0, 200)
