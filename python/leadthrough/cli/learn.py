@@ -102,10 +102,14 @@ def learn(
     demonstrations = reading.trimmed(_chosen(demonstrations, number), resting)
     demonstrations = outliers.without(demonstrations, drop or [])
     if arm is not None:
-        outliers.refuse_too_fast(ctx, arm, demonstrations)
-        demonstrations = [
-            _of_the_arm(arm, demonstration, as_joints=as_joints) for demonstration in demonstrations
-        ]
+        recorded, demonstrations = (
+            demonstrations,
+            [
+                _of_the_arm(arm, demonstration, as_joints=as_joints)
+                for demonstration in demonstrations
+            ],
+        )
+        outliers.refuse_too_fast(ctx, arm, recorded)
     if align:
         demonstrations = lt.preprocess.align_by_time_warping(demonstrations)
     kind = model or "dmp"

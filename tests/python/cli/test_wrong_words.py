@@ -64,6 +64,7 @@ WRONG = {
     "column": "joints",
     "controller": "magic",
     "delay": "9",
+    "drop": "reach9",
     "demonstrations": "none.csv",
     "format": "pdf",
     "folder": "ur3.toml/out",
@@ -110,6 +111,7 @@ WRONG = {
 # Without a wrong value; and files, which the error names instead.
 ANY = {
     "help",
+    "align",
     "as_joints",
     "as_json",
     "clean",
