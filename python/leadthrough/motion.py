@@ -103,8 +103,7 @@ class Sampled(Drawn):
             raise InvalidInput(
                 f"time: expected {first:.6g} to {last:.6g} s, got {at[outside][0]:.6g} s"
             )
-        columns = [np.interp(at, self.times, column) for column in self.positions.T]
-        return several, at, np.column_stack(columns)
+        return several, at, lerp(at, self.times, self.positions)
 
     def _repr_parts(self) -> list[str]:
         span = f"{len(self.times)} samples over {self.duration:.4g} s"
@@ -316,6 +315,11 @@ def normalised_times(times: Float64Array) -> Float64Array:
     return np.asarray((times - times[0]) / (times[-1] - times[0]))
 
 
+def lerp(at: Float64Array, places: Float64Array, rows: Float64Array) -> Float64Array:
+    """Rows (m, width) at places (m,), linearly between rows (n, width) at rising places (n,)."""
+    return np.column_stack([np.interp(at, places, column) for column in rows.T])
+
+
 def joints_with(motion: Motion) -> JointTrajectory | None:
     """The joints that go along with a motion of the tip, if it has any."""
     return None if isinstance(motion, JointTrajectory) else motion.joints
@@ -359,8 +363,7 @@ class Demonstration(Drawn, Generic[MotionT_co]):
     @property
     def joints(self) -> JointTrajectory | None:
         """The arm's joints during the motion of its tip, or None; for joints, the motion itself."""
-        motion: Motion = self.motion
-        return motion if isinstance(motion, JointTrajectory) else motion.joints
+        return _of_arm(self.motion)
 
     def _repr_parts(self) -> list[str]:
         return [repr(self.name), one_line(self.motion)]
@@ -391,9 +394,8 @@ def _with_joints(motion: MotionT, joints: JointTrajectory) -> MotionT:
         raise InvalidInput(
             f"joints: expected the motion's times, {a:.6g} to {b:.6g} s, got {c:.6g} to {d:.6g} s"
         )
-    rows = [np.interp(motion.times, joints.times, column) for column in joints.positions.T]
-    names = joints.joint_names
-    own = JointTrajectory(motion.times, np.column_stack(rows), joint_names=names)
+    rows = lerp(motion.times, joints.times, joints.positions)
+    own = JointTrajectory(motion.times, rows, joint_names=joints.joint_names)
     return replace(motion, joints=own)
 
 
@@ -418,21 +420,6 @@ def _rows(value: ArrayLike, name: str, count: int, width: int | str) -> Float64A
     return rows
 
 
-def computed(
-    kind: type[MotionT],
-    *,
-    events: Events,
-    joints: JointTrajectory | None = None,
-    **arrays: Float64Array,
-) -> MotionT:
-    """A motion of arrays just computed, which are not checked or copied and become read-only."""
-    motion = object.__new__(kind)
-    for array in arrays.values():
-        array.setflags(write=False)
-    vars(motion).update(arrays, events=events, joints=joints)
-    return motion
-
-
 def computed_joints(
     times: Float64Array,
     positions: Float64Array,
@@ -442,18 +429,73 @@ def computed_joints(
     joint_names: tuple[str, ...],
     events: Events = (),
 ) -> JointTrajectory:
-    """Joints of arrays just computed, as `computed` makes motions of points and poses."""
-    motion = object.__new__(JointTrajectory)
-    arrays = {
-        "times": times,
-        "positions": positions,
-        "velocities": velocities,
-        "accelerations": accelerations,
-    }
-    for array in arrays.values():
-        array.setflags(write=False)
-    vars(motion).update(arrays, joint_names=joint_names, events=events)
-    return motion
+    """Joints of arrays just computed, which are not checked or copied and become read-only."""
+    return check.computed(
+        JointTrajectory,
+        times=times,
+        positions=positions,
+        velocities=velocities,
+        accelerations=accelerations,
+        joint_names=joint_names,
+        events=events,
+    )
+
+
+def in_order(motion: object, names: Sequence[str], argument: str) -> JointTrajectory:
+    """The joints as columns in the order of `names`; columns without names are in this order.
+
+    Every function that takes joints of an arm or of limits takes them through this one.
+
+    Raises:
+        InvalidInput: for other joints, or another kind of motion.
+    """
+    if not isinstance(motion, JointTrajectory):
+        what = f"{type(motion).__name__}{check.part_to_give(motion)}"
+        raise check.refused(argument, "a JointTrajectory", what)
+    wanted = tuple(names)
+    if motion.joint_names == wanted:
+        return motion
+    if not motion.joint_names:
+        if (count := motion.positions.shape[1]) != len(wanted):
+            expected = f"{len(wanted)} joints ({', '.join(wanted)})"
+            raise check.refused(argument, expected, f"{count} without names")
+        return replace(motion, joint_names=wanted)
+    return _selected(motion, wanted, argument)
+
+
+def alike(motions: Sequence[MotionT], argument: str) -> list[MotionT]:
+    """The motions with their joints, those beside a tip's too, in the order of the first's."""
+    named = [joints.joint_names for each in motions if (joints := _of_arm(each)) is not None]
+    return [
+        _like(each, named[0], f"{argument}[{i}]") if named else each
+        for i, each in enumerate(motions)
+    ]
+
+
+def _of_arm(motion: Motion) -> JointTrajectory | None:
+    """The joints that a motion consists of, or that go along with it."""
+    return motion if isinstance(motion, JointTrajectory) else motion.joints
+
+
+def _like(motion: MotionT, names: tuple[str, ...], argument: str) -> MotionT:
+    joints = _of_arm(motion)
+    if joints is None or joints.joint_names == names:
+        return motion
+    ordered: Any = _selected(joints, names, argument)
+    return ordered if joints is motion else replace(motion, joints=ordered)
+
+
+def _selected(joints: JointTrajectory, names: tuple[str, ...], argument: str) -> JointTrajectory:
+    """The joints with their named columns in the order of `names`."""
+    return columns_of(joints, check.column_order(joints.joint_names, names, argument), names)
+
+
+def columns_of(
+    joints: JointTrajectory, columns: Sequence[int], names: tuple[str, ...]
+) -> JointTrajectory:
+    """Some columns of a motion, which have names of their own."""
+    rows = {name: rows[:, columns] for name, rows in rows_of(joints).items()}
+    return replace(joints, joint_names=names, **rows)
 
 
 def with_derivatives(motion: JointTrajectory) -> JointTrajectory:
@@ -542,29 +584,6 @@ def agreed_events(shown: Sequence[Events], weights: ArrayLike | None = None) -> 
             if sum(own) > half
         )
     )
-
-
-def events_of_rounds(events: Events, rounds: float) -> Events:
-    """The events of one round, repeated in every round; a round lasts 1."""
-    return tuple(
-        Event(event.time + k, event.name)
-        for k in range(int(np.ceil(rounds)))
-        for event in events
-        if event.time + k <= rounds
-    )
-
-
-def events_by_round(events: Events, first: float, last: float) -> list[Events]:
-    """The events of each round from `first` to `last`, at times 0 to 1 within their round."""
-    end = int(np.ceil(last))
-    return [
-        tuple(
-            Event(event.time - k, event.name)
-            for event in events
-            if k <= event.time < k + 1 or event.time == end == k + 1
-        )
-        for k in range(int(np.floor(first)), end)
-    ]
 
 
 def plain_events(events: Events) -> list[list[float | str]]:

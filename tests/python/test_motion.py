@@ -7,12 +7,12 @@ from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
+from leadthrough.models.coordinates import events_by_round
+from leadthrough.models.dmp.rhythmic import events_of_rounds
 from leadthrough.motion import (
     Event,
     agreed_events,
-    events_by_round,
     events_of_plain,
-    events_of_rounds,
     moved_events,
     normalised_times,
     plain_events,

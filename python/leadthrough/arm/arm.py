@@ -29,8 +29,7 @@ from leadthrough.arm.model import ArmModel
 from leadthrough.arm.path_report import PathReport, path_report
 from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array
-from leadthrough.joint_names import in_order
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, in_order
 from leadthrough.shapes import SceneLike, as_scene
 
 if TYPE_CHECKING:

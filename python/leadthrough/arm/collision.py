@@ -19,8 +19,7 @@ from leadthrough.arm.kinematics import joint_rows
 from leadthrough.arm.robot_files import hull_vertices
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot, ShortRepr
 from leadthrough.drawing import Drawn, Line, Panel, palette
-from leadthrough.joint_names import in_order
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.shapes import Box, SceneLike, Shape, as_scene, compiled
 
 _MIN_TOLERANCE = 1e-6  # m; distances are exact to 1e-7

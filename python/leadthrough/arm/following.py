@@ -24,21 +24,15 @@ from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.recorded_joints import demonstrated_joints
 from leadthrough.arm.tip_path import CollisionTest, TipPath, Track, tube_around
-from leadthrough.arm.tracking import (
-    Start,
-    Tracker,
-    axes_to_try,
-    best_track,
-    least_rotated,
-    starts,
-)
+from leadthrough.arm.tracking import Start, Tracker, axes_to_try, best_track, least_rotated, starts
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
-from leadthrough.joint_names import in_order
 from leadthrough.motion import (
     JointTrajectory,
     Motion,
     PoseTrajectory,
     Trajectory,
+    in_order,
+    lerp,
     moved_events,
     normalised_times,
     with_derivatives,
@@ -245,7 +239,7 @@ def _postures(
         return np.repeat(preferred[None], len(times), axis=0)
     posture = in_order(posture, chain.joint_names, "posture")
     at = posture.times[0] + normalised_times(times) * posture.duration
-    return np.column_stack([np.interp(at, posture.times, column) for column in posture.positions.T])
+    return lerp(at, posture.times, posture.positions)
 
 
 def _deviation(

@@ -13,8 +13,7 @@ from leadthrough.arm.limits import JointLimits, margins
 from leadthrough.arm.tip_path import TipPath
 from leadthrough.check import Float64Array
 from leadthrough.drawing import Drawn, Panel, over
-from leadthrough.joint_names import in_order
-from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, in_order
 
 # A ratio above 1 by less is rounding of the samples.
 _ROUNDING = 1e-6

@@ -9,8 +9,15 @@ import numpy as np
 import leadthrough._core as core
 from leadthrough import sanity
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.joint_names import columns_of, in_order
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, joints_with
+from leadthrough.motion import (
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    Trajectory,
+    columns_of,
+    in_order,
+    joints_with,
+)
 
 # A recorded joint this far beyond its limits, rad (m) and as a fraction of its range, is of another
 # arm or in another unit; calibrations differ by less.

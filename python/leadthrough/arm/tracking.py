@@ -20,13 +20,7 @@ from leadthrough import rotations
 from leadthrough.arm.ik_failure import failure
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration, margins
-from leadthrough.arm.tip_path import (
-    CollisionTest,
-    TipPath,
-    Track,
-    clear_path,
-    solve_sample,
-)
+from leadthrough.arm.tip_path import CollisionTest, TipPath, Track, clear_path, solve_sample
 from leadthrough.check import Float64Array, IkFailure, InvalidInput
 
 _SAMPLE_ITERATIONS = 60

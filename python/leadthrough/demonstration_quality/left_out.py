@@ -17,7 +17,7 @@ from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.io.files import replacing
 from leadthrough.models import Model, Skill, Target, TargetRegion
 from leadthrough.models.frame import target_of
-from leadthrough.motion import Motion
+from leadthrough.motion import Motion, lerp
 from leadthrough.preprocess.align import features
 from leadthrough.tasks import Row, Store, Task
 
@@ -207,4 +207,4 @@ def _spread(skills: Sequence[Skill[Motion]], goal: Target) -> float:
 
 def _positions(motion: Motion, fractions: Float64Array) -> Float64Array:
     times = motion.times[0] + fractions * motion.duration
-    return np.column_stack([np.interp(times, motion.times, c) for c in motion.positions.T])
+    return lerp(times, motion.times, motion.positions)

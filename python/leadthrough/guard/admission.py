@@ -12,8 +12,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.joint_names import in_order
-from leadthrough.motion import Event, JointTrajectory, computed_joints
+from leadthrough.motion import Event, JointTrajectory, computed_joints, in_order
 
 Verdict = Literal["allowed", "changed", "braking"]
 Kind = Literal[

@@ -13,8 +13,7 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.guard.admission import Chunk, CommandedState, chunk_of, trajectory as motion_of
 from leadthrough.guard.rules import Contact, Rules, row_of, rules_for
-from leadthrough.joint_names import in_order
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.shapes import SceneLike, as_scene
 
 _TURN = 2.0 * np.pi  # rad

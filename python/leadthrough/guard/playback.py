@@ -15,8 +15,7 @@ import numpy as np
 from leadthrough import check
 from leadthrough.arm import JointLimits
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.joint_names import in_order
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.trajectories.filters import FilterState, JerkFilter
 
 _MIN_ROOM = 0.01  # fraction of a limit that a motion has to leave

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.joint_names import in_order
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.posture import Posture, arrays_of, demonstrated_posture, settings_of
 from leadthrough.models.targets import Target
 from leadthrough.motion import (
     Event,
+    Events,
     JointTrajectory,
     Motion,
     MotionT,
@@ -30,8 +30,8 @@ from leadthrough.motion import (
     PoseTrajectory,
     Trajectory,
     agreed_events,
-    events_by_round,
     events_of_plain,
+    in_order,
     moved_events,
     plain_events,
     with_derivatives,
@@ -218,3 +218,16 @@ def carried(before: Float64Array, after: Float64Array) -> Float64Array:
 
 def _described(motion: Motion) -> str:
     return f"{type(motion).__name__} of {motion.positions.shape[1]} columns"
+
+
+def events_by_round(events: Events, first: float, last: float) -> list[Events]:
+    """The events of each round from `first` to `last`, at times 0 to 1 within their round."""
+    end = int(np.ceil(last))
+    return [
+        tuple(
+            Event(event.time - k, event.name)
+            for event in events
+            if k <= event.time < k + 1 or event.time == end == k + 1
+        )
+        for k in range(int(np.floor(first)), end)
+    ]

@@ -9,7 +9,6 @@ import numpy as np
 
 from leadthrough import sanity
 from leadthrough.check import FitError, Float64Array, InvalidInput
-from leadthrough.joint_names import alike
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,
@@ -17,6 +16,7 @@ from leadthrough.motion import (
     MotionT,
     PoseTrajectory,
     Trajectory,
+    alike,
 )
 from leadthrough.preprocess.align import lateness
 

@@ -16,7 +16,7 @@ from leadthrough.models.contradictions import contradictions
 from leadthrough.models.demonstrations import Demonstrations, MisalignmentWarning, motions_of
 from leadthrough.models.protocol import Model, Skill
 from leadthrough.models.registry import model_entry
-from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory
+from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, lerp
 from leadthrough.preprocess.resample import arc_length
 
 # The first is taken where nothing can be left out.
@@ -138,4 +138,4 @@ def _even(motion: Motion, rows: Float64Array) -> Float64Array:
     covered = arc_length(motion.positions)
     along = covered / covered[-1] if covered[-1] > 0.0 else np.linspace(0.0, 1.0, len(covered))
     at = np.linspace(0.0, 1.0, _COMPARED)
-    return np.column_stack([np.interp(at, along, column) for column in rows.T])
+    return lerp(at, along, rows)

@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr, UnsupportedQuery
 from leadthrough.io.files import StrPath
-from leadthrough.joint_names import alike
 from leadthrough.models import archive
 from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.posture import demonstrated_posture
@@ -30,6 +29,7 @@ from leadthrough.motion import (
     PoseTrajectory,
     Trajectory,
     agreed_events,
+    alike,
     moved_events,
     normalised_times,
 )

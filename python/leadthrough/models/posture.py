@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.motion import JointTrajectory, Motion, joints_with
+from leadthrough.motion import JointTrajectory, Motion, joints_with, lerp
 
 NODES = np.linspace(0.0, 1.0, 201)
 # Joints farther apart than this at any phase, rad or m, are another posture.
@@ -34,7 +34,7 @@ class Posture:
     def along(self, times: Float64Array, phases: ArrayLike) -> JointTrajectory:
         """The joints of a motion."""
         at = np.asarray(phases)
-        rows = np.column_stack([np.interp(at, NODES, column) for column in self.rows.T])
+        rows = lerp(at, NODES, self.rows)
         return JointTrajectory(times, rows, joint_names=self.names)
 
     def every_round(self, times: Float64Array, rounds: Float64Array) -> JointTrajectory:
@@ -114,5 +114,4 @@ def _posture_of(motion: Motion, phases: Float64Array) -> Posture | None:
     joints = joints_with(motion)
     if joints is None:
         return None
-    rows = [np.interp(NODES, phases, column) for column in joints.positions.T]
-    return Posture(joints.joint_names, np.column_stack(rows))
+    return Posture(joints.joint_names, lerp(NODES, phases, joints.positions))

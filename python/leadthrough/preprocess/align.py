@@ -18,14 +18,15 @@ from numpy.typing import ArrayLike, NDArray
 import leadthrough._core as core
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.joint_names import alike
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,
     Motion,
     MotionT,
     PoseTrajectory,
+    alike,
     as_demonstration,
+    lerp,
     moved_events,
     normalised_times,
 )
@@ -188,7 +189,7 @@ def _distance(motion: Motion, name: str) -> tuple[Float64Array, Float64Array]:
 def positions_at(motion: Motion, fractions: Float64Array) -> Float64Array:
     """Positions (n, d) of a motion at fractions (n,) of its duration."""
     own = normalised_times(motion.times)
-    return np.column_stack([np.interp(fractions, own, column) for column in motion.positions.T])
+    return lerp(fractions, own, motion.positions)
 
 
 def features(motions: Sequence[Motion], samples: int = COMPARED) -> list[Float64Array]:
@@ -255,10 +256,7 @@ def warp(middle: Float64Array, curve: Float64Array, *, rigidity: float) -> Float
 def warped(curves: Sequence[Float64Array], warps: Sequence[Float64Array]) -> list[Float64Array]:
     """Curves (n, m) at fractions (n,) of their durations."""
     even = np.linspace(0.0, 1.0, len(curves[0]))
-    return [
-        np.column_stack([np.interp(fractions, even, column) for column in curve.T])
-        for curve, fractions in zip(curves, warps, strict=True)
-    ]
+    return [lerp(fractions, even, curve) for curve, fractions in zip(curves, warps, strict=True)]
 
 
 def _mean_partner(pairs: NDArray[np.integer[Any]]) -> Float64Array:

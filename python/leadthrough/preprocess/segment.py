@@ -10,13 +10,13 @@ import numpy as np
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.joint_names import alike
 from leadthrough.motion import (
     Demonstration,
     Event,
     Motion,
     MotionT,
     PoseTrajectory,
+    alike,
     as_demonstration,
     checked_motion,
     fields_of,

@@ -11,14 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.shapes.shape import (
-    IDENTITY,
-    ConvexPart,
-    PointBased,
-    Solid,
-    checked_points,
-    pose,
-)
+from leadthrough.shapes.shape import IDENTITY, ConvexPart, PointBased, Solid, checked_points, pose
 from leadthrough.shapes.surface import Surface, merged
 
 MAX_PARTS = 1000  # each is checked against every link

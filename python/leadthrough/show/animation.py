@@ -14,8 +14,7 @@ from leadthrough.arm import Arm
 from leadthrough.arm.link_poses import link_poses
 from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.drawing.palette import Colour
-from leadthrough.joint_names import in_order
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.shapes.surface import Surface
 from leadthrough.show.surfaces import creased
 

@@ -17,9 +17,15 @@ from leadthrough.arm.ik_failure import limiting_joints_text
 from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array, IkFailure, InvalidInput, LeadthroughError, ShortRepr
-from leadthrough.joint_names import in_order
 from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill, Target
-from leadthrough.motion import Demonstration, JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion import (
+    Demonstration,
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    Trajectory,
+    in_order,
+)
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show.arm_scene import tip_path
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
+from leadthrough.motion import lerp
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes.surface import Surface, circle, joined_rings, sphere
 
@@ -51,7 +52,7 @@ def thinned(path: Float64Array, count: int) -> Float64Array:
         return path
     along = arc_length(path)
     wanted = np.linspace(0.0, along[-1], count)
-    return np.column_stack([np.interp(wanted, along, column) for column in path.T])
+    return lerp(wanted, along, path)
 
 
 def cross_sections(path: Float64Array) -> Float64Array:

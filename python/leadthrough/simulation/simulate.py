@@ -14,8 +14,7 @@ from leadthrough.arm.model import GRAVITY
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.guard.admission import CommandedState, chunk_of
 from leadthrough.guard.connect import connect
-from leadthrough.joint_names import in_order
-from leadthrough.motion import Event, JointTrajectory
+from leadthrough.motion import Event, JointTrajectory, in_order, lerp
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import Controller, Motion
 from leadthrough.simulation.report import Plan, Run, SimulationReport, findings, summed_contacts
@@ -306,4 +305,4 @@ def _repeated(coarse: Float64Array, count: int) -> Float64Array:
 def _between(coarse: Float64Array, count: int) -> Float64Array:
     """Rows for all samples, from those of every tenth."""
     at, known = np.arange(count), np.arange(len(coarse)) * _EVERY
-    return np.column_stack([np.interp(at, known, column) for column in coarse.T])
+    return lerp(at, known, coarse)

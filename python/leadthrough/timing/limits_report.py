@@ -25,8 +25,7 @@ from leadthrough import check, sanity
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 from leadthrough.drawing import Drawn, Panel, bars
-from leadthrough.joint_names import in_order
-from leadthrough.motion import JointTrajectory, computed_joints, with_derivatives
+from leadthrough.motion import JointTrajectory, computed_joints, in_order, lerp, with_derivatives
 from leadthrough.timing.request import POSITION_ROUNDING
 
 Kind = Literal["velocity", "acceleration", "jerk"]
@@ -284,9 +283,7 @@ def _played_straight(trajectory: JointTrajectory, rate: float) -> Extremes:
     first, last = trajectory.times[[0, -1]]
     periods = max(int(np.ceil((last - first) * rate - ROUNDING)), 1)
     clock = first + np.arange(periods + 1) / rate
-    played = np.column_stack(
-        [np.interp(clock, trajectory.times, column) for column in trajectory.positions.T]
-    )
+    played = lerp(clock, trajectory.times, trajectory.positions)
     given = trajectory.positions
     found = [
         _at(given, trajectory.times, given.argmin(axis=0)),

@@ -20,8 +20,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
-from leadthrough.joint_names import in_order
-from leadthrough.motion import JointTrajectory, computed_joints, moved_events
+from leadthrough.motion import JointTrajectory, computed_joints, in_order, moved_events
 from leadthrough.timing import request as checks
 from leadthrough.timing.limits_report import (
     KINDS,

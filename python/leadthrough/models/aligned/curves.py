@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
+from leadthrough.motion import lerp
 from leadthrough.preprocess.align import FREE, warp
 from leadthrough.preprocess.noise import without_noise
 
@@ -39,7 +40,7 @@ class Curves:
     def at(self, phases: Float64Array) -> Curves:
         """Those at phases (k, n) of each."""
         even = even_phases(self.rows.shape[1])
-        rows = [interpolated(u, even, each) for u, each in zip(phases, self.rows, strict=True)]
+        rows = [lerp(u, even, each) for u, each in zip(phases, self.rows, strict=True)]
         times = [np.interp(u, even, each) for u, each in zip(phases, self.times, strict=True)]
         return Curves(np.array(rows), np.array(times))
 
@@ -59,11 +60,6 @@ def even_phases(count: int) -> Float64Array:
     return np.linspace(0.0, 1.0, count)
 
 
-def interpolated(at: Float64Array, phases: Float64Array, rows: Float64Array) -> Float64Array:
-    """Rows (m, width) at phases (m,), linearly between rows (n, width) at phases (n,)."""
-    return np.column_stack([np.interp(at, phases, column) for column in rows.T])
-
-
 def arc_phases(rows: Float64Array) -> Float64Array:
     """The fraction (n,) of the length covered at each row (n, width), rising also in a pause."""
     steps = np.linalg.norm(np.diff(rows, axis=0), axis=1)
@@ -77,7 +73,7 @@ def by_arc(columns: Sequence[Float64Array], times: Sequence[Float64Array]) -> Cu
     smooth = [without_noise(each) for each in columns]
     phases = [arc_phases(each) for each in smooth]
     even = even_phases(_row_count(smooth, phases))
-    rows = [interpolated(even, u, each) for u, each in zip(phases, smooth, strict=True)]
+    rows = [lerp(even, u, each) for u, each in zip(phases, smooth, strict=True)]
     timed = [np.interp(even, u, each) for u, each in zip(phases, times, strict=True)]
     return Curves(np.array(rows), np.array(timed))
 
@@ -88,7 +84,7 @@ def _row_count(columns: Sequence[Float64Array], phases: Sequence[Float64Array]) 
     while count < _MOST_ROWS:
         even = even_phases(count)
         missed = [
-            np.linalg.norm(each - interpolated(u, even, interpolated(even, u, each)), axis=1).max()
+            np.linalg.norm(each - lerp(u, even, lerp(even, u, each)), axis=1).max()
             / float(np.linalg.norm(np.ptp(each, axis=0)))
             for u, each in zip(phases, columns, strict=True)
         ]
@@ -109,7 +105,7 @@ def elastic(curves: Curves) -> Curves:
     middle = features[int(np.argmin(apart))]
     for _ in range(_ROUNDS):
         warps = [warp(middle, each, rigidity=FREE) for each in features]
-        aligned = [interpolated(u, even, each) for u, each in zip(warps, coarse, strict=True)]
+        aligned = [lerp(u, even, each) for u, each in zip(warps, coarse, strict=True)]
         middle = _features(_with_mean_ends(np.array(aligned)).mean(axis=0))
     fine = even_phases(curves.rows.shape[1])
     return curves.at(np.array([np.interp(fine, even, each) for each in warps]))

@@ -17,12 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
-from leadthrough.models.aligned.curves import (
-    Curves,
-    arc_phases,
-    even_phases,
-    interpolated,
-)
+from leadthrough.models.aligned.curves import Curves, arc_phases, even_phases
+from leadthrough.motion import lerp
 
 # Width of the weights in median distances of the ends; with the first all are as good as equal.
 _WIDTHS = (1e3, 1.0, 0.4, 0.15)
@@ -164,7 +160,7 @@ _TIMING = Option(1, 1.0, np.inf)
 
 def _evened(rows: Float64Array) -> Float64Array:
     """Rows (n, width) at even steps of their length."""
-    return interpolated(even_phases(len(rows)), arc_phases(rows), rows)
+    return lerp(even_phases(len(rows)), arc_phases(rows), rows)
 
 
 def _weights(

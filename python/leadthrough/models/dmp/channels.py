@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.constraints import Constraints, check_constraints, roll, step_within
@@ -30,13 +31,7 @@ from leadthrough.models.dmp.query import check_channels, course_through, ends_of
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target
-from leadthrough.motion import (
-    Events,
-    JointTrajectory,
-    Trajectory,
-    computed,
-    with_derivatives,
-)
+from leadthrough.motion import Events, JointTrajectory, Trajectory, with_derivatives
 from leadthrough.shapes import Shape
 
 # A goal nearer than this fraction of the motion's size to the one before is the same.
@@ -222,7 +217,7 @@ class PointChannels(Channels[core.PointState]):
         )
         times = state.duration * phases
         if self.joint_names is None:
-            return computed(
+            return check.computed(
                 Trajectory, times=times, positions=positions, events=events, joints=joints
             )
         velocities = slopes / state.duration

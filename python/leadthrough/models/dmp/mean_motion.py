@@ -21,6 +21,7 @@ from leadthrough.motion import (
     agreed_events,
     events_within,
     joints_with,
+    lerp,
     moved_events,
     normalised_times,
 )
@@ -115,14 +116,12 @@ def _periods(motion: Motion, period: float) -> list[Motion]:
 def _part(motion: Motion, begin: float, period: float, samples: int) -> Motion:
     own = np.linspace(0.0, period, samples)
     at = np.minimum(motion.times[0] + begin + own, motion.times[-1])
-    positions = np.column_stack(
-        [np.interp(at, motion.times, column) for column in motion.positions.T]
-    )
+    positions = lerp(at, motion.times, motion.positions)
     happening = moved_events(events_within(motion.events, at[0], at[-1]), at, own)
     joints = joints_with(motion)
     if joints is not None:
-        rows = [np.interp(at, motion.times, column) for column in joints.positions.T]
-        joints = JointTrajectory(own, np.column_stack(rows), joint_names=joints.joint_names)
+        rows = lerp(at, motion.times, joints.positions)
+        joints = JointTrajectory(own, rows, joint_names=joints.joint_names)
     if isinstance(motion, PoseTrajectory):
         q = rotations.interpolate(motion.times, motion.orientations, at)
         return PoseTrajectory(own, positions, q, happening, joints)

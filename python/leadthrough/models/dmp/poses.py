@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
-from leadthrough import rotations
+from leadthrough import check, rotations
 from leadthrough.check import FitError, Float64Array, UnsupportedQuery
 from leadthrough.models.dmp.channels import Channels
 from leadthrough.models.dmp.constraints import Constraints, roll
@@ -33,7 +33,7 @@ from leadthrough.models.dmp.query import as_pose, check_channels, ends_of, pose_
 from leadthrough.models.dmp.transformation import Ends, end_of, scaled_by
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.models.targets import Target
-from leadthrough.motion import Events, JointTrajectory, PoseTrajectory, computed
+from leadthrough.motion import Events, JointTrajectory, PoseTrajectory
 
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)
 _NOTHING = np.zeros(3)
@@ -127,7 +127,7 @@ class PoseChannels(Channels[core.PoseState]):
             values, _ = roll(self.system, state, phases, constraints=constraints, size=self.size)
             positions = values[:, :3].copy()
             orientations = self.orientation.orientations(phases, values, state.offset)
-        return computed(
+        return check.computed(
             PoseTrajectory,
             times=state.duration * phases,
             positions=positions,

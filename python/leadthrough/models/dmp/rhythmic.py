@@ -34,12 +34,13 @@ from leadthrough.models.dmp.transformation import RHYTHMIC, Ends
 from leadthrough.models.protocol import Demonstrations, Target, Unfitted
 from leadthrough.models.queries import CheckedQuery, checked_query, even_times
 from leadthrough.motion import (
+    Event,
+    Events,
     JointTrajectory,
     MotionT,
     MotionT_co,
     PoseTrajectory,
     Trajectory,
-    events_of_rounds,
     moved_events,
     with_derivatives,
 )
@@ -264,3 +265,13 @@ def _cycle_ends(
     on_cycle: Float64Array = asked.goal + amplitude * (learned.start - learned.goal)
     first = on_cycle if start is None else asked.start
     return replace(asked, start=first, start_slope=amplitude * learned.start_slope)
+
+
+def events_of_rounds(events: Events, rounds: float) -> Events:
+    """The events of one round, repeated in every round; a round lasts 1."""
+    return tuple(
+        Event(event.time + k, event.name)
+        for k in range(int(np.ceil(rounds)))
+        for event in events
+        if event.time + k <= rounds
+    )

@@ -14,7 +14,7 @@ from leadthrough.check import FitError, Float64Array, Frozen
 from leadthrough.models.coordinates import Coordinates, coordinates_of
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.mean_orientation import mean_orientations
-from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, normalised_times
+from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, lerp, normalised_times
 from leadthrough.preprocess.noise import without_noise
 
 # Evenly spaced samples of each demonstration, and the deviation over which they are smoothed.
@@ -129,7 +129,7 @@ def _moving_part(
     """Positions and velocities (n, d) of a demonstration where it moves, and its approach."""
     even = np.linspace(0.0, 1.0, _SAMPLES)
     clean = without_noise(columns)
-    path = np.column_stack([np.interp(even, phases, column) for column in clean.T])
+    path = lerp(even, phases, clean)
     smooth = gaussian_filter1d(path, _SMOOTHING, axis=0, mode="nearest")
     velocity = np.gradient(smooth, duration / (_SAMPLES - 1), axis=0)
     speed = np.linalg.norm(velocity, axis=1)

@@ -17,6 +17,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
 from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience
+from leadthrough.motion import lerp
 from leadthrough.planning import ArrivalField, Grid, arrival_times, direction
 from leadthrough.planning.maps import Scales, grid_over, speeds_along, with_detours
 from leadthrough.preprocess.resample import arc_length, by_arc_length
@@ -289,6 +290,6 @@ def _along(known: Experience) -> tuple[Float64Array, Float64Array]:
     """Positions (n, d) along a demonstration and the speeds (n,) there."""
     covered = arc_length(known.denoised)
     wanted = known.progress[::_STEP] * covered[-1]
-    positions = np.column_stack([np.interp(wanted, covered, x) for x in known.denoised.T])
+    positions = lerp(wanted, covered, known.denoised)
     rate = phase.speed_of(known.progress)[::_STEP] * (phase.SAMPLES - 1) / known.duration
     return positions, rate * covered[-1]

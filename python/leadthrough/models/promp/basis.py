@@ -27,7 +27,6 @@ from leadthrough.motion import (
     MotionT_co,
     PoseTrajectory,
     Trajectory,
-    computed,
     computed_joints,
     moved_events,
 )
@@ -299,7 +298,7 @@ class Drawing(Generic[MotionT_co]):
         return computed_joints(self._times, *values, joint_names=names, events=self._events)
 
     def _points(self, values: Float64Array) -> Trajectory:
-        return computed(
+        return check.computed(
             Trajectory,
             times=self._times,
             positions=values[0],
@@ -309,7 +308,7 @@ class Drawing(Generic[MotionT_co]):
 
     def _poses(self, values: Float64Array) -> PoseTrajectory:
         assert self._reference is not None
-        return computed(
+        return check.computed(
             PoseTrajectory,
             times=self._times,
             positions=values[0, :, :3].copy(),
