@@ -23,7 +23,6 @@ from leadthrough.arm import (
 from leadthrough.arm.collision import CollisionPairs, CollisionReport
 from leadthrough.arm.following import FollowOptions, OnRateLimit
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
-from leadthrough.arm.kinematics import joint_rows
 from leadthrough.arm.limits import JointLimits, checked_values
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.path_report import PathReport, path_report
@@ -419,7 +418,7 @@ class Arm(ArmModel):
         """
         if isinstance(q, JointTrajectory):
             q = in_order(q, self.joint_names, "q").positions
-        batch, (rows,) = joint_rows(self._chain, q=q)
+        batch, (rows,) = self._rows(q=q)
         clear = CollisionTest(self._collision, as_scene(scene)).clear_rows(rows)
         return np.array(clear) if batch else clear[0]
 

@@ -156,7 +156,7 @@ class ArmModel(Drawn):
         pose = self._chain.pose(q)  # one configuration, without the cost of checks
         if pose is not None:
             return pose
-        batch, (rows,) = kinematics.joint_rows(self._chain, q=q)
+        batch, (rows,) = self._rows(q=q)
         positions, orientations = self._chain.forward_kinematics(rows)
         return (positions, orientations) if batch else (positions[0], orientations[0])
 
@@ -222,7 +222,7 @@ class ArmModel(Drawn):
             InvalidRobot: if the URDF states no masses.
         """
         self._require_masses()
-        batch, rows = kinematics.joint_rows(self._chain, q=q, qd=qd, qdd=qdd)
+        batch, rows = self._rows(q=q, qd=qd, qdd=qdd)
         pull = check.array(gravity, "gravity", shape=(3,))
         kernel = core.inverse_dynamics
         torques = kinematics.finite(kernel(self._chain, rows[0], rows[1], rows[2], pull))
@@ -239,7 +239,7 @@ class ArmModel(Drawn):
         Raises:
             InvalidRobot: if the URDF states no masses.
         """
-        batch, (rows,) = kinematics.joint_rows(self._chain, q=q)
+        batch, (rows,) = self._rows(q=q)
         still = np.zeros_like(rows)
         torques = self.inverse_dynamics(rows, still, still, gravity=gravity)
         return torques if batch else torques[0]
@@ -253,11 +253,15 @@ class ArmModel(Drawn):
             InvalidRobot: if the URDF states no masses.
         """
         self._require_masses()
-        batch, (rows,) = kinematics.joint_rows(self._chain, q=q)
+        batch, (rows,) = self._rows(q=q)
         joints = self._chain.joints
         matrices = kinematics.finite(core.mass_matrix(self._chain, rows))
         shaped = matrices.reshape(len(rows), joints, joints)
         return shaped if batch else shaped[0]
+
+    def _rows(self, **values: ArrayLike) -> tuple[bool, list[Float64Array]]:
+        """Whether the values are batches, and each as checked rows (m, joints)."""
+        return kinematics.joint_rows(self._chain, **values)
 
     def _require_masses(self) -> None:
         if self._chain.mass == 0.0:
