@@ -315,7 +315,7 @@ def normalised_times(times: Float64Array) -> Float64Array:
     return np.asarray((times - times[0]) / (times[-1] - times[0]))
 
 
-def lerp(at: Float64Array, places: Float64Array, rows: Float64Array) -> Float64Array:
+def lerp(at: ArrayLike, places: ArrayLike, rows: Float64Array) -> Float64Array:
     """Rows (m, width) at places (m,), linearly between rows (n, width) at rising places (n,)."""
     return np.column_stack([np.interp(at, places, column) for column in rows.T])
 

@@ -19,13 +19,12 @@ from leadthrough.models.aligned.curves import (
     by_arc,
     elastic,
     even_phases,
-    interpolated,
 )
 from leadthrough.models.aligned.fading import Option, Predictor
 from leadthrough.models.archive import Arrays
 from leadthrough.models.coordinates import NODES, Coordinates, coordinates_of
 from leadthrough.models.queries import CheckedQuery, even_times
-from leadthrough.motion import MotionT, MotionT_co
+from leadthrough.motion import MotionT, MotionT_co, lerp
 from leadthrough.planning.detours import around
 
 _TURN = 2.0 * np.pi
@@ -95,9 +94,9 @@ class Way(Generic[MotionT_co]):
         if found is None:
             return rows, phases, clock
         points, fractions, longer = found
-        made = interpolated(fractions, even, np.column_stack([rows, phases, clock]))
+        made = lerp(fractions, even, np.column_stack([rows, phases, clock]))
         made[:, :size] = points
-        made = interpolated(even_phases(len(points)), arc_phases(points), made)
+        made = lerp(even_phases(len(points)), arc_phases(points), made)
         return made[:, :-2], made[:, -2], longer * made[:, -1]
 
     def arrays(self) -> Arrays:
