@@ -14,7 +14,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import leadthrough._core as core
 from leadthrough import check, rotations
@@ -315,7 +315,7 @@ def normalised_times(times: Float64Array) -> Float64Array:
     return np.asarray((times - times[0]) / (times[-1] - times[0]))
 
 
-def lerp(at: ArrayLike, places: ArrayLike, rows: Float64Array) -> Float64Array:
+def lerp(at: NDArray[Any], places: NDArray[Any], rows: Float64Array) -> Float64Array:
     """Rows (m, width) at places (m,), linearly between rows (n, width) at rising places (n,)."""
     return np.column_stack([np.interp(at, places, column) for column in rows.T])
 
