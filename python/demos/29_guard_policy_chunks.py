@@ -41,19 +41,17 @@ for name, chunk in chunks.items():
     axes.plot(begin + times, guard.state.q[0] + chunk[:, 0], "C1--")
     axes.text(begin, -0.4 if "NaN" in name else -0.6, name)
     print(f"{name}: {guard.admit(guard.state.q + chunk)}")
-    while guard.remaining:
-        commanded.append(guard.next())  # sent to the controller, every period
+    # Sent to the controller, one every period.
+    commanded += [guard.next() for _ in range(guard.remaining)]
 # A person steps in while the arm moves.
 guard.admit(guard.state.q + wave(0.6))
 person = lt.shapes.MovingObstacle(lt.Capsule(0.25, 1.2, (0.2, 0.7, 0.6)), speed=0.8)
 print(f"a person: {guard.update_obstacles([table, post, person])}")
-while guard.remaining:
-    commanded.append(guard.next())
+commanded += [guard.next() for _ in range(guard.remaining)]
 clock = np.arange(len(commanded)) / RATE
 states = [[getattr(state, part) for state in commanded] for part in ("q", "qd", "qdd")]
 sent = lt.JointTrajectory(clock, *states, joint_names=arm.joint_names)
-kept = lt.check_limits(sent, arm.limits).ok
-clear = arm.check(sent, [table, post]).ok
+kept, clear = lt.check_limits(sent, arm.limits).ok, arm.check(sent, [table, post]).ok
 lt.write_motion(sent, folder / "commanded.json")
 axes.plot(clock, sent.positions[:, 0], "C0")
 axes.set(title="asked for (dashed) and sent", xlabel="time in s", ylabel="first joint in rad")
