@@ -10,6 +10,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import import_module, metadata
 from importlib.util import find_spec
 from os import PathLike
@@ -29,6 +30,7 @@ _MAX_FILE = 2**25
 _PACKAGES = "example-robot-data or robot_descriptions"
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _XACRO_PREFIX = re.compile(r"""xmlns:([\w.-]+)\s*=\s*["'][^"']*xacro/?["']""")
+_MAX_HULLS = 256  # of the files read last, some kB each
 _BESIDE_MESHES = ("urdf", "robots", "xacro")  # a package's folders for descriptions
 
 
@@ -223,10 +225,7 @@ def hull_vertices(
     link: str, file: str, scale: Float64Array, folders: Sequence[str]
 ) -> Float64Array:
     """Vertices (n, 3) of the convex hull of a link's mesh in m, in the mesh's frame."""
-    # Only robots with meshes need these, and they take long to load.
-    from scipy.spatial import ConvexHull, QhullError
-
-    from leadthrough.io.mesh import read_vertices
+    from scipy.spatial import QhullError  # only robots with meshes need it
 
     where = f"link {link!r}"
     path = find_mesh(file, folders)
@@ -238,12 +237,24 @@ def hull_vertices(
             "name its folder in mesh_folders",
         )
     try:
-        vertices = read_vertices(path) * scale
-        return np.asarray(vertices[ConvexHull(vertices).vertices])
+        written = path.stat()
+        return np.asarray(_hull(path, written.st_mtime_ns, written.st_size) * scale)
     except InvalidInput as error:
         raise InvalidRobot(where, str(error)) from None
     except QhullError:
         raise InvalidRobot(where, f"mesh {file!r} is flat or has too few vertices") from None
+
+
+@lru_cache(_MAX_HULLS)
+def _hull(path: Path, _written: int, _size: int) -> Float64Array:
+    """Vertices (n, 3) of the convex hull of a mesh file, anew when the file is written again."""
+    # They take long to load.
+    from scipy.spatial import ConvexHull
+
+    from leadthrough.io.mesh import read_vertices
+
+    vertices = read_vertices(path)
+    return np.asarray(vertices[ConvexHull(vertices).vertices])
 
 
 def find_mesh(file: str, folders: Sequence[str]) -> Path | None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough import check, rotations
+from leadthrough import check, rotations, sanity
 from leadthrough.arm import Arm
 from leadthrough.arm.attachment import Load
 from leadthrough.arm.link_geometry import convex_parts
@@ -23,6 +23,8 @@ ATTACHED = "attached"  # as collision reports call it
 LINK = "link "  # before the names of links, of which one may be "world", as MuJoCo calls its own
 # MuJoCo refuses moving bodies without a mass, kg and kg m^2: too little to be felt.
 _MIN_INERTIA = 1e-13
+_TOUCHING = 1e-6  # m: bodies that overlap by less touch, as collision checks count it
+_BALANCED = 1e-9  # of the largest moment, by which the sum of the others exceeds it
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +69,7 @@ def plant(
     _add_links(mujoco, spec, arm, link_inertias(arm, payload=payload))
     for i, shape in enumerate(obstacles):
         _add_parts(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
-    for a, b in _never_touching(arm):
+    for a, b in _unchecked_pairs(arm):
         spec.add_exclude(bodyname1=_body_name(a), bodyname2=_body_name(b))
     own = core.Chain(arm._robot, arm.base, arm.tip)
     effort = _stricter(own.effort, arm.limits.effort)
@@ -133,7 +135,7 @@ def _add_links(mujoco: Any, spec: Any, arm: Arm, bodies: Mapping[str, Load]) -> 
                 turned, placed = (part[0] for part in still[robot.links[joint.parent]])
                 at = (placed + turned @ at[0], turned @ at[1])
             made[i] = body = parent.add_body(name=LINK + name, pos=at[0], quat=_quaternion(at[1]))
-            _set_inertia(body, bodies.get(name), joint.name in driven)
+            _set_inertia(body, name, bodies.get(name), joint.name in driven)
             if joint.name in driven:
                 slides = joint.kind == "prismatic"
                 kind = mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE
@@ -160,7 +162,7 @@ def _at_rest(arm: Arm, joint: core.Joint, driven: set[str]) -> tuple[Float64Arra
     return turned.T @ (at - placed), turned.T @ here
 
 
-def _set_inertia(body: Any, load: Load | None, driven: bool) -> None:
+def _set_inertia(body: Any, name: str, load: Load | None, driven: bool) -> None:
     if load is None and not driven:
         return
     body.explicitinertial = True
@@ -168,9 +170,24 @@ def _set_inertia(body: Any, load: Load | None, driven: bool) -> None:
     if load is None:
         body.inertia = np.full(3, _MIN_INERTIA)
         return
-    moments = load.inertia + _MIN_INERTIA * np.eye(3)
+    moments = _balanced(load.inertia, name) + _MIN_INERTIA * np.eye(3)
     body.ipos = load.center
     body.fullinertia = [*np.diag(moments), moments[0, 1], moments[0, 2], moments[1, 2]]
+
+
+def _balanced(inertia: Float64Array, link: str) -> Float64Array:
+    """The nearest tensor of a rigid body: no principal moment exceeds the sum of the others."""
+    moments, axes = np.linalg.eigh(inertia)
+    lacking = (1.0 + _BALANCED) * moments[2] - moments[0] - moments[1]
+    if moments[0] < 0.0 or lacking <= 2.0 * _BALANCED * moments[2]:
+        return inertia
+    sanity.warn(
+        f"link {link}: no rigid body has the principal moments of inertia "
+        f"{', '.join(f'{each:.3g}' for each in moments)} kg m^2, as the largest exceeds the sum of "
+        "the others; simulated with the nearest that one has; correct the URDF"
+    )
+    nearest = moments + lacking / 3.0 * np.array([1.0, 1.0, -1.0])
+    return np.asarray((axes * nearest) @ axes.T)
 
 
 def _add_parts(spec: Any, body: Any, parts: Iterable[ConvexPart]) -> None:
@@ -179,12 +196,19 @@ def _add_parts(spec: Any, body: Any, parts: Iterable[ConvexPart]) -> None:
     for part in parts:
         kind = getattr(mujoco.mjtGeom, f"mjGEOM_{part.kind.upper()}")
         geom = body.add_geom(type=kind, pos=part.position, quat=part.orientation)
-        geom.size[: len(part.half_sizes)] = part.half_sizes
+        half = np.asarray(part.half_sizes)
+        geom.size[: len(half)] = np.maximum(half - 0.5 * _TOUCHING, 0.5 * half)
         if part.vertices is not None:
             mesh = spec.add_mesh(name=f"mesh {len(spec.meshes)}")
-            mesh.uservert = part.vertices.ravel()
+            mesh.uservert = _shrunk(part.vertices).ravel()
             mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
             geom.meshname = mesh.name
+
+
+def _shrunk(vertices: Float64Array) -> Float64Array:
+    """Vertices (n, 3) of a hull whose extent in each direction is half of `_TOUCHING` smaller."""
+    arms = vertices - 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    return np.asarray(vertices - 0.5 * _TOUCHING * np.sign(arms))
 
 
 def _add_joints(
@@ -235,12 +259,12 @@ def _body_name(name: str) -> str:
     return name if name == ATTACHED else LINK + name
 
 
-def _never_touching(arm: Arm) -> list[tuple[str, str]]:
-    """Pairs of bodies that collision checks leave out, except those that never come near."""
+def _unchecked_pairs(arm: Arm) -> Iterable[tuple[str, str]]:
+    """Pairs of bodies that collision checks leave out."""
     try:
-        return [pair for pair, why in arm.collision_pairs.left_out.items() if why != "never"]
+        return arm.collision_pairs.left_out
     except InvalidRobot:
-        return []  # no geometry, so no contacts
+        return ()  # no geometry, so no contacts
 
 
 def _quaternion(rotation: Float64Array) -> Float64Array:

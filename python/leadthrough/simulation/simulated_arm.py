@@ -291,11 +291,10 @@ def _touches(mujoco: Any, model: Any, data: Any) -> list[Touch]:
     wrench = np.zeros(6)
     for i in range(data.ncon):
         contact = data.contact[i]
-        bodies = (model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
-        names = (name.removeprefix(LINK) for name in bodies)
-        a, b = names
-        # Obstacles come last, as in collision reports.
-        pair, sign = ((b, a), -1.0) if a.startswith("obstacle ") else ((a, b), 1.0)
+        # The base comes first and obstacles last, as in collision reports.
+        bodies = sorted(int(model.geom_bodyid[geom]) for geom in contact.geom)
+        a, b = (model.body(body).name.removeprefix(LINK) for body in bodies)
+        pair, sign = (a, b), 1.0 if model.geom_bodyid[contact.geom[0]] == bodies[0] else -1.0
         mujoco.mj_contactForce(model, data, i, wrench)
         force = sign * contact.frame.reshape(3, 3).T @ wrench[:3]
         forces[pair] = forces.get(pair, np.zeros(3)) + force
