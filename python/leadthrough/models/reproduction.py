@@ -78,6 +78,9 @@ def reproduction(skill: Skill[Any], demonstrations: Demonstrations[Motion]) -> R
         spaced along each path.
     """
     motions = motions_of(demonstrations)
+    if isinstance(motions[0], JointTrajectory):
+        names = skill.generate().joint_names
+        motions = [in_order(each, names, f"demonstrations[{i}]") for i, each in enumerate(motions)]
     pairs = np.array([_distances(skill, each) for each in motions])
     posed = isinstance(motions[0], PoseTrajectory)
     extents = [float(np.linalg.norm(np.ptp(each.positions, axis=0))) for each in motions]

@@ -166,9 +166,16 @@ def inferred(one, other):
     return [models.infer(other[:20], skills).probabilities]
 
 
+def reproduced(one, other):
+    """The motion that a skill of both reproduces the second one by."""
+    found = models.reproduction(lt.DMP(weights=10).fit([one]), [one, other])
+    return [found.positions]
+
+
 # Two motions of which the second one's columns come in any order, and the first one's count.
 TOGETHER = {
     "demonstration_quality.judge_demonstrations": judged,
+    "models.AlignedMean.fit": fitted("AlignedMean"),
     "models.CLFDM.fit": fitted("CLFDM", components=2, quadratics=1),
     "models.DMP.fit": fitted("DMP", weights=10),
     "models.GMR.fit": fitted("GMR", components=3),
@@ -183,6 +190,8 @@ TOGETHER = {
     "models.SkillLibrary.with_skill": interpolated,
     "models.TaskGMR.fit": fitted("TaskGMR", components=3),
     "models.infer": inferred,
+    "models.learn": lambda one, other: models.learn([one, other]).generate(dt=0.05),
+    "models.reproduction": reproduced,
     "preprocess.align_by_arc_length": lambda *two: preprocess.align_by_arc_length(two)[1].motion,
     "preprocess.align_by_time_warping": lambda *two: (
         preprocess.align_by_time_warping(two)[1].motion
