@@ -57,15 +57,12 @@ def learn(
     if found and outliers == "refuse":
         texts = (f"demonstrations[{i}]: {text}" for i, text in found.items())
         raise FitError(f"{'; '.join(texts)}; leave out, or set outliers='drop'")
-    demonstrations = [each for i, each in enumerate(demonstrations) if i not in found]
     motions = [each for i, each in enumerate(motions) if i not in found]
     models = _models(candidates, motions[0])
     folds = _left_out(len(motions))
-    errors = {
-        name: _mean_error(model, demonstrations, motions, folds) for name, model in models.items()
-    }
+    errors = {name: _mean_error(model, motions, folds) for name, model in models.items()}
     chosen = min(errors, key=lambda name: errors[name])
-    fitted: Any = models[chosen].fit(demonstrations)
+    fitted: Any = models[chosen].fit(motions)
     skill: Skill[MotionT] = fitted.with_choice(Choice(chosen, errors, len(folds)))
     return skill
 
@@ -93,15 +90,10 @@ def _left_out(count: int) -> list[int]:
     return [int(i) for i in np.linspace(0, count - 1, min(count, _MOST_LEFT_OUT)).round()]
 
 
-def _mean_error(
-    model: Model,
-    demonstrations: Demonstrations[Motion],
-    motions: Sequence[Motion],
-    folds: list[int],
-) -> float:
+def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> float:
     errors = []
     for i in folds:
-        rest = [each for j, each in enumerate(demonstrations) if j != i]
+        rest = [each for j, each in enumerate(motions) if j != i]
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", MisalignmentWarning)
