@@ -89,12 +89,16 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
             NoPath: if obstacles leave no path, or the goal is not reached.
         """
         query = CheckedQuery(start, goal, duration, dt, obstacles)
+        self.refuse_obstacles(query)
+        return self._answer(query)
+
+    def refuse_obstacles(self, query: CheckedQuery) -> None:
+        """Raises UnsupportedQuery for obstacles that the skill does not avoid."""
         if query.obstacles and "obstacles" not in self.supports:
             name = type(getattr(self, "model", self)).__name__
             raise UnsupportedQuery(
                 f"obstacles: {name} cannot avoid them; leave them out or use FastMarching"
             )
-        return self._answer(query)
 
     @abstractmethod
     def _answer(self, query: CheckedQuery) -> MotionT_co:

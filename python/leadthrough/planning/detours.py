@@ -16,6 +16,7 @@ from leadthrough.planning.maps import (
     CELLS_PER_KNOT,
     Scales,
     grid_over,
+    min_distance,
     quickest_in_tube,
     scales_of,
     slowed_at,
@@ -71,6 +72,11 @@ def around(
     before, after = arc_length(joined), arc_length(smooth)
     at = np.interp(after / after[-1], before / before[-1], np.concatenate(fractions))
     return smooth, at, float(after[-1]) / length
+
+
+def is_free(path: Float64Array, obstacles: Sequence[Shape]) -> bool:
+    """Whether the points of a path (n, d) lie outside all obstacles."""
+    return min_distance(path, obstacles) > 0.0
 
 
 def _parts(

@@ -28,7 +28,7 @@ def columns_of(motions: Sequence[Motion]) -> tuple[list[Float64Array], Float64Ar
 
 
 def features_of(motions: Sequence[Motion]) -> list[Float64Array]:
-    """Rows to tell ways apart, of positions and of rotation matrices, which need no reference."""
+    """Rows to tell modes apart, of positions and of rotation matrices, which need no reference."""
     columns = [
         np.hstack([each.positions, rotations.to_matrix(each.orientations).reshape(-1, 9)])
         if isinstance(each, PoseTrajectory)

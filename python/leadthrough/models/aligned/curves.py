@@ -1,4 +1,4 @@
-"""Demonstrations as curves over a common phase, apart from their timing, and their ways.
+"""Demonstrations as curves over a common phase, apart from their timing, and their modes.
 
 Two phases: the fraction of the arc length, and an elastic one that brings each demonstration to
 the mean of all by dynamic programming (Sakoe and Chiba 1978) on position and tangent.
@@ -25,8 +25,8 @@ _ALIGNED_ROWS = 400  # to which curves are aligned, as the pairs of rows grow wi
 _PAUSE = 1e-4
 _TANGENT = 0.3  # weight of the unit tangent against the position in units of the extent
 _ROUNDS = 2
-# Demonstrations of two ways lie farther apart than this fraction of their length, and this many
-# times as far as those of one way.
+# Demonstrations of two modes lie farther apart than this fraction of their length, and this many
+# times as far as those of one mode.
 _APART, _GAP = 0.05, 2.5
 
 
@@ -130,10 +130,10 @@ def with_ends(rows: Float64Array, start: Float64Array, goal: Float64Array) -> Fl
     return np.asarray(rows + (1.0 - u) * offsets[0] + u * offsets[1])
 
 
-def ways(rows: Float64Array) -> NDArray[np.int64]:
-    """The way (k,) that each of the curves (k, n, width) goes, numbered from 0.
+def modes_of(rows: Float64Array) -> NDArray[np.int64]:
+    """The mode (k,) of each of the curves (k, n, width), numbered from 0.
 
-    Shifted to the same ends, those of one way lie near each other: the distances at which single
+    Shifted to the same ends, those of one mode lie near each other: the distances at which single
     linkage joins them have a gap.
     """
     from scipy.cluster.hierarchy import fcluster, linkage

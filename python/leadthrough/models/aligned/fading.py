@@ -57,7 +57,7 @@ DEFAULT = Option(0, 1.0, np.inf, ROTATED)
 
 @dataclass(frozen=True, eq=False)
 class Predictor:
-    """Aligned demonstrations of one way, in scaled columns.
+    """Aligned demonstrations of one mode, in scaled columns.
 
     Attributes:
         phased: by arc length, and elastically.

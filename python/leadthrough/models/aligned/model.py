@@ -1,25 +1,25 @@
 """The mean of aligned demonstrations, carried to a new start and goal as they show it.
 
-Alignment takes the timing out of the shapes; each of several demonstrated ways is learned apart.
+Alignment takes the timing out of the shapes; each of several demonstrated modes is learned apart.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
+from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.models.aligned.columns import clocks_of, features_of
-from leadthrough.models.aligned.curves import by_arc, ways
-from leadthrough.models.aligned.way import Way, learned, restored
+from leadthrough.models.aligned.mode import Mode, learned, restored
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.protocol import Unfitted
-from leadthrough.models.queries import CheckedQuery
+from leadthrough.models.queries import CheckedQuery, checked_query
+from leadthrough.models.targets import Target
 from leadthrough.motion import MotionT, MotionT_co
+from leadthrough.shapes import Shape
 
 
 @dataclass(frozen=True)
@@ -36,34 +36,28 @@ class AlignedMean(Unfitted):
 
         Args:
             demonstrations: one or more demonstrations, or motions: all of points, all of the same
-                joints or all of poses. Several ways are told apart, each with its own mean.
+                joints or all of poses. Several modes are told apart, each with its own mean.
 
         Raises:
             FitError: if there is none, one does not move, or the last orientations of those of one
-                way have no mean.
+                mode have no mean.
         """
-        motions = motions_of(demonstrations)
-        numbers = ways(by_arc(features_of(motions), clocks_of(motions)).rows)
-        groups = [np.flatnonzero(numbers == number) for number in range(numbers.max() + 1)]
-        return AlignedMeanSkill(
-            self, tuple(learned([motions[i] for i in group]) for group in groups)
-        )
+        return AlignedMeanSkill(self, learned(motions_of(demonstrations)))
 
 
 @dataclass(frozen=True, eq=False)
 class AlignedMeanSkill(FittedSkill[MotionT_co]):
-    """The demonstrated ways, each as aligned demonstrations; made by `AlignedMean.fit`.
+    """The demonstrated modes, each as aligned demonstrations; made by `AlignedMean.fit`.
 
-    `generate` takes the way whose demonstrations start and end nearest to the query. Motions start
-    and end at rest.
+    `generate` takes the mode whose demonstrations start and end nearest to the query.
 
     Attributes:
         model: the settings that it was fitted with.
-        ways: the ways; the one with the most demonstrations answers queries without ends.
+        modes: the modes; the one with the most demonstrations answers queries without ends.
     """
 
     model: AlignedMean
-    ways: tuple[Way[MotionT_co], ...]
+    modes: tuple[Mode[MotionT_co], ...]
 
     kind: ClassVar[str] = "aligned_mean"
 
@@ -75,38 +69,72 @@ class AlignedMeanSkill(FittedSkill[MotionT_co]):
 
     @property
     def coordinates(self) -> Coordinates[MotionT_co]:
-        """Coordinates of the most demonstrated way."""
+        """Coordinates of the most demonstrated mode."""
         return self._most_demonstrated.coordinates
 
     @property
     def duration(self) -> float:
-        """Mean duration of the most demonstrated way, s."""
+        """Mean duration of the most demonstrated mode, s."""
         return float(self._most_demonstrated.predictor.phased[0].times[:, -1].mean())
 
     @property
-    def _most_demonstrated(self) -> Way[MotionT_co]:
-        return max(self.ways, key=lambda way: len(way.ends))
+    def _most_demonstrated(self) -> Mode[MotionT_co]:
+        return max(self.modes, key=lambda mode: len(mode.ends))
+
+    @checked_query
+    def generate(
+        self,
+        *,
+        start: Target | None = None,
+        goal: Target | None = None,
+        duration: float | None = None,
+        dt: float = 0.01,
+        obstacles: Sequence[Shape] = (),
+        mode: int | None = None,
+    ) -> MotionT_co:
+        """A motion of the demonstrated type; parts that are left out are as demonstrated.
+
+        Args:
+            start: point or joints (d,); of poses a position (3,), or (position (3,), orientation
+                (4,) as w, x, y, z).
+            goal: likewise, at the end.
+            duration: s, > 0.
+            dt: s, > 0, upper bound of the sampling step.
+            obstacles: shapes to keep clear of; not of joints.
+            mode: index in `modes`; by default the one whose demonstrations start and end nearest,
+                or with obstacles the nearest one that is free of them, if there is any.
+
+        Raises:
+            UnsupportedQuery: for a part that is not among `supports`.
+            NoPath: where obstacles leave no path.
+        """
+        query = CheckedQuery(start, goal, duration, dt, obstacles)
+        self.refuse_obstacles(query)
+        if mode is not None:
+            last = len(self.modes) - 1
+            return self.modes[check.integer(mode, "mode", at_least=0, at_most=last)].motion(query)
+        return self._answer(query)
 
     def _answer(self, query: CheckedQuery) -> MotionT_co:
-        if query.start is None and query.goal is None:
-            return self._most_demonstrated.motion(query)
-        return min(self.ways, key=lambda way: way.distance(query)).motion(query)
+        ranked = sorted(self.modes, key=lambda mode: mode.distance(query))
+        free = (mode for mode in ranked if mode.is_free(query))
+        return next(free, ranked[0]).motion(query)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         arrays: dict[str, Float64Array] = {}
-        for i, way in enumerate(self.ways):
-            arrays |= {f"{name}_{i}": array for name, array in way.arrays().items()}
-        return {"ways": [way.coordinates.settings() for way in self.ways]}, arrays
+        for i, mode in enumerate(self.modes):
+            arrays |= {f"{name}_{i}": array for name, array in mode.arrays().items()}
+        return {"modes": [mode.coordinates.settings() for mode in self.modes]}, arrays
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> AlignedMeanSkill:
     """The skill from the settings and arrays that `AlignedMeanSkill.to_archive` returned."""
-    ways_ = []
-    for i, own in enumerate(settings["ways"]):
+    restored_modes = []
+    for i, own in enumerate(settings["modes"]):
         part = {
             name.removesuffix(f"_{i}"): array
             for name, array in arrays.items()
             if name.endswith(f"_{i}")
         }
-        ways_.append(restored(own, part))
-    return AlignedMeanSkill(AlignedMean(), tuple(ways_))
+        restored_modes.append(restored(own, part))
+    return AlignedMeanSkill(AlignedMean(), tuple(restored_modes))

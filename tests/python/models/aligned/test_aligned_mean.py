@@ -47,7 +47,7 @@ def test_two_ways_are_told_apart():
     starts = [(0.0, 0.02 * np.sign(height)) for height in heights]
     shown = [stroke(s, height=h) for s, h in zip(starts, heights, strict=True)]
     skill = lt.AlignedMean().fit(shown)
-    assert [len(way.ends) for way in skill.ways] == [3, 3]
+    assert [len(mode.ends) for mode in skill.modes] == [3, 3]
     for side in (1.0, -1.0):
         made = skill.generate(start=(0.0, 0.02 * side), goal=(1.0, 0.0))
         alone = lt.AlignedMean().fit(
@@ -120,3 +120,17 @@ def test_a_detour_rejoins_the_stroke_where_it_left_it(model):
     assert post.distance(np.column_stack([made.positions, np.zeros(len(made))])).min() > 0.0
     lengths = [np.linalg.norm(np.diff(m.positions, axis=0), axis=1).sum() for m in (plain, made)]
     assert lengths[1] > 0.97 * lengths[0]
+
+
+def test_a_mode_is_taken_by_its_number_or_because_it_is_free():
+    shown = [
+        stroke((0.0, 0.02 * side), height=side * h) for side in (1, -1) for h in (0.38, 0.4, 0.42)
+    ]
+    skill = lt.AlignedMean().fit(shown)
+    ends = {"start": (0.0, 0.02), "goal": (1.0, 0.0)}
+    assert skill.generate(**ends).positions[:, 1].max() > 0.3
+    assert skill.generate(**ends, mode=1).positions[:, 1].min() < -0.3
+    blocked = lt.Box((0.1, 0.5, 0.5), (0.5, 0.4, 0.0))
+    assert skill.generate(**ends, obstacles=[blocked]).positions[:, 1].min() < -0.3
+    with pytest.raises(InvalidInput, match="mode"):
+        skill.generate(mode=2)

@@ -1,4 +1,4 @@
-"""Aligned demonstrations that go one way, and the motions that they predict."""
+"""Aligned demonstrations of one mode, and the motions that they predict."""
 
 from __future__ import annotations
 
@@ -12,27 +12,28 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models import phase
-from leadthrough.models.aligned.columns import clocks_of, columns_of, scale_of
+from leadthrough.models.aligned.columns import clocks_of, columns_of, features_of, scale_of
 from leadthrough.models.aligned.curves import (
     Curves,
     arc_phases,
     by_arc,
     elastic,
     even_phases,
+    modes_of,
 )
 from leadthrough.models.aligned.fading import Option, Predictor
 from leadthrough.models.archive import Arrays
 from leadthrough.models.coordinates import NODES, Coordinates, coordinates_of
 from leadthrough.models.queries import CheckedQuery, even_times
 from leadthrough.motion import MotionT, MotionT_co, lerp
-from leadthrough.planning.detours import around
+from leadthrough.planning import detours
 
 _TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
-class Way(Generic[MotionT_co]):
-    """Aligned demonstrations that go one way.
+class Mode(Generic[MotionT_co]):
+    """Aligned demonstrations of one mode.
 
     Attributes:
         coordinates: meaning of the columns; orientations are rotation vectors from one reference.
@@ -62,11 +63,19 @@ class Way(Generic[MotionT_co]):
                 wanted[row, : len(given)] = given
         return np.asarray(wanted / self.scale)
 
-    def distance(self, query: CheckedQuery) -> float:
-        """Of the query's ends from those of the nearest demonstration, scaled."""
+    def distance(self, query: CheckedQuery) -> tuple[float, int]:
+        """Of the query's ends from those of the nearest demonstration, scaled; then by number."""
         apart = np.linalg.norm(self.ends - self.asked(query), axis=2)
         asked = [query.start is not None, query.goal is not None]
-        return float(apart[:, asked].sum(axis=1).min())
+        return float(apart[:, asked].sum(axis=1).min()), -len(self.ends)
+
+    def is_free(self, query: CheckedQuery) -> bool:
+        """Whether its path keeps out of the query's obstacles as it is."""
+        if not query.obstacles:
+            return True
+        rows, *_ = self.predictor.predicted(self.options, self.asked(query))
+        size = self.coordinates.size
+        return detours.is_free(rows[:, :size] * self.scale[:size], query.obstacles)
 
     def motion(self, query: CheckedQuery) -> MotionT_co:
         """The motion that answers a query."""
@@ -90,7 +99,7 @@ class Way(Generic[MotionT_co]):
     ) -> tuple[Float64Array, Float64Array, Float64Array]:
         """Rows, phases and times that keep clear of obstacles, slower as the path gets longer."""
         size, even = self.coordinates.size, even_phases(len(rows))
-        found = around(rows[:, :size], query.obstacles)
+        found = detours.around(rows[:, :size], query.obstacles)
         if found is None:
             return rows, phases, clock
         points, fractions, longer = found
@@ -111,14 +120,14 @@ class Way(Generic[MotionT_co]):
         }
 
 
-def restored(settings: dict[str, Any], arrays: Arrays) -> Way:
-    """The way that `Coordinates.settings` and `Way.arrays` took apart."""
+def restored(settings: dict[str, Any], arrays: Arrays) -> Mode:
+    """The mode that `Coordinates.settings` and `Mode.arrays` took apart."""
     coordinates = Coordinates.from_archive(settings, arrays)
     rows = check.frozen(arrays["rows"], "rows", shape=(2, "k", "n", coordinates.width))
     clocks = check.frozen(arrays["clocks"], "clocks", shape=rows.shape[:3])
     options = check.with_gaps(arrays["options"], "options", shape=("m", 4))
     phased = Curves(rows[0], clocks[0]), Curves(rows[1], clocks[1])
-    return Way(
+    return Mode(
         coordinates,
         check.frozen(arrays["scale"], "scale", shape=(coordinates.width,)),
         Predictor(phased, coordinates.size, coordinates.kind != "joints"),
@@ -126,8 +135,15 @@ def restored(settings: dict[str, Any], arrays: Arrays) -> Way:
     )
 
 
-def learned(motions: Sequence[MotionT]) -> Way[MotionT]:
-    """Demonstrations of one way."""
+def learned(motions: Sequence[MotionT]) -> tuple[Mode[MotionT], ...]:
+    """The modes of demonstrations."""
+    numbers = modes_of(by_arc(features_of(motions), clocks_of(motions)).rows)
+    groups = [np.flatnonzero(numbers == number) for number in range(numbers.max() + 1)]
+    return tuple(_learned([motions[int(i)] for i in group]) for group in groups)
+
+
+def _learned(motions: Sequence[MotionT]) -> Mode[MotionT]:
+    """The mode of demonstrations alike."""
     columns, reference = columns_of(motions)
     scale = scale_of(columns, motions[0].positions.shape[1])
     clocks = clocks_of(motions)
@@ -140,7 +156,7 @@ def learned(motions: Sequence[MotionT]) -> Way[MotionT]:
     )
     predictor = Predictor((curves, aligned), coordinates.size, coordinates.kind != "joints")
     options = predictor.chosen()
-    return Way(coordinates, scale, predictor, tuple(options))
+    return Mode(coordinates, scale, predictor, tuple(options))
 
 
 def _continued(vector: Float64Array, near: Float64Array) -> Float64Array:
