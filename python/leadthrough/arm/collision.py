@@ -58,13 +58,13 @@ def check_motion(
 ) -> CollisionReport:
     """See `Arm.check`."""
     q, times = _configurations(trajectory, tuple(chain.joint_names))
-    _warn_of_degrees(chain, q)
     around = as_scene(scene)
     pairs = (against(model, chain, around.shapes), core.itself(model))
     margins = (around.margin, around.self_collision_margin)
     exact = check.number(tolerance, "tolerance", at_least=_MIN_TOLERANCE)
     count = check.integer(threads, "threads", at_least=1, at_most=256)
     _require_short_steps(pairs, q, exact)
+    _warn_of_degrees(chain, q)
     from_obstacles, from_itself = (
         _clearance(each, margin, times, core.check_motion(each, q, margin, exact, count))
         for each, margin in zip(pairs, margins, strict=True)

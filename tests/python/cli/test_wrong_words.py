@@ -104,6 +104,7 @@ WRONG = {
     ("demo", "motion"): "Scribble",
     ("demo", "out"): "ur3.toml/out",
     ("experiment", "out"): "ur3.toml/out",
+    ("experiment", "recordings"): "nowhere",
     ("judge", "out"): "ur3.toml/out",
     ("validate", "out"): "ur3.toml/out",
     ("learn", "out"): "nowhere/out.npz",

@@ -33,7 +33,7 @@ def test_several_files_keep_their_order_and_names(tmp_path):
         ("missing.csv", "missing.csv: no such file"),
         ("*.csv", r"\*.csv: no such file"),
         ("recording.xlsx", r"expected .csv, .* or .parquet, got '.xlsx'"),
-        (".", "expected a file, .* got another folder"),
+        (".", "nothing to read in this folder"),
         ("nul\0byte.csv", "no such file"),
     ],
 )

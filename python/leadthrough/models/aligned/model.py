@@ -106,7 +106,7 @@ class AlignedMeanSkill(FittedSkill[MotionT_co]):
 
         Raises:
             UnsupportedQuery: for a part that is not among `supports`.
-            NoPath: where obstacles leave no path.
+            NoPath: if obstacles leave no path.
         """
         query = CheckedQuery(start, goal, duration, dt, obstacles)
         self.refuse_obstacles(query)
