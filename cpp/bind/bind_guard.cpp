@@ -109,7 +109,7 @@ PacedRows eased(const StepLimits& limits, const RowsRef& start, const RowsRef& p
   require_start(limits, start);
   require_rows(limits, path, 1);
   require(rate > 0.0);
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return pair_of(guard::eased(limits, start, path, rate));
 }
 

@@ -25,7 +25,8 @@ py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
   require(positions.rows() > 0 && orientations_fit(positions.rows(), orientations.rows()) &&
           postures.rows() == positions.rows() && postures.cols() == chain.joints() &&
           (!start || start->size() == chain.joints()) && tube.cols() == 6 &&
-          (tube.rows() == 0 || (tube.rows() == 6 * positions.rows() && axes)));
+          (tube.rows() == 0 || (tube.rows() == 6 * positions.rows() && axes)) &&
+          positions.allFinite() && orientations.allFinite());
   CollisionModel model;
   if (own_shapes != nullptr)
     model = without_meeting_pairs(*own_shapes);

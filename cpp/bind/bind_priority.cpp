@@ -34,10 +34,10 @@ void check_task(const ArmTask& task, const Chain& chain) {
 
 TaskStack make_stack(const Chain& chain, const std::vector<ArmTask>& tasks, const Vector& velocity,
                      const Vector& acceleration, bool reverse, double rest_damping) {
+  require(velocity.size() == chain.joints() && acceleration.size() == chain.joints());
   TaskStack stack{chain, tasks, limits_of(chain, velocity, acceleration),
                   reverse ? PriorityScheme::kReverse : PriorityScheme::kForward, rest_damping};
-  require(tasks.size() <= static_cast<std::size_t>(kMaxTasks) &&
-          fits(stack.limits, chain.joints()));
+  require(tasks.size() <= static_cast<std::size_t>(kMaxTasks));
   int joint_limit_tasks = 0;
   for (const ArmTask& task : tasks) {
     check_task(task, chain);

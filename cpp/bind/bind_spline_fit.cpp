@@ -30,7 +30,7 @@ py::tuple smooth_spline_(const Vector& parameters, const Table& q, double tolera
           lower.size() == q.cols() && upper.size() == q.cols());
   SplineFit fit;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     fit = smooth_spline(parameters, q, tolerance, {lower, upper});
   }
   return py::make_tuple(as_array(fit.breaks), std::move(fit.coefficients));

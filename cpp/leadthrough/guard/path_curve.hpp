@@ -33,8 +33,9 @@ class PathCurve {
   template <typename Row>
   void at(double place, double rate, double bend, Row row) const {
     const Eigen::Index joints = states_.cols() / 3;
-    const auto i = static_cast<Eigen::Index>(
-        std::clamp(std::floor(place), 0.0, static_cast<double>(states_.rows() - 2)));
+    const auto last = static_cast<double>(states_.rows() - 2);
+    // The comparison takes a place that is no number as the first.
+    const auto i = static_cast<Eigen::Index>(place > 0.0 ? std::min(std::floor(place), last) : 0.0);
     const double u = place - static_cast<double>(i);
     if (u == 0.0 || u == 1.0) return timed(states_.row(u == 0.0 ? i : i + 1), rate, bend, row);
     const auto c = [&](Eigen::Index k) { return coefficients_.row(6 * i + k); };
