@@ -161,10 +161,6 @@ std::optional<Error> check_limit(const JointElement& parts, std::string_view typ
   for (const char* name : {"velocity", "effort"})
     if (parts.limit->find(name) == nullptr)
       return Error{where, std::string("its <limit> has no ") + name};
-  if (bounded && parts.limit->find("lower") == nullptr && parts.limit->find("upper") == nullptr)
-    return Error{where,
-                 "its <limit> has neither lower nor upper; a joint that turns without "
-                 "bounds is continuous"};
   return std::nullopt;
 }
 

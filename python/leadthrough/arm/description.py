@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +13,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from leadthrough.arm.limits import zeros
 from leadthrough.arm.link_poses import link_poses
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.robot_files import find_mesh
@@ -39,7 +40,7 @@ or let `leadthrough info --write-limits` write one with assumed values:"""
 
 def describe(arm: ArmModel) -> str:
     """See `Arm.describe`."""
-    parts = [_head(arm), _joints(arm), "\n".join(_carried(arm))]
+    parts = [_head(arm), _joints(arm), "\n".join([*_zeros(arm), *_carried(arm)])]
     if arm.limits.acceleration is None or arm.limits.jerk is None:
         parts.append(f"{_INCOMPLETE}\n\n{arm.limits.template().rstrip()}")
     return "\n\n".join(parts) + "\n"
@@ -74,6 +75,16 @@ def _joints(arm: ArmModel) -> str:
             kind = "" if joint.kind == "revolute" else f" {joint.kind}"
             table.add_row(joint.name + kind, *_limits(arm, joint))
     return _rendered(table)
+
+
+def _zeros(arm: ArmModel) -> Iterator[str]:
+    """Remedies for limits of zero, by which many URDFs mean that nobody has looked them up."""
+    if found := zeros(arm.limits):
+        listed = ", ".join(f"{name} ({', '.join(keys)})" for name, keys in found.items())
+        yield _wrapped(
+            f"! limits of 0: {listed}. Such a velocity or range keeps a joint still, such an "
+            "effort counts as unknown; put the maker's values into the limits file"
+        )
 
 
 def _limits(arm: ArmModel, joint: core.Joint) -> Iterator[str]:
@@ -195,15 +206,17 @@ _START = 0.5  # s from rest to the velocity limit
 _ONSET = 0.05  # s from rest to full acceleration
 _HIGHEST = 5.0  # rad/s^2
 _HIGHEST_PRISMATIC = 1.0  # m/s^2
+_SLOW = 1.0  # rad/s
+_SLOW_PRISMATIC = 0.1  # m/s
 _HEAD = """\
-# Limits of {robot} from {base} to {tip}, in rad/s^2 and rad/s^3
-# (m/s^2 and m/s^3 for prismatic joints). The URDF states the others.
+# Limits of {robot} from {base} to {tip}, in rad/s, rad/s^2 and rad/s^3
+# (m/s, m/s^2 and m/s^3 for prismatic joints). The URDF states the others.
 # Assumed values are cautious for most arms; replace them with the maker's where
 # these are known.
 robot = {name}
 
 [sources]
-acceleration = "{acceleration}"
+{velocity}acceleration = "{acceleration}"
 jerk = "{jerk}"
 
 [joints]
@@ -219,32 +232,40 @@ _ASSUMED = {
 def limits_file(arm: ArmModel) -> str:
     """The text of a limits file for the arm, whose comments state what is assumed."""
     limits = arm.limits
-    acceleration = _acceleration(arm) if limits.acceleration is None else limits.acceleration
+    prismatic = {
+        joint.name for joint in arm._robot.path(arm.base, arm.tip) if joint.kind == "prismatic"
+    }
+    slides = np.array([name in prismatic for name in arm.joint_names])
+    assumed = limits.velocity == 0.0
+    velocity = np.where(assumed, np.where(slides, _SLOW_PRISMATIC, _SLOW), limits.velocity)
+    acceleration = limits.acceleration
+    if acceleration is None:
+        highest = np.where(slides, _HIGHEST_PRISMATIC, _HIGHEST)
+        acceleration = np.minimum(velocity / _START, highest)
     jerk = acceleration / _ONSET if limits.jerk is None else limits.jerk
     head = _HEAD.format(
         robot=arm._robot.name,
         name=_quoted(arm._robot.name),
         base=arm.base,
         tip=arm.tip,
+        velocity=_velocity_source([n for n, a in zip(arm.joint_names, assumed, strict=True) if a]),
         acceleration=_source(limits.acceleration, "acceleration"),
         jerk=_source(limits.jerk, "jerk"),
     )
-    rows = zip(arm.joint_names, acceleration.tolist(), jerk.tolist(), strict=True)
+    rows = zip(arm.joint_names, assumed, velocity, acceleration, jerk, strict=True)
     return head + "".join(
-        f"{_quoted(name)} = {{ acceleration = {most:.4g}, jerk = {onset:.4g} }}\n"
-        for name, most, onset in rows
+        f"{_quoted(name)} = {{ {f'velocity = {speed:.4g}, ' * bool(given)}"
+        f"acceleration = {most:.4g}, jerk = {onset:.4g} }}\n"
+        for name, given, speed, most, onset in rows
     )
 
 
-def _acceleration(arm: ArmModel) -> Float64Array:
-    prismatic = {
-        joint.name for joint in arm._robot.path(arm.base, arm.tip) if joint.kind == "prismatic"
-    }
-    highest = np.array(
-        [_HIGHEST_PRISMATIC if name in prismatic else _HIGHEST for name in arm.joint_names]
-    )
-    stated = np.where(arm.limits.velocity > 0.0, arm.limits.velocity, np.inf)
-    return np.asarray(np.minimum(stated / _START, highest))
+def _velocity_source(assumed: Sequence[str]) -> str:
+    """The line that names the joints whose velocity is assumed; empty if there are none."""
+    if not assumed:
+        return ""
+    text = f"assumed: {_SLOW:g} rad/s ({_SLOW_PRISMATIC:g} m/s); the URDF states 0 for "
+    return f"velocity = {_quoted(text + ', '.join(assumed))}\n"
 
 
 def _source(known: Float64Array | None, quantity: str) -> str:

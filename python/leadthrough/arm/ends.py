@@ -7,19 +7,37 @@ from collections.abc import Iterator
 
 import leadthrough._core as core
 
+_NOT_OF_AN_ARM = ("fixed", "planar", "floating")
+# Links of tools, and joints of fingers, by how arms' makers name them.
 _TOOL = re.compile(r"(^|[_/-])(tool0|tcp|ee_link|flange)$", re.IGNORECASE)
-_GRIPPER = re.compile(r"finger|gripper|jaw|knuckle|thumb|claw|pad", re.IGNORECASE)
+_FINGER = re.compile(
+    r"finger|gripper|jaw|knuckle|thumb|claw|hand|index|middle|ring|pinky|little", re.IGNORECASE
+)
+
+
+def moves(robot: core.Robot) -> bool:
+    """Whether a joint of the robot moves."""
+    return any(joint.kind not in _NOT_OF_AN_ARM for joint in robot.tree)
 
 
 def proposed_tip(robot: core.Robot) -> str:
     """The tool's link after the most moving joints, else the last link before the fingers."""
     moving = {0: 0}  # joints before each link; a parent comes before its children
     for joint in robot.tree:
-        moving[joint.child] = moving[joint.parent] + (joint.kind != "fixed")
-    links = range(len(robot.links))
-    arms = [i for i in links if not _GRIPPER.search(robot.links[i])] or list(links)
-    tools = [i for i in arms if _TOOL.search(robot.links[i])]
-    return robot.links[max(tools or arms, key=moving.__getitem__)]
+        before = moving.get(joint.parent)
+        if before is None or (joint.kind != "fixed" and _is_finger(robot, joint)):
+            continue
+        moving[joint.child] = before + (joint.kind != "fixed" and joint.mimic is None)
+    tools = [i for i in moving if _TOOL.search(robot.links[i])]
+    most = max(moving.values())
+    last = [i for i in tools if moving[i] == most] or [i for i in moving if moving[i] == most]
+    return min((robot.links[i] for i in last), key=lambda name: not name.endswith("tool0"))
+
+
+def _is_finger(robot: core.Robot, joint: core.Joint) -> bool:
+    """Whether a joint moves a finger: by its name, or that of the link, unless it is a palm."""
+    link = robot.links[joint.child]
+    return bool(_FINGER.search(joint.name) or re.search("finger|jaw|knuckle|thumb", link.lower()))
 
 
 def link_tree(robot: core.Robot) -> str:

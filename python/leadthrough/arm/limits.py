@@ -22,14 +22,15 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput, ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 
 _MAX_FILE = 2**20  # bytes
 _BOUNDS = ("lower", "upper")
 _RATES = ("velocity", "effort", "acceleration", "jerk")
+_SPEEDS = ("velocity", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -121,6 +122,31 @@ def known_acceleration(limits: JointLimits) -> Float64Array:
     if limits.acceleration is None:
         return np.full(len(limits.joint_names), np.inf)
     return limits.acceleration
+
+
+def zeros(limits: JointLimits) -> dict[str, list[str]]:
+    """The joints that cannot move, or move nothing, by limits of zero, and these limits' names."""
+    columns = {key: getattr(limits, key) for key in _RATES} | {"range": limits.upper - limits.lower}
+    known = {key: column for key, column in columns.items() if column is not None}
+    at_zero = {
+        name: [key for key, column in known.items() if column[i] == 0.0]
+        for i, name in enumerate(limits.joint_names)
+    }
+    return {name: keys for name, keys in at_zero.items() if keys}
+
+
+def refuse_zeros(limits: JointLimits, moves: NDArray[np.bool_]) -> None:
+    """Refuses a path on which joints move whose velocity, acceleration or jerk must be zero."""
+    rates = {name: [key for key in keys if key in _SPEEDS] for name, keys in zeros(limits).items()}
+    stuck = [name for name, moved in zip(limits.joint_names, moves, strict=True) if moved]
+    found = {name: rates[name] for name in stuck if rates.get(name)}
+    if found:
+        listed = ", ".join(f"{name} ({', '.join(keys)})" for name, keys in found.items())
+        raise LimitsInfeasible(
+            f"limits of 0 of joints that move along the path: {listed}; put the maker's values "
+            "into the limits file",
+            joint=next(iter(found)),
+        )
 
 
 def margins(lower: Float64Array, upper: Float64Array, q: Float64Array) -> Float64Array:

@@ -68,7 +68,7 @@ def info(
         raise typer.Exit(1)
     if write_limits is not None:
         print(f"wrote {write_limits}: replace the assumed values with the maker's")
-    if len({each.kind for each in infos}) == 1:
+    if len({each.kind for each in infos}) == 1 and infos[0].facts.get("tip", "") is not None:
         output.hint(ctx, *_next(ctx, infos, write_limits))
 
 

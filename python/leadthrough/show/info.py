@@ -81,7 +81,7 @@ def describe(
     where = Path(path)
     if where.suffix.lower() in _ROBOTS and where.is_file():
         robot = core.Robot(robot_files.read(where))
-        if tip is None and len(robot.leaves) > 1:
+        if tip is None and (len(robot.leaves) > 1 or not ends.moves(robot)):
             return _branched(where, robot)
         arm = Arm.from_urdf(where, base=base, tip=tip, limits=limits, mesh_folders=mesh_folders)
         return _robot(where, arm)
@@ -129,13 +129,16 @@ def _skill(path: Path) -> FileInfo | None:
 
 def _branched(path: Path, robot: core.Robot) -> FileInfo:
     """The links of a robot with several ends, and the lines that choose one."""
-    base, tip = robot.links[0], ends.proposed_tip(robot)
+    base, tip = robot.links[0], ends.proposed_tip(robot) if ends.moves(robot) else None
+    facts = {"base": base, "tip": tip, "ends": list(robot.leaves)}
+    if tip is None:
+        text = f"{ends.link_tree(robot)}\nno joint moves, so this robot has no arm"
+        return FileInfo(str(path), "URDF", "robot", facts, text=text)
     lines = f'base = "{base}"\ntip = "{tip}"'
     text = (
         f"{ends.link_tree(robot)}\nit ends in several links; proposed, for leadthrough.toml:\n"
         f"{lines}\nor type --base {base} --tip {tip}"
     )
-    facts = {"base": base, "tip": tip, "ends": list(robot.leaves)}
     return FileInfo(str(path), "URDF", "robot", facts, text=text)
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
+from leadthrough.arm.limits import JointLimits, refuse_zeros
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.timing.sections import Lines
 
 # The most samples of a motion.
@@ -132,10 +132,7 @@ def time_lines(lines: Lines, limits: JointLimits, rate: float) -> Samples:
 
 
 def _check_limits(limits: JointLimits, moved: Float64Array, bound: NDArray[np.bool_]) -> None:
-    stuck = (moved.max(axis=0) > AT_REST) & ~bound
-    if stuck.any():
-        name = limits.joint_names[int(np.argmax(stuck))]
-        raise LimitsInfeasible(f"{name} moves along the path, but a limit of it is 0", joint=name)
+    refuse_zeros(limits, moved.max(axis=0) > AT_REST)
     assert limits.acceleration is not None
     assert limits.jerk is not None
     least = np.minimum(np.minimum(limits.velocity, limits.acceleration), limits.jerk)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.arm.limits import JointLimits
+from leadthrough.arm.limits import JointLimits, refuse_zeros
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.timing.limits_report import check_positions
 from leadthrough.timing.request import InverseDynamics, Jacobian, Request
@@ -167,9 +167,7 @@ def _rates_within(limits: JointLimits, spread: Float64Array) -> _Rates:
         np.minimum(velocity, np.sqrt(acceleration * some)), np.cbrt(jerk) * np.cbrt(some) ** 2
     )
     moves = spread > min(AT_REST, _FRACTION_AT_REST * spread.max())
-    for i in np.flatnonzero(moves & ~(scale > 0.0)):
-        name = limits.joint_names[i]
-        raise LimitsInfeasible(f"{name} moves along the path, but a limit of it is 0", joint=name)
+    refuse_zeros(limits, moves)
     if not np.isfinite(scale[moves]).any():
         raise InvalidInput("limits: expected a finite limit of some joint that moves, got none")
     bound = (scale > 0.0) & (spread > 0.0)

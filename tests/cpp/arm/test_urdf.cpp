@@ -57,6 +57,10 @@ TEST(Urdf, AxesAreNormalisedAndLeftOutBoundsAreZero) {
       urdf::parse(two_links("<axis xyz='0 3 4'/><limit upper='1' velocity='2' effort='3'/>")));
   EXPECT_LE((arm.joints[0].axis - Eigen::Vector3d(0, 0.6, 0.8)).norm(), 1e-15);
   EXPECT_EQ(arm.joints[0].lower, 0.0);
+  const auto still =
+      std::get<urdf::Robot>(urdf::parse(two_links("<limit velocity='2' effort='3'/>")));
+  EXPECT_EQ(still.joints[0].lower, 0.0);
+  EXPECT_EQ(still.joints[0].upper, 0.0);
 }
 
 TEST(Urdf, ContradictoryJointsAreRefusedWithTheReason) {
@@ -64,9 +68,6 @@ TEST(Urdf, ContradictoryJointsAreRefusedWithTheReason) {
             "joint 'j': its <limit> has no velocity");
   EXPECT_EQ(refusal(two_links("<limit lower='-1' upper='1' velocity='3'/>")),
             "joint 'j': its <limit> has no effort");
-  EXPECT_EQ(refusal(two_links("<limit velocity='1' effort='3'/>")),
-            "joint 'j': its <limit> has neither lower nor upper; a joint that turns without bounds "
-            "is continuous");
   EXPECT_EQ(refusal(two_links("")), "joint 'j': a revolute joint needs a <limit>");
   EXPECT_EQ(refusal(two_links("<limit lower='1' upper='-1' velocity='2' effort='3'/>")),
             "joint 'j': its lower limit 1.000000 is above its upper limit -1.000000");
