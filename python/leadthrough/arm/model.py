@@ -17,7 +17,7 @@ from leadthrough.arm.attachment import Attachment, Load
 from leadthrough.arm.collision import collision_model
 from leadthrough.arm.limits import JointLimits, checked_values, require_inside, require_unlocked
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
-from leadthrough.drawing.drawn import Drawn
+from leadthrough.drawing import Drawn
 from leadthrough.shapes import Shape, Solid
 
 # m/s^2, down in a base frame whose z axis points up.

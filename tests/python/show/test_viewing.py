@@ -4,6 +4,7 @@ import base64
 import html
 import json
 import re
+import subprocess
 import sys
 import threading
 import time
@@ -64,6 +65,17 @@ def test_pages_of_an_arm_a_skill_and_a_motion_are_written_without_viser(
         view(panda, **content, html=tmp_path / f"{number}.html")
     view(panda, shown[0].motion, html=tmp_path / "tip.html")
     assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_page_is_written_by_a_new_process_without_viser(tmp_path):
+    script = """
+import sys
+sys.modules["viser"] = None
+import leadthrough as lt
+lt.show.view(lt.Arm.load("panda"), html=sys.argv[1])
+"""
+    subprocess.run([sys.executable, "-c", script, tmp_path / "arm.html"], check=True)
+    assert (tmp_path / "arm.html").stat().st_size > 50_000
 
 
 def test_notebook_shows_the_page_that_view_writes(panda, tmp_path):

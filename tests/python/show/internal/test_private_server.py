@@ -12,7 +12,7 @@ import viser
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
-from leadthrough.show.private_server import PrivateServer
+from leadthrough.show.viewer import PrivateServer
 
 
 @pytest.fixture(scope="module")
