@@ -11,7 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
-from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,9 @@ import leadthrough._core as core
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, numbers_text, one_line
 from leadthrough.drawing import Drawn, of_joints, of_points, of_poses
+
+# A point or joints (d,); of poses a position (3,), or (position (3,), orientation (4,) w, x, y, z).
+Target: TypeAlias = ArrayLike | tuple[ArrayLike, ArrayLike]
 
 _FIELDS = ("positions", "orientations", "velocities", "accelerations")
 
@@ -125,8 +128,17 @@ class Sampled(Drawn):
         return float(self.times[-1] - self.times[0])
 
 
+class SampledRows(Sampled):
+    """Points or joints at times."""
+
+    def at(self, time: ArrayLike) -> Float64Array:
+        """Position or joints (d,) at a time in s, or (m, d) at times (m,); linear between."""
+        several, _, points = self._places(time)
+        return points if several else points[0]
+
+
 @dataclass(frozen=True, eq=False, init=False)
-class Trajectory(Sampled):
+class Trajectory(SampledRows):
     """Timed points.
 
     Attributes:
@@ -155,11 +167,6 @@ class Trajectory(Sampled):
             events=_checked_events(events, clock),
             joints=_joints(joints, clock),
         )
-
-    def at(self, time: ArrayLike) -> Float64Array:
-        """Position (d,) at a time in s, or (m, d) at times (m,); linear between samples."""
-        several, _, points = self._places(time)
-        return points if several else points[0]
 
     def _panels(self, deviations: Float64Array | None = None) -> list[Panel]:
         return of_points(self.times, self.positions, self._marks, deviations=deviations)
@@ -232,7 +239,7 @@ class PoseTrajectory(Sampled):
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class JointTrajectory(Sampled):
+class JointTrajectory(SampledRows):
     """Timed joint configurations, in rad; prismatic joints in m.
 
     Attributes:
@@ -275,11 +282,6 @@ class JointTrajectory(Sampled):
             events=kept_events,
         )
 
-    def at(self, time: ArrayLike) -> Float64Array:
-        """Joints (joints,) at a time in s, or (m, joints) at times (m,); linear between samples."""
-        several, _, joints = self._places(time)
-        return joints if several else joints[0]
-
     def _panels(self, deviations: Float64Array | None = None) -> list[Panel]:
         return of_joints(
             self.times, self.positions, self.velocities, self.joint_names, self._marks,
@@ -313,6 +315,12 @@ def normalised_times(times: Float64Array) -> Float64Array:
     if len(times) == 1:
         return np.zeros(1)
     return np.asarray((times - times[0]) / (times[-1] - times[0]))
+
+
+def target_of(motion: Motion, row: int) -> Target:
+    """A sample of a motion, as a skill is asked for it."""
+    position: Float64Array = motion.positions[row]
+    return (position, motion.orientations[row]) if isinstance(motion, PoseTrajectory) else position
 
 
 def lerp(at: NDArray[Any], places: NDArray[Any], rows: Float64Array) -> Float64Array:
@@ -511,14 +519,8 @@ def with_derivatives(motion: JointTrajectory) -> JointTrajectory:
         velocities = _slopes(motion.times, motion.positions, at_rest=True)
     if accelerations is None:
         accelerations = _slopes(motion.times, velocities, at_rest=False)
-    return computed_joints(
-        motion.times,
-        motion.positions,
-        velocities,
-        accelerations,
-        joint_names=motion.joint_names,
-        events=motion.events,
-    )
+    rates = {"velocities": velocities, "accelerations": accelerations}
+    return check.computed(JointTrajectory, **{**vars(motion), **rates})
 
 
 def _slopes(times: Float64Array, values: Float64Array, *, at_rest: bool) -> Float64Array:

@@ -11,7 +11,7 @@ import leadthrough as lt
 from leadthrough import check
 from leadthrough.cli import output, robot as robots
 from leadthrough.models.contradictions import contradictions
-from leadthrough.models.demonstrations import motions_of
+from leadthrough.models.protocol import motions_of
 
 _WINDOW = 0.05  # s, over which a speed is taken, so that noise does not count
 _QUANTILE = 0.999  # of a recording's speeds; the few above it are spikes

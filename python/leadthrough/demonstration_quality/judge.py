@@ -25,9 +25,8 @@ from leadthrough import check, tasks
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, ShortRepr
 from leadthrough.io.files import replacing
 from leadthrough.models import Model, ProMP, Skill, Target, TargetRegion
-from leadthrough.models.demonstrations import Demonstrations, motions_of
-from leadthrough.models.frame import target_of
-from leadthrough.motion import Demonstration, Motion, lerp
+from leadthrough.models.protocol import Demonstrations, motions_of
+from leadthrough.motion import Demonstration, Motion, lerp, target_of
 from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.align import features
 from leadthrough.tasks import Row, Store, Task

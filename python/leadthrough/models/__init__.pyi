@@ -1,8 +1,6 @@
 from .aligned.model import AlignedMean as AlignedMean, AlignedMeanSkill as AlignedMeanSkill
 from .archive import FittedSkill as FittedSkill, load_skill as load_skill
 from .certificate import Certificate as Certificate, ConfidenceInterval as ConfidenceInterval
-from .choice import Choice as Choice
-from .demonstrations import MisalignmentWarning as MisalignmentWarning
 from .dmp.discrete import DMP as DMP, DMPSkill as DMPSkill
 from .dmp.rhythmic import RhythmicDMP as RhythmicDMP, RhythmicDMPSkill as RhythmicDMPSkill
 from .dynamical.clf_dm import CLFDM as CLFDM
@@ -30,7 +28,13 @@ from .mixtures.task_gmr import TaskGMR as TaskGMR, TaskGMRSkill as TaskGMRSkill
 from .promp.combination import blend as blend, combine as combine
 from .promp.inference import Inference as Inference, Region as Region, infer as infer
 from .promp.model import ProMP as ProMP, ProMPSkill as ProMPSkill
-from .protocol import Model as Model, Parameter as Parameter, Skill as Skill
+from .protocol import (
+    Choice as Choice,
+    MisalignmentWarning as MisalignmentWarning,
+    Model as Model,
+    Parameter as Parameter,
+    Skill as Skill,
+)
 from .queries import generate_all as generate_all
 from .registry import (
     ModelEntry as ModelEntry,

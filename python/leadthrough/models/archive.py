@@ -21,18 +21,17 @@ from leadthrough.drawing import Drawn
 from leadthrough.io import npz
 from leadthrough.io.files import StrPath, replacing
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.choice import Choice
 from leadthrough.models.protocol import (
+    Choice,
     Demonstrations,
     Distributed,
     Parameter,
     Skill,
-    Target,
     fitted_again,
 )
 from leadthrough.models.queries import CheckedQuery, Via, checked_query
 from leadthrough.models.registry import entry_of_skill
-from leadthrough.motion import Motion, MotionT_co
+from leadthrough.motion import Motion, MotionT_co, Target
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:

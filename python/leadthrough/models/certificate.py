@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from leadthrough.check import InvalidInput, ShortRepr
-from leadthrough.models.targets import Target, TargetRegion
+from leadthrough.models.targets import TargetRegion
+from leadthrough.motion import Target
 from leadthrough.shapes import MovingObstacle, Obstacle, RandomObstacle, Scene, Shape
 
 

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.models.targets import Target
 from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory
 
 # Largest entry of axes.T @ axes - identity that passes for rounding.
@@ -135,9 +134,3 @@ def checked_frames(
             f"got {', '.join(map(str, numbers))}"
         )
     return given
-
-
-def target_of(motion: Motion, row: int) -> Target:
-    """A sample of a motion, as a skill is asked for it."""
-    position: Float64Array = motion.positions[row]
-    return (position, motion.orientations[row]) if isinstance(motion, PoseTrajectory) else position

@@ -17,12 +17,19 @@ from numpy.typing import ArrayLike
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, SteppedSkill
-from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.frame import Frame, checked_frames
-from leadthrough.models.protocol import Conditioned, Guided, Model, Skill, Target, Unfitted
+from leadthrough.models.protocol import (
+    Conditioned,
+    Demonstrations,
+    Guided,
+    Model,
+    Skill,
+    Unfitted,
+    motions_of,
+)
 from leadthrough.models.queries import CheckedQuery, Via
 from leadthrough.models.registry import entry_of_skill
-from leadthrough.motion import MotionT, MotionT_co, PoseTrajectory
+from leadthrough.motion import MotionT, MotionT_co, PoseTrajectory, Target
 from leadthrough.shapes import Shape, check_shapes
 
 # Largest difference of an axis from an axis of the base frame that passes for rounding.

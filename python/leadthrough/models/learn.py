@@ -11,10 +11,15 @@ import numpy as np
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.errors import FitError
-from leadthrough.models.choice import Choice
 from leadthrough.models.contradictions import contradictions
-from leadthrough.models.demonstrations import Demonstrations, MisalignmentWarning, motions_of
-from leadthrough.models.protocol import Model, Skill
+from leadthrough.models.protocol import (
+    Choice,
+    Demonstrations,
+    MisalignmentWarning,
+    Model,
+    Skill,
+    motions_of,
+)
 from leadthrough.models.registry import model_entry
 from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, lerp
 from leadthrough.preprocess.resample import arc_length

@@ -4,35 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Generic, NoReturn, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Generic, NoReturn, Protocol, TypeAlias, runtime_checkable
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough.check import Float64Array, NotFitted, ShortRepr
+from leadthrough import sanity
+from leadthrough.check import FitError, Float64Array, InvalidInput, NotFitted, ShortRepr
 from leadthrough.io.files import StrPath
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.demonstrations import Demonstrations
-from leadthrough.models.targets import Target
-from leadthrough.motion import Motion, MotionT, MotionT_co
+from leadthrough.motion import (
+    Demonstration,
+    JointTrajectory,
+    Motion,
+    MotionT,
+    MotionT_co,
+    PoseTrajectory,
+    Target,
+    Trajectory,
+    alike,
+)
+from leadthrough.preprocess.align import lateness
 from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:
     from leadthrough.models.coordinates import Coordinates
 
-__all__ = [
-    "Conditioned",
-    "Demonstrations",
-    "Distributed",
-    "Generator",
-    "Guided",
-    "Mapped",
-    "Model",
-    "Previewed",
-    "Relearned",
-    "Skill",
-    "Target",
-]
+# Argument of every `fit`: demonstrations, or the motions alone.
+Demonstrations: TypeAlias = Sequence[Demonstration[MotionT] | MotionT]
 
+KINDS = (Trajectory, PoseTrajectory, JointTrajectory)
+# Products of numbers beyond this overflow.
+MAX_NUMBER = 1e100
+# Demonstrations that are late by this fraction of the latest one are named.
+_NAMED = 0.6
 # Names of skills that are asked of models by mistake.
 _OF_SKILLS = frozenset(
     {
@@ -222,6 +227,29 @@ def fitted_again(
     return [whole_number(setting, getattr(model, setting), least=least, most=most, apply=fitted)]
 
 
+@dataclass(frozen=True)
+class Choice:
+    """The families that were compared, and what left-out demonstrations told.
+
+    Attributes:
+        chosen: name of the family that was chosen.
+        errors: for each family its mean distance from left-out demonstrations along the motion, as
+            a fraction of the extent; infinite for one that cannot learn or reproduce them.
+        left_out: number of demonstrations that were left out, one at a time.
+    """
+
+    chosen: str
+    errors: dict[str, float]
+    left_out: int
+
+    def __str__(self) -> str:
+        if not self.left_out:
+            return f"{self.chosen}: the default, as a single demonstration cannot be left out"
+        ranked = sorted(self.errors.items(), key=lambda each: each[1])
+        shown = ", ".join(f"{name} {error:.2%}" for name, error in ranked)
+        return f"{self.chosen}: nearest to {self.left_out} left-out demonstrations ({shown})"
+
+
 class Unfitted:
     """Base of models: `generate` raises NotFitted, with the call of `fit` that comes first."""
 
@@ -235,3 +263,85 @@ class Unfitted:
                     f"skill = {kind}().fit(demonstrations), then skill.{name}"
                 )
             raise AttributeError(f"{kind!r} object has no attribute {name!r}")
+
+
+class MisalignmentWarning(UserWarning):
+    """Demonstrations are misaligned in time: the message names them and the remedy."""
+
+
+def motions_of(
+    demonstrations: Demonstrations[MotionT],
+    *,
+    kinds: tuple[type[Motion], ...] = KINDS,
+    at_least: int = 1,
+) -> list[MotionT]:
+    """The motions of demonstrations, all of one type and size, each of which moves."""
+    if not isinstance(demonstrations, Sequence):
+        raise InvalidInput(
+            "demonstrations: expected a sequence of demonstrations, got one "
+            f"{type(demonstrations).__name__}; put a single one in a list"
+        )
+    if len(demonstrations) < at_least:
+        raise FitError(
+            f"demonstrations: expected at least {at_least}, got {len(demonstrations) or 'none'}"
+        )
+    motions: list[Any] = [_motion(each, i, kinds) for i, each in enumerate(demonstrations)]
+    _refuse_mixed(motions)
+    motions = alike(motions, "demonstrations")
+    for i, motion in enumerate(motions):
+        _refuse_unfit(motion, f"demonstrations[{i}]")
+        sanity.clock(motion.times, f"demonstrations[{i}]")
+    return motions
+
+
+def _motion(demonstration: object, index: int, kinds: tuple[type[Motion], ...]) -> object:
+    motion = demonstration.motion if isinstance(demonstration, Demonstration) else demonstration
+    if not isinstance(motion, kinds):
+        names = " or ".join(kind.__name__ for kind in kinds)
+        convertible = isinstance(motion, JointTrajectory) and PoseTrajectory in kinds
+        advice = "; arm.poses(motion) makes poses of joints" if convertible else ""
+        raise InvalidInput(
+            f"demonstrations[{index}]: expected a Demonstration of a {names}, "
+            f"got {type(motion).__name__}{advice}"
+        )
+    return motion
+
+
+def _refuse_mixed(motions: Sequence[Motion]) -> None:
+    for what, values in (
+        ("one type of motion", {type(motion).__name__ for motion in motions}),
+        ("the same number of columns", {motion.positions.shape[1] for motion in motions}),
+    ):
+        if len(values) > 1:
+            got = " and ".join(str(value) for value in sorted(values))
+            raise InvalidInput(f"demonstrations: expected {what} in all, got {got}")
+
+
+def _refuse_unfit(motion: Motion, name: str) -> None:
+    if len(motion.times) < 2:
+        raise FitError(f"{name}: has a single sample, needs at least two; leave it out")
+    turns = isinstance(motion, PoseTrajectory) and not _is_still(motion.orientations)
+    if _is_still(motion.positions) and not turns:
+        raise FitError(f"{name}: does not move; leave it out")
+    if np.abs(motion.positions).max() > MAX_NUMBER:
+        raise FitError(f"{name}: has numbers beyond {MAX_NUMBER:.0e}; use another unit")
+    if not turns and np.ptp(motion.positions, axis=0).max() < 1.0 / MAX_NUMBER:
+        raise FitError(f"{name}: moves by less than {1.0 / MAX_NUMBER:.0e}; use another unit")
+
+
+def _is_still(rows: Float64Array) -> bool:
+    return bool((rows == rows[0]).all())
+
+
+def warn_of_misalignment(motions: Sequence[Motion]) -> None:
+    """Warns of demonstrations with the same path at different times, which a mean blurs."""
+    late = lateness(motions)
+    if not late.any():
+        return
+    named = [i for i, each in enumerate(late) if each >= _NAMED * late.max()]
+    sanity.warn(
+        f"demonstrations {named}: misaligned, up to {late.max():.0%} of the duration ahead of or "
+        "behind the mean timing of all, so that the fit blurs them; align them with "
+        "preprocess.align_by_time_warping, or leave them out",
+        MisalignmentWarning,
+    )

@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check, sanity
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.protocol import Generator
-from leadthrough.models.targets import Target
-from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, Target, Trajectory
 from leadthrough.shapes import Shape, check_shapes
 
 _Generate = TypeVar("_Generate", bound=Callable[..., Any])

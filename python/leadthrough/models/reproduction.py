@@ -10,10 +10,8 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.errors import LeadthroughError
-from leadthrough.models.demonstrations import Demonstrations, motions_of
-from leadthrough.models.frame import target_of
-from leadthrough.models.protocol import Skill
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, in_order
+from leadthrough.models.protocol import Demonstrations, Skill, motions_of
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, in_order, target_of
 from leadthrough.preprocess import arc_length, by_arc_length, frechet_distance
 
 _STEP = 1e-3  # of the extent, between compared points of a path

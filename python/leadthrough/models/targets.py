@@ -1,30 +1,22 @@
-"""Targets of queries, and the regions that they are drawn from at random."""
+"""Regions from which targets of queries are drawn at random."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
+from leadthrough.motion import Target
 
-# A point or joints (d,); of poses a position (3,), or (position (3,), orientation (4,) w, x, y, z).
-Target: TypeAlias = ArrayLike | tuple[ArrayLike, ArrayLike]
+__all__ = ["Target", "TargetRegion"]
 
 _ROUNDING = 1e-9  # m or rad, by which a target may lie outside
 _ROUNDED_ANGLE = 1e-6  # rad; the cosine of an angle near 0 has half of its digits
-
-
-def frozen_target(value: Target, name: str) -> Target:
-    """A read-only copy of a target, all of whose numbers are finite."""
-    if isinstance(value, tuple | list) and len(value) == 2 and np.ndim(value[0]) > 0:
-        position = check.frozen(value[0], name, shape=("d",))
-        return position, check.frozen(value[1], name, shape=(4,))
-    return check.frozen(value, name, shape=("d",))
 
 
 @dataclass(frozen=True, eq=False)

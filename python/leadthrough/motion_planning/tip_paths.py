@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough import check
 from leadthrough.check import Float64Array, IkFailure, NoPath, ShortRepr
 from leadthrough.models.protocol import Mapped, Skill
 from leadthrough.models.queries import CheckedQuery
-from leadthrough.models.targets import Target, frozen_target
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Target, Trajectory
 from leadthrough.motion_planning.blocked_segment import (
     BlockedSegment,
     CollisionFreeIk,
@@ -72,7 +72,7 @@ class Query(ShortRepr):
         CheckedQuery(self.start, self.goal, self.duration, self.dt)
         for name in ("start", "goal"):
             if (target := getattr(self, name)) is not None:
-                object.__setattr__(self, name, frozen_target(target, name))
+                object.__setattr__(self, name, _frozen_target(target, name))
 
     def arguments(self) -> dict[str, Any]:
         """The arguments of `skill.generate` that are given, by name."""
@@ -245,3 +245,11 @@ def _offset_fraction(tip: TipMotion, part: BlockedSegment, offset: float) -> Flo
     rise = minimum_jerk_time_scaling(np.clip((length - first + before) / before, 0.0, 1.0))
     fall = minimum_jerk_time_scaling(np.clip((last + after - length) / after, 0.0, 1.0))
     return np.asarray(rise * fall)
+
+
+def _frozen_target(value: Target, name: str) -> Target:
+    """A read-only copy of a target, all of whose numbers are finite."""
+    if isinstance(value, tuple | list) and len(value) == 2 and np.ndim(value[0]) > 0:
+        position = check.frozen(value[0], name, shape=("d",))
+        return position, check.frozen(value[1], name, shape=(4,))
+    return check.frozen(value, name, shape=("d",))

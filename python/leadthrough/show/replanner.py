@@ -17,12 +17,13 @@ from leadthrough.arm.ik_failure import limiting_joints_text
 from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array, IkFailure, InvalidInput, LeadthroughError, ShortRepr
-from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill, Target
+from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,
     Motion,
     PoseTrajectory,
+    Target,
     Trajectory,
     in_order,
 )

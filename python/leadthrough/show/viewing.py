@@ -9,8 +9,8 @@ from leadthrough import check
 from leadthrough.arm import Arm, check_arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.files import StrPath
-from leadthrough.models.protocol import Skill, Target
-from leadthrough.motion import Demonstration, JointTrajectory, Motion
+from leadthrough.models.protocol import Skill
+from leadthrough.motion import Demonstration, JointTrajectory, Motion, Target
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show import page
 from leadthrough.show.animation import Animation

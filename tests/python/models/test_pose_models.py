@@ -10,7 +10,7 @@ import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.models import TaskGMR
-from leadthrough.models.mean_orientation import mean_orientations
+from leadthrough.models.coordinates import mean_orientations
 from leadthrough.preprocess import align_by_time_warping
 
 U = np.linspace(0.0, 1.0, 120)

@@ -8,7 +8,7 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.check import Float64Array
-from leadthrough.models.mean_orientation import mean_orientations
+from leadthrough.models.coordinates import mean_orientations
 from leadthrough.motion import Motion, PoseTrajectory
 
 # Weight of the orientations' extent against the positions'; smaller turns than the least are noise.

@@ -14,11 +14,9 @@ from leadthrough.check import Float64Array
 from leadthrough.models.aligned.mode import Mode, learned, restored
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
-from leadthrough.models.demonstrations import Demonstrations, motions_of
-from leadthrough.models.protocol import Unfitted
+from leadthrough.models.protocol import Demonstrations, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, checked_query
-from leadthrough.models.targets import Target
-from leadthrough.motion import MotionT, MotionT_co
+from leadthrough.motion import MotionT, MotionT_co, Target
 from leadthrough.shapes import Shape
 
 

@@ -30,8 +30,7 @@ from leadthrough.models.dmp.progress import (
 from leadthrough.models.dmp.query import check_channels, course_through, ends_of
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
 from leadthrough.models.queries import CheckedQuery
-from leadthrough.models.targets import Target
-from leadthrough.motion import Events, JointTrajectory, Trajectory, with_derivatives
+from leadthrough.motion import Events, JointTrajectory, Target, Trajectory, with_derivatives
 from leadthrough.shapes import Shape
 
 # A goal nearer than this fraction of the motion's size to the one before is the same.

@@ -24,9 +24,9 @@ from leadthrough.models.dmp.learning import check_choices, check_weights, learn_
 from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.primitive import Primitive, take_parts
 from leadthrough.models.dmp.query import check_final_velocity, check_state, check_step
-from leadthrough.models.protocol import Demonstrations, Skill, Target, Unfitted
+from leadthrough.models.protocol import Demonstrations, Skill, Unfitted
 from leadthrough.models.queries import CheckedQuery, even_phases
-from leadthrough.motion import Motion, MotionT, MotionT_co, moved_events
+from leadthrough.motion import Motion, MotionT, MotionT_co, Target, moved_events
 from leadthrough.shapes import Shape
 
 

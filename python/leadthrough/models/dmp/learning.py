@@ -9,7 +9,6 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.check import InvalidInput
-from leadthrough.models.demonstrations import Demonstrations
 from leadthrough.models.dmp.mean_motion import MeanMotion, mean_cycle, mean_motion
 from leadthrough.models.dmp.orientation import (
     REPRESENTATIONS,
@@ -25,6 +24,7 @@ from leadthrough.models.dmp.transformation import (
     MAX_WEIGHTS,
     TransformationSystem,
 )
+from leadthrough.models.protocol import Demonstrations
 from leadthrough.motion import Motion
 
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)  # channels of poses

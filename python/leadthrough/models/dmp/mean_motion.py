@@ -9,9 +9,9 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.check import FitError, Float64Array
-from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
-from leadthrough.models.mean_orientation import mean_orientations
+from leadthrough.models.coordinates import mean_orientations
 from leadthrough.models.posture import Posture, demonstrated_posture
+from leadthrough.models.protocol import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.motion import (
     Event,
     JointTrajectory,

@@ -32,8 +32,7 @@ from leadthrough.models.dmp.progress import (
 from leadthrough.models.dmp.query import as_pose, check_channels, ends_of, pose_acceleration
 from leadthrough.models.dmp.transformation import Ends, end_of, scaled_by
 from leadthrough.models.queries import CheckedQuery
-from leadthrough.models.targets import Target
-from leadthrough.motion import Events, JointTrajectory, PoseTrajectory
+from leadthrough.motion import Events, JointTrajectory, PoseTrajectory, Target
 
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)
 _NOTHING = np.zeros(3)

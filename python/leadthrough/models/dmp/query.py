@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
-from leadthrough.models.demonstrations import MAX_NUMBER
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
+from leadthrough.models.protocol import MAX_NUMBER
 from leadthrough.models.queries import CheckedQuery, Via
-from leadthrough.models.targets import Target
+from leadthrough.motion import Target
 
 # Steps this many durations long come from a wrong unit of dt.
 _MAX_STEP = 1000.0

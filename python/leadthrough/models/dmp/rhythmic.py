@@ -31,7 +31,7 @@ from leadthrough.models.dmp.query import (
     pose_acceleration,
 )
 from leadthrough.models.dmp.transformation import RHYTHMIC, Ends
-from leadthrough.models.protocol import Demonstrations, Target, Unfitted
+from leadthrough.models.protocol import Demonstrations, Unfitted
 from leadthrough.models.queries import CheckedQuery, checked_query, even_times
 from leadthrough.motion import (
     Event,
@@ -40,6 +40,7 @@ from leadthrough.motion import (
     MotionT,
     MotionT_co,
     PoseTrajectory,
+    Target,
     Trajectory,
     moved_events,
     with_derivatives,

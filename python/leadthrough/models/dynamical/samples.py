@@ -11,9 +11,8 @@ from scipy.ndimage import gaussian_filter1d
 
 from leadthrough import rotations
 from leadthrough.check import FitError, Float64Array, Frozen
-from leadthrough.models.coordinates import Coordinates, coordinates_of
-from leadthrough.models.demonstrations import Demonstrations, motions_of
-from leadthrough.models.mean_orientation import mean_orientations
+from leadthrough.models.coordinates import Coordinates, coordinates_of, mean_orientations
+from leadthrough.models.protocol import Demonstrations, motions_of
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, lerp, normalised_times
 from leadthrough.preprocess.noise import without_noise
 

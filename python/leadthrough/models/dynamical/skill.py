@@ -22,8 +22,7 @@ from leadthrough.models.dynamical.field import (
 )
 from leadthrough.models.queries import CheckedQuery, even_times
 from leadthrough.models.registry import entry_of_class
-from leadthrough.models.targets import Target
-from leadthrough.motion import MotionT_co, normalised_times
+from leadthrough.motion import MotionT_co, Target, normalised_times
 
 _MAX_STEP = 100.0  # durations of the demonstrations
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr
-from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.phase import SAMPLES, progress_of
 from leadthrough.models.posture import Posture, agreed, demonstrated_posture
+from leadthrough.models.protocol import Demonstrations, motions_of
 from leadthrough.motion import (
     Event,
     MotionT,

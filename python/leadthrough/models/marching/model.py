@@ -23,9 +23,17 @@ from leadthrough.models.marching.planner import planned
 from leadthrough.models.marching.policy import Policy, policy_to
 from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, split
 from leadthrough.models.marching.time_law import TIMINGS, timed
-from leadthrough.models.protocol import Demonstrations, Parameter, Target, Unfitted
+from leadthrough.models.protocol import Demonstrations, Parameter, Unfitted
 from leadthrough.models.queries import CheckedQuery
-from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, Trajectory, plain_events
+from leadthrough.motion import (
+    Motion,
+    MotionT,
+    MotionT_co,
+    PoseTrajectory,
+    Target,
+    Trajectory,
+    plain_events,
+)
 from leadthrough.planning import Grid
 from leadthrough.planning.maps import (
     GROWTH,

@@ -8,8 +8,8 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.check import FitError, Float64Array
+from leadthrough.models.coordinates import groups_of, mean_orientations
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.mean_orientation import groups_of, mean_orientations
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.trajectories import minimum_jerk_time_scaling
 

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.targets import Target
+from leadthrough.motion import Target
 from leadthrough.planning import Grid, arrival_times, descend
 from leadthrough.planning.maps import (
     CELLS_PER_KNOT,

@@ -18,10 +18,9 @@ from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
-from leadthrough.models.demonstrations import Demonstrations, motions_of
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mixtures.phases import SAMPLES, adapted, fit_phases, sampled, timed_columns
-from leadthrough.models.protocol import Unfitted
+from leadthrough.models.protocol import Demonstrations, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, asked_times, even_times
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 from leadthrough.preprocess.resample import arc_length

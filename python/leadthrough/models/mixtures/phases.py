@@ -14,8 +14,7 @@ from typing import Generic
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models.coordinates import Coordinates, coordinates_of
-from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
+from leadthrough.models.coordinates import Coordinates, coordinates_of, mean_orientations
 from leadthrough.models.gaussians.fitting import (
     FittedMixture,
     Units,
@@ -34,7 +33,7 @@ from leadthrough.models.gaussians.mixture import (
     fit_blocks,
     sums_of,
 )
-from leadthrough.models.mean_orientation import mean_orientations
+from leadthrough.models.protocol import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 
 # Points of each demonstration, so that all count the same and the work is bounded.

@@ -20,10 +20,9 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.check import FitError, Float64Array, NoContinuousLogarithm
-from leadthrough.models.coordinates import NODES, Coordinates, carried
+from leadthrough.models.coordinates import NODES, Coordinates, carried, mean_orientations
 from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.mixture import Blocks, Mixture
-from leadthrough.models.mean_orientation import mean_orientations
 from leadthrough.models.queries import MAX_GAIN, fraction_inside
 from leadthrough.motion import MotionT, PoseTrajectory, normalised_times
 from leadthrough.preprocess.resample import arc_length

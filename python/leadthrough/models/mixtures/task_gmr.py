@@ -20,10 +20,9 @@ from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.coordinates import Coordinates, coordinates_of
-from leadthrough.models.frame import Frame, checked_frames, target_of
+from leadthrough.models.coordinates import Coordinates, coordinates_of, middle_orientations
+from leadthrough.models.frame import Frame, checked_frames
 from leadthrough.models.gaussians.mixture import Blocks, Mixture
-from leadthrough.models.mean_orientation import middle_orientations
 from leadthrough.models.mixtures.gmr import GMR, GMRSkill, wanted_ends
 from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns
 from leadthrough.models.mixtures.task_frames import (
@@ -35,7 +34,7 @@ from leadthrough.models.mixtures.task_frames import (
 )
 from leadthrough.models.protocol import Demonstrations, Parameter, Unfitted
 from leadthrough.models.queries import CheckedQuery
-from leadthrough.motion import Motion, MotionT, MotionT_co
+from leadthrough.motion import Motion, MotionT, MotionT_co, target_of
 
 # A deviation of 5 % of a column's: frames are not weighed by finer agreement than that, which few
 # demonstrations show by chance.

@@ -34,8 +34,7 @@ from leadthrough.models.promp.gaussian import (
     solve_definite,
 )
 from leadthrough.models.queries import MAX_GAIN, fraction_inside
-from leadthrough.models.targets import Target
-from leadthrough.motion import Motion, MotionT_co
+from leadthrough.motion import Motion, MotionT_co, Target
 
 # Standard deviations, as fractions of the scale, of which a Cholesky root loses nothing that
 # matters.

@@ -21,7 +21,6 @@ from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of, scales
-from leadthrough.models.demonstrations import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.models.promp import conditioning, limits
 from leadthrough.models.promp.basis import (
     KINDS,
@@ -42,9 +41,16 @@ from leadthrough.models.promp.estimation import (
 )
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.limits import Truncated
-from leadthrough.models.protocol import Parameter, Target, Unfitted, whole_number
+from leadthrough.models.protocol import (
+    Demonstrations,
+    Parameter,
+    Unfitted,
+    motions_of,
+    warn_of_misalignment,
+    whole_number,
+)
 from leadthrough.models.queries import CheckedQuery, checked_threads, even_times
-from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
+from leadthrough.motion import Motion, MotionT, MotionT_co, Target, normalised_times
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
 
