@@ -29,7 +29,6 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-import pytest
 
 TESTS = Path(__file__).parents[1]
 sys.path.insert(0, str(TESTS))
@@ -65,24 +64,36 @@ class Call:
     options: dict[str, Any]
 
 
+def members(module: ModuleType) -> Iterator[tuple[str, Any, str, Any]]:
+    """Functions, constructors and methods of the core: full name, owner, own name and member."""
+    for name, thing in list(vars(module).items()):
+        if isinstance(thing, type):
+            for key, member in list(vars(thing).items()):
+                made = key == "__init__" and type(member) is not type(object.__init__)
+                if callable(member) and (made or not key.startswith("_")):
+                    yield f"{name}.{key}", thing, key, member
+        elif callable(thing) and not name.startswith("_"):
+            yield name, module, name, thing
+
+
 class Recorder:
-    """Records calls of the core while it is installed in the module's place."""
+    """Records calls of the core while its members are replaced."""
 
     def __init__(self) -> None:
         self.calls: dict[str, list[Call]] = collections.defaultdict(list)
         self.objects: list[Any] = []
-        self.is_on = False
 
-    def install(self, module: ModuleType) -> None:
-        for name, thing in list(vars(module).items()):
-            if isinstance(thing, type):
-                for key, member in list(vars(thing).items()):
-                    if callable(member) and (key == "__init__" or not key.startswith("_")):
-                        made = thing if key == "__init__" else None
-                        setattr(thing, key, self._recording(f"{name}.{key}", member, made))
-            elif callable(thing) and not name.startswith("_"):
-                setattr(module, name, self._recording(name, thing, None))
-        self.is_on = True
+    @contextlib.contextmanager
+    def recording(self) -> Iterator[None]:
+        before = list(members(core))
+        for name, owner, key, member in before:
+            made = owner if key == "__init__" else None
+            setattr(owner, key, self._recording(name, member, made))
+        try:
+            yield
+        finally:
+            for _, owner, key, member in before:
+                setattr(owner, key, member)
 
     def _recording(
         self, name: str, function: Callable[..., Any], made: type | None
@@ -90,7 +101,7 @@ class Recorder:
         def recorded(*arguments: Any, **options: Any) -> Any:
             result = function(*arguments, **options)
             noted = self.calls[name]
-            if self.is_on and len(noted) < FEW:
+            if len(noted) < FEW:
                 if made is None:
                     noted.append(Call(name, function, list(arguments), options))
                 else:
@@ -239,22 +250,17 @@ def first_outcomes(calls: Sequence[Call]) -> tuple[list[str], str]:
     return [*seen, "hung" if -status in (signal.SIGXCPU, signal.SIGALRM) else "crashed"], text
 
 
-def recorded(scripts: Sequence[str]) -> Recorder:
-    """Calls of the core in the tests of this folder and in scripts."""
+def recorded(scripts: Sequence[str] = ()) -> Recorder:
+    """Calls of the core in the tests of public calls, and in scripts."""
     recorder = Recorder()
-    recorder.install(core)
-    quiet = ["-q", "-q", "-n", "0", "-p", "no:cacheprovider"]
-    if pytest.main([*quiet, str(Path(__file__).parent / "test_public_calls.py")]):
-        raise SystemExit("the calls to be recorded fail")
-    from bindings import calls  # noqa: PLC0415
-
-    for function, arguments, _ in calls.CALLS:
-        function(**arguments)
-    for script in scripts:
-        with contextlib.redirect_stdout(None), tempfile.TemporaryDirectory() as folder:
-            sys.argv = [script, folder]
-            runpy.run_path(script, run_name="__main__")
-    recorder.is_on = False
+    with recorder.recording():
+        for name, test in vars(importlib.import_module("bindings.test_public_calls")).items():
+            if name.startswith("test_"):
+                test()
+        for script in scripts:
+            with contextlib.redirect_stdout(None), tempfile.TemporaryDirectory() as folder:
+                sys.argv = [script, folder]
+                runpy.run_path(script, run_name="__main__")
     return recorder
 
 

@@ -1,86 +1,92 @@
-"""Every binding of the compiled core, called as it should be and in wrong ways: see calls.py."""
+"""Every binding of the compiled core, called as the package calls it and in wrong ways."""
 
 import contextlib
 import re
-from collections.abc import Callable, Iterator
-from types import ModuleType
-from typing import Any
 
 import numpy as np
 import pytest
-from bindings.calls import CALLS, OPTIONAL
+from bindings.fuzz import members, recorded
+from test_stub import arguments_in_module
 
+from leadthrough import _core as core
+
+# Names of arguments that may be None.
+OPTIONAL = {
+    "IkOptions.__init__": ("axes", "reference", "posture"),
+    "TrackOptions.__init__": ("axes",),
+    "clear_path": ("axes", "model", "start"),
+    "condition_at": ("time", "position", "noise"),
+    "Chain.pose": ("q",),
+    "jacobian_of_one": ("q",),
+}
 # Arguments of as many numbers, rows or cells as one likes; the sizes of options are looked at
 # where they are used.
 FREE = dict(
     re.findall(
         r"(\S+?)\(([^)]*)\)",
         """
-    ArrivalField(cells speed)  SpeedMap.at(cells)  SpeedMap.fastest(blocks)
-    FreeSpeedMap.at(cells)  FreeSpeedMap.fastest(blocks)
-    Chain.forward_kinematics(q)  Chain.pose(q)  bridge_on_time(target)  bridge_to_start(target)
-    condition_at(position noise)  dmp_poses(phases)
-    first_contact(samples)  first_excess(samples)
-    eased(path)  slowed(path)  stopped(path)  with_rates(start)
-    DmpForces(nodes)  DmpPath(coefficients)  dmp_peak_speeds(phases)
-    IkOptions(posture reference)  PursuitOptions(acceleration velocity)  TimedPath(coefficients)
-    Shape.distances(points)  all_finite(values)
-    arc_lengths(points)  by_arc_length(points)  rms_apart(curves)
-    cloud_shape(points)  experience_speeds(paths)  tube_speeds(paths)  Walls.distances(cells)
-    sample_truncated_gaussian(velocities)  check_motion(q)  clear_batch(q)
-    condition_weights(basis)  curves_over(basis weights)
-    curves_over_basis(phases centres factors weights)  descend(arrival)  directions(arrival points)
-    distance_transform(mask)  dmp_orientations(values)  dmp_rollout(phases)
-    dmp_rollout_around(phases)  dtw_distance(a b)  dtw_path(a b)  frechet_distance(a b)
-    jacobian(q)  jacobian_of_one(q)
-    longest_step(q)  march(cells speed)  mass_matrix(q)  nearest_bodies(q)
-    nearest_sources(arrival)  normalised_basis(centres phases)  posture_task(q velocity)
-    product(left right)  solve_definite(right)
-    fit_spline(q)  smooth_spline(q)  rows_apart(q)  time_lines(points)
+    ArrivalField(cells speed)  ArrivalField.update(speed)  Chain.forward_kinematics(q)
+    Chain.pose(q)  DmpForces(nodes)  DmpPath(coefficients)  PursuitOptions(acceleration velocity)
+    Shape.distances(points)  SpeedMap.at(cells)  TimedPath(coefficients)  Walls.distances(cells)
+    all_finite(values)  arc_lengths(points)  bezier_values(fractions points)
+    bridge_on_time(target)  bridge_to_start(target)  by_arc_length(points)  check_motion(q)
+    clear_batch(q)  cloud_shape(points)  condition_at(noise)  cubic_through(q)
+    curves_over(basis weights)  curves_over_basis(centres factors phases weights)
+    descend(arrival)  directions(arrival points)  distance_transform(mask)
+    dmp_orientations(values)  dmp_peak_speeds(phases)  dmp_poses(phases)  dmp_rollout(phases)
+    dmp_rollout_around(phases)  dtw_distance(a b)  dtw_path(a b)  eased(path)
+    first_contact(samples)  first_excess(samples)  fit_spline(q)  frechet_distance(a b)
+    jacobian(q)  jacobian_of_one(q)  longest_step(q)  march(cells speed)  mass_matrix(q)
+    nearest_bodies(q)  nearest_sources(arrival)  normalised_basis(centres phases)
+    polynomial_values(coefficients times)  posture_task(q velocity)  product(left right)
+    rms_apart(curves)  rows_apart(q)  sample_truncated_gaussian(velocities)  slowed(path)
     so3_exp(rotation_vectors)  so3_from_matrix(matrices)  so3_left_jacobian(rotation_vectors)
     so3_left_jacobian_inverse(rotation_vectors)  so3_lift(quaternions)  so3_log(quaternions)
-    so3_mean(layers weights)  so3_slerp_through(at)  so3_to_matrix(quaternions)
-    bezier_values(points fractions)  cubic_through(q)  spline_slopes(q)
-    polynomial_values(knots coefficients times)
+    so3_mean(layers)  so3_slerp_through(at)  so3_to_matrix(quaternions)  solve_definite(right)
+    spline_slopes(q)  stopped(path)  time_lines(points)
         """,
     )
 )
+# An enumeration, and a bound that its own search alone asks for.
+UNCALLED = {"IkMode.__init__", "SpeedMap.fastest"}
+NAMES = [name for name, *_ in members(core) if name not in UNCALLED]
 
 
-def wrong_sizes(value: np.ndarray) -> Iterator[np.ndarray]:
+@pytest.fixture(scope="module")
+def calls():
+    return recorded().calls
+
+
+def wrong_sizes(value):
     for axis in range(value.ndim):
         yield np.concatenate([value, value], axis) if value.size else np.ones(value.shape[0] + 1)
-        if value.shape[axis]:
+        if value.shape[axis] > 1:
             yield np.ascontiguousarray(np.delete(value, -1, axis))
 
 
-def test_calls_give_the_known_result(
-    function: Callable[..., Any], arguments: dict[str, Any], expected: Any
-) -> None:
-    result = function(**arguments)
-    first = result[0] if isinstance(result, tuple) else result
-    if isinstance(expected, str):
-        assert first == expected
-    else:
-        np.testing.assert_allclose(np.asarray(first), np.asarray(expected), atol=1e-5)
+def places(call):
+    """Place, name and value of each argument; the first one of a method is its object."""
+    member = call.function.__init__ if isinstance(call.function, type) else call.function
+    names = arguments_in_module(member)[-1]
+    if len(call.arguments) + len(call.options) > len(names):
+        names = ["self", *names]
+    yield from ((i, names[i], value) for i, value in enumerate(call.arguments))
+    yield from ((name, name, value) for name, value in call.options.items())
 
 
-def test_every_function_class_and_method_is_called(
-    compiled: ModuleType, called: set[str], made: list[Any]
-) -> None:
-    wanted = set()
-    for name, thing in vars(compiled).items():
-        if name.startswith("_") or isinstance(thing, ModuleType):
-            continue
-        wanted.add(name)
-        if isinstance(thing, type):
-            methods = [key for key, value in vars(thing).items() if callable(value)]
-            wanted |= {f"{name}.{key}" for key in methods if not key.startswith("_")}
-    assert wanted <= called | {type(thing).__name__ for thing in made}
+def changed(call, place, value):
+    """The result of the call with another value in one place."""
+    arguments, options = list(call.arguments), dict(call.options)
+    (options if isinstance(place, str) else arguments)[place] = value
+    return call.function(*arguments, **options)
 
 
-def test_members_of_none_and_of_objects_without_init_end_no_process(compiled: ModuleType) -> None:
-    for thing in [each for each in vars(compiled).values() if isinstance(each, type)]:
+def test_every_function_class_and_method_is_called(calls):
+    assert not set(NAMES) - set(calls)
+
+
+def test_members_of_none_and_of_objects_without_init_end_no_process():
+    for thing in [each for each in vars(core).values() if isinstance(each, type)]:
         for name, member in vars(thing).items():
             getter = member.fget if isinstance(member, property) else member
             for owner in (None, thing.__new__(thing)):
@@ -89,39 +95,28 @@ def test_members_of_none_and_of_objects_without_init_end_no_process(compiled: Mo
                         getter(owner)
 
 
-def test_an_object_without_init_in_place_of_an_argument_raises(
-    function: Callable[..., Any], arguments: dict[str, Any], needed: str, compiled: ModuleType
-) -> None:
-    kind = type(arguments[needed])
-    if kind in vars(compiled).values():
-        with pytest.raises((TypeError, RuntimeError)):
-            function(**arguments | {needed: kind.__new__(kind)})
+@pytest.mark.parametrize("name", NAMES)
+def test_none_and_objects_without_init_in_place_of_an_argument_raise(calls, name):
+    call = calls[name][0]
+    for place, title, value in places(call):
+        if title in OPTIONAL.get(name, ()):
+            changed(call, place, None)
+        elif not isinstance(value, bool):  # to a flag None is False
+            with pytest.raises(TypeError):
+                changed(call, place, None)
+        if type(value) in vars(core).values():
+            with pytest.raises((TypeError, RuntimeError)):
+                changed(call, place, type(value).__new__(type(value)))
 
 
-def test_optional_arguments_are_computed_with() -> None:
-    for function, arguments, _ in CALLS:
-        for name in set(arguments) & set(OPTIONAL.get(function.__name__, ())):
-            function(**arguments | {name: None})
-
-
-def test_none_in_place_of_an_argument_raises(
-    function: Callable[..., Any], arguments: dict[str, Any], needed: str
-) -> None:
-    with pytest.raises(TypeError):
-        function(**arguments | {needed: None})
-
-
-def test_arrays_of_another_size_raise_or_are_taken_whole(
-    function: Callable[..., Any],
-    arguments: dict[str, Any],
-    sized: str,
-    request: pytest.FixtureRequest,
-) -> None:
-    title = request.node.callspec.id.rpartition("-")[0]
-    free = FREE.get(re.sub("_?float(32|64)", "", title, flags=re.IGNORECASE), "").split()
-    for value in wrong_sizes(arguments[sized]):
-        try:
-            function(**arguments | {sized: value})
-        except (TypeError, ValueError, IndexError):
-            continue
-        assert sized in free, f"took {value.shape} for {arguments[sized].shape}"
+@pytest.mark.parametrize("name", NAMES)
+def test_arrays_of_another_size_raise_or_are_taken_whole(calls, name):
+    free = FREE.get(re.sub(r"_?float(32|64)|\.__init__", "", name, flags=re.IGNORECASE), "").split()
+    for call in calls[name]:
+        for place, title, array in places(call):
+            for value in wrong_sizes(array) if isinstance(array, np.ndarray) else ():
+                try:
+                    changed(call, place, value)
+                except (TypeError, ValueError, IndexError):
+                    continue
+                assert title in free, f"took {value.shape} for {array.shape}"
