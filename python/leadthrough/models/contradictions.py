@@ -15,6 +15,7 @@ from leadthrough.check import Float64Array
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.align import features
+from leadthrough.preprocess.moved_ends import with_ends
 
 _SAMPLES, _ALONG = 400, 100  # rows of a motion, and points of its path
 _MAX_OTHERS = 50  # with which each is compared
@@ -82,9 +83,8 @@ def _of_other_paths(paths: Sequence[Float64Array], size: int) -> Iterator[tuple[
 
     def apart(i: int, j: int) -> Float64Array:
         """Distances (n,) once both ends are carried to those of the other."""
-        off = positions[i] - positions[j]
-        u = np.linspace(0.0, 1.0, len(off))[:, None]
-        return np.asarray(np.linalg.norm(off - (1.0 - u) * off[0] - u * off[-1], axis=1))
+        carried = with_ends(positions[i], positions[j][0], positions[j][-1])
+        return np.asarray(np.linalg.norm(carried - positions[j], axis=1))
 
     for i, distances in _lone(len(paths), apart, _FAR):
         at = int(np.argmax(distances))

@@ -8,9 +8,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
-from leadthrough.errors import FitError
+from leadthrough import check
+from leadthrough.check import FitError, InvalidInput, LeadthroughError
 from leadthrough.models.contradictions import contradictions
 from leadthrough.models.protocol import (
     Choice,
@@ -21,15 +20,12 @@ from leadthrough.models.protocol import (
     motions_of,
 )
 from leadthrough.models.registry import model_entry
-from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, lerp
-from leadthrough.preprocess.resample import arc_length
+from leadthrough.models.reproduction import mean_distance
+from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, target_of
 
 # The first is taken where nothing can be left out.
 CANDIDATES = ("aligned-mean", "fast-marching", "promp", "dmp")
-_COMPARED = 100  # rows, evenly spaced along each motion
 _MOST_LEFT_OUT = 8  # demonstrations, evenly chosen
-# Weight of the orientations' extent against the positions'; smaller turns than the least are noise.
-_TURNING, _MIN_TURN = 0.3, 0.1  # , rad
 
 
 def learn(
@@ -102,37 +98,9 @@ def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> fl
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", MisalignmentWarning)
-                start, goal = (_end(motions[i], row) for row in (0, -1))
+                start, goal = (target_of(motions[i], row) for row in (0, -1))
                 made = model.fit(rest).generate(start=start, goal=goal)
         except LeadthroughError:
             return float("inf")
-        errors.append(_distance(motions[i], made))
+        errors.append(mean_distance(motions[i], made))
     return float(np.mean(errors)) if errors else 0.0
-
-
-def _end(motion: Motion, row: int) -> Any:
-    """The first or last row of a motion as a target."""
-    if isinstance(motion, PoseTrajectory):
-        return motion.positions[row], motion.orientations[row]
-    return motion.positions[row]
-
-
-def _distance(shown: Motion, made: Motion) -> float:
-    """Mean distance of evenly spaced rows, in units of the shown motion's extent."""
-    extent = float(np.linalg.norm(np.ptp(shown.positions, axis=0))) or 1.0
-    apart = (_even(shown, shown.positions) - _even(made, made.positions)) / extent
-    if isinstance(shown, PoseTrajectory) and isinstance(made, PoseTrajectory):
-        turned = [_even(each, rotations.lift(each.orientations)) for each in (shown, made)]
-        turns = [rotations.exp(each) for each in turned]
-        reach = float(rotations.distance(turns[0], turns[0][:1].repeat(_COMPARED, 0)).max())
-        angle = rotations.distance(*turns) * (_TURNING / max(reach, _MIN_TURN))
-        apart = np.column_stack([apart, angle])
-    return float(np.linalg.norm(apart, axis=1).mean())
-
-
-def _even(motion: Motion, rows: Float64Array) -> Float64Array:
-    """Rows (100, d) at even steps along a motion's positions, in time where they stand still."""
-    covered = arc_length(motion.positions)
-    along = covered / covered[-1] if covered[-1] > 0.0 else np.linspace(0.0, 1.0, len(covered))
-    at = np.linspace(0.0, 1.0, _COMPARED)
-    return lerp(at, along, rows)

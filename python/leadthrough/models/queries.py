@@ -32,8 +32,6 @@ _MIN_STEP = sys.float_info.min  # s
 # Covariances of more times would take gigabytes.
 _MAX_TIMES = 1_000_000
 _MAX_THREADS = 256
-# Factor by which a moved end moves the motion at any phase, at most.
-MAX_GAIN = 1.45
 
 
 Via = Sequence[tuple[float, ArrayLike]]
@@ -149,16 +147,6 @@ def asked_times(times: ArrayLike, name: str, *, at_least: int = 1) -> Float64Arr
             f"{name}: expected {at_least} to {_MAX_TIMES:,} times, got {len(checked):,}"
         )
     return checked
-
-
-def fraction_inside(base: Float64Array, more: Float64Array, limit: float) -> float:
-    """The largest fraction in [0, 1] with |base + fraction more| <= limit in every row."""
-    squared = (more**2).sum(axis=1)
-    mixed = (base * more).sum(axis=1)
-    room = np.maximum(limit**2 - (base**2).sum(axis=1), 0.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        largest = (np.sqrt(mixed**2 + squared * room) - mixed) / squared
-    return float(np.where(squared > 0.0, largest, 1.0).min(initial=1.0))
 
 
 def generate_all(

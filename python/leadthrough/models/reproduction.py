@@ -11,11 +11,13 @@ from leadthrough import rotations
 from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.errors import LeadthroughError
 from leadthrough.models.protocol import Demonstrations, Skill, motions_of
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, in_order, target_of
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, in_order, lerp, target_of
 from leadthrough.preprocess import arc_length, by_arc_length, frechet_distance
+from leadthrough.preprocess.align import MIN_TURN, TURNING
 
 _STEP = 1e-3  # of the extent, between compared points of a path
 _MIN_POINTS, _MAX_POINTS, _POINTS_A_ROW = 200, 4000, 10
+_EVEN = 100  # rows, evenly spaced along each motion
 _CHORD = 2.0 * np.sqrt(2.0)  # Frobenius distance of opposite rotation matrices
 
 
@@ -111,3 +113,24 @@ def _apart(shown: Float64Array, made: Float64Array) -> float:
     most = min(_MAX_POINTS, max(_MIN_POINTS, _POINTS_A_ROW * len(shown)))
     count = int(np.clip(steps, _MIN_POINTS, most))
     return frechet_distance(by_arc_length(shown, count), by_arc_length(made, count))
+
+
+def mean_distance(shown: Motion, made: Motion) -> float:
+    """Mean distance of evenly spaced rows, in units of the shown motion's extent."""
+    extent = float(np.linalg.norm(np.ptp(shown.positions, axis=0))) or 1.0
+    apart = (_even(shown, shown.positions) - _even(made, made.positions)) / extent
+    if isinstance(shown, PoseTrajectory) and isinstance(made, PoseTrajectory):
+        turned = [_even(each, rotations.lift(each.orientations)) for each in (shown, made)]
+        turns = [rotations.exp(each) for each in turned]
+        reach = float(rotations.distance(turns[0], turns[0][:1].repeat(_EVEN, 0)).max())
+        angle = rotations.distance(*turns) * (TURNING / max(reach, MIN_TURN))
+        apart = np.column_stack([apart, angle])
+    return float(np.linalg.norm(apart, axis=1).mean())
+
+
+def _even(motion: Motion, rows: Float64Array) -> Float64Array:
+    """Rows (100, d) at even steps along a motion's positions, in time where they stand still."""
+    covered = arc_length(motion.positions)
+    along = covered / covered[-1] if covered[-1] > 0.0 else np.linspace(0.0, 1.0, len(covered))
+    at = np.linspace(0.0, 1.0, _EVEN)
+    return lerp(at, along, rows)

@@ -26,6 +26,9 @@ from leadthrough.planning.maps import (
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
 
+# A path no longer than this fraction of its coordinates stands still, up to rounding.
+_STILL = 1e-9
+
 
 def detoured(
     path: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
@@ -55,6 +58,10 @@ def around(
         NoPath: if an end lies in an obstacle, or obstacles separate the ends.
     """
     length = float(arc_length(path)[-1])
+    if length <= _STILL * float(np.abs(path).max()):
+        if is_free(path, obstacles):
+            return None
+        raise NoPath(f"start: {path[0]} lies in an obstacle", reason="start_in_wall")
     grid, scales = grid_over([path], obstacles, scales_of(length))
     parts = _parts(path, grid, obstacles, scales)
     if len(parts) == 1 and parts[0][0] is path:

@@ -30,6 +30,7 @@ from leadthrough.motion import (
     moved_events,
     normalised_times,
 )
+from leadthrough.preprocess.moved_ends import with_ends
 
 # Steps shorter than this fraction of the motion's extent are trembling of the hand or noise of the
 # sensor: summed over a pause they would count as distance.
@@ -39,7 +40,8 @@ COMPARED = 1000
 _ROUNDS = 3
 _SMOOTHED = 0.021  # fraction of a warp that is averaged
 # A smaller turn counts as if it were this large: what is left of it is mostly noise.
-_MIN_TURN = 0.1  # rad
+MIN_TURN = 0.1  # rad
+TURNING = 0.3  # weight of the orientations' extent against the positions', where both are one
 # The Frobenius distance of two rotation matrices is this times their angle, if that is small.
 _CHORD = np.sqrt(2.0)
 # Cost of shifting by one duration, as a fraction of the motion's extent.
@@ -208,7 +210,7 @@ def features(motions: Sequence[Motion], samples: int = COMPARED) -> list[Float64
     reach = np.mean(
         [rotations.distance(each, each[:1].repeat(samples, 0)).max() for each in orientations]
     )
-    unit = _CHORD * max(float(reach), _MIN_TURN)
+    unit = _CHORD * max(float(reach), MIN_TURN)
     return [
         np.hstack([own, rotations.to_matrix(each).reshape(-1, 9) / unit])
         for own, each in zip(scaled, orientations, strict=True)
@@ -317,11 +319,7 @@ def _predicts_better(motions: Sequence[Motion]) -> bool:
 
 def _errors(curves: Sequence[Float64Array], left_out: Float64Array, size: int) -> Float64Array:
     """Errors of the mean of curves, carried to the ends of the left-out one."""
-    rise = np.linspace(0.0, 1.0, len(left_out))[:, None]
-    carried = [
-        each + (1.0 - rise) * (left_out[0] - each[0]) + rise * (left_out[-1] - each[-1])
-        for each in curves
-    ]
+    carried = [with_ends(each, left_out[0], left_out[-1]) for each in curves]
     missed = np.mean(carried, axis=0) - left_out
     path, wanted = (missed + left_out)[:, :size], left_out[:, :size]
     groups = [missed[:, :size], missed[:, size:]][: 1 + (missed.shape[1] > size)]

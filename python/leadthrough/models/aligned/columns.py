@@ -10,9 +10,7 @@ from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.models.coordinates import mean_orientations
 from leadthrough.motion import Motion, PoseTrajectory
-
-# Weight of the orientations' extent against the positions'; smaller turns than the least are noise.
-_TURNING, _MIN_TURN = 0.3, 0.1  # , rad
+from leadthrough.preprocess.align import MIN_TURN, TURNING
 
 
 def columns_of(motions: Sequence[Motion]) -> tuple[list[Float64Array], Float64Array]:
@@ -50,7 +48,7 @@ def scale_of(columns: Sequence[Float64Array], size: int) -> Float64Array:
     extent = [float(np.mean([_extent(each[:, :size]) for each in columns]))]
     if width > size:
         turn = np.mean([_extent(each[:, size:]) for each in columns])
-        extent.append(max(float(turn), _MIN_TURN) / _TURNING)
+        extent.append(max(float(turn), MIN_TURN) / TURNING)
     scale = np.repeat([each or 1.0 for each in extent], [size, width - size][: len(extent)])
     return np.asarray(scale, dtype=np.float64)
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from leadthrough.check import Float64Array
 from leadthrough.motion import lerp
 from leadthrough.preprocess.align import FREE, warp
+from leadthrough.preprocess.moved_ends import with_ends
 from leadthrough.preprocess.noise import without_noise
 
 # Rows of a curve: as few as keep all samples within a fraction of the extent, doubled from the
@@ -36,6 +37,10 @@ class Curves:
 
     rows: Float64Array
     times: Float64Array
+
+    def __post_init__(self) -> None:
+        for each in (self.rows, self.times):
+            each.setflags(write=False)
 
     def at(self, phases: Float64Array) -> Curves:
         """Those at phases (k, n) of each."""
@@ -121,13 +126,6 @@ def _features(rows: Float64Array) -> Float64Array:
 def _with_mean_ends(rows: Float64Array) -> Float64Array:
     """Curves (k, n, width) shifted to their mean ends."""
     return with_ends(rows, *rows[:, [0, -1]].mean(axis=0))
-
-
-def with_ends(rows: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
-    """Curves (..., n, width) whose ends' offsets from a start and a goal fade linearly."""
-    u = even_phases(rows.shape[-2])[:, None]
-    offsets = start - rows[..., :1, :], goal - rows[..., -1:, :]
-    return np.asarray(rows + (1.0 - u) * offsets[0] + u * offsets[1])
 
 
 def modes_of(rows: Float64Array) -> NDArray[np.int64]:

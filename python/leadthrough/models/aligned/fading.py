@@ -19,16 +19,12 @@ from numpy.typing import NDArray
 from leadthrough.check import Float64Array
 from leadthrough.models.aligned.curves import Curves, arc_phases, even_phases
 from leadthrough.motion import lerp
+from leadthrough.preprocess.moved_ends import ROTATED, Chords, bounded, with_ends
 
 # Width of the weights in median distances of the ends; with the first all are as good as equal.
 _WIDTHS = (1e3, 1.0, 0.4, 0.15)
 # Weight of the linear fade against the demonstrations'; infinite: the linear fade alone.
 _PRIORS = (0.03, 0.3, 3.0, np.inf)
-ROTATED = 1.0 / 3.0
-# Between these ratios of a curve's chord to its length, rotation fades in: a motion that returns
-# to its start has no direction to rotate from. Farther rotation or scaling says little.
-_RETURNING = (0.05, 0.1)
-_MIN_COSINE, _SCALES = -0.9, (0.2, 5.0)
 _AVERAGED = 10
 # An option is preferred as far as it surely predicts better than the first, at this confidence.
 _SURE = 0.975
@@ -71,45 +67,68 @@ class Predictor:
 
     @cached_property
     def options(self) -> list[Option]:
-        """All options, in the order of `between`."""
+        """All options, by their phases."""
         kinds = [(np.inf, ROTATED)] * self.rotating + [(prior, 0.0) for prior in _PRIORS]
         return [Option(phase, w, *kind) for phase in (0, 1) for kind in kinds for w in _WIDTHS]
 
+    @cached_property
+    def _chords(self) -> list[Chords]:
+        return [Chords(each.rows[:, :, : self.size]) for each in self.phased]
+
     def between(
-        self, ends: Float64Array, without: NDArray[np.int64] | None = None
-    ) -> Iterator[Float64Array]:
+        self,
+        ends: Float64Array,
+        options: Sequence[Option],
+        without: NDArray[np.int64] | None = None,
+    ) -> dict[Option, Float64Array]:
         """For each option the rows (m, n, width) over the phase between ends (m, 2, width).
 
         Args:
             ends: starts and goals.
-            without: for each of them the number of a demonstration to leave out.
+            options: those to predict with.
+            without: for each of the ends the number of a demonstration to leave out.
         """
-        for curves in self.phased:
-            rows = curves.rows
-            weights = _weights(rows[:, [0, -1]], ends, without)
-            if self.rotating:
-                yield from np.einsum("wmk,mknd->wmnd", weights, self._rotated(rows, ends))
-            means = np.einsum("wmk,knd->wmnd", weights, rows)
-            progress = np.array([[arc_phases(each) for each in own] for own in means])
-            linear = np.stack([1.0 - progress, progress], axis=2)
-            groups = [slice(0, self.size), slice(self.size, rows.shape[2])]
-            ready = [
-                _Fade(rows[:, :, each], weights, means[..., each], ends[:, :, each])
-                for each in (groups if rows.shape[2] > self.size else groups[:1])
-            ]
-            for prior in _PRIORS:
-                yield from np.concatenate([each.rows(linear, prior) for each in ready], axis=-1)
+        found = {}
+        for phase, curves in enumerate(self.phased):
+            own = [each for each in options if each.phase == phase]
+            widths = sorted({each.width for each in own}, reverse=True)
+            weights = _weights(curves.rows[:, [0, -1]], ends, widths, without)
+            kinds: dict[tuple[float, float], Float64Array] = {}
+            if any(each.rotated for each in own):
+                adapted = self._rotated(phase, ends)
+                kinds[np.inf, ROTATED] = np.einsum("wmk,mknd->wmnd", weights, adapted)
+            if priors := dict.fromkeys(each.prior for each in own if not each.rotated):
+                faded = self._faded(curves.rows, weights, ends, list(priors))
+                kinds |= {(prior, 0.0): rows for prior, rows in zip(priors, faded, strict=True)}
+            for each in own:
+                found[each] = kinds[each.prior, each.rotated][widths.index(each.width)]
+        return found
 
-    def _rotated(self, rows: Float64Array, ends: Float64Array) -> Float64Array:
+    def _faded(
+        self,
+        rows: Float64Array,
+        weights: Float64Array,
+        ends: Float64Array,
+        priors: Sequence[float],
+    ) -> Iterator[Float64Array]:
+        """For each prior the means (widths, m, n, width) of curves, with new ends."""
+        means = np.einsum("wmk,knd->wmnd", weights, rows)
+        progress = np.array([[arc_phases(each) for each in own] for own in means])
+        linear = np.stack([1.0 - progress, progress], axis=2)
+        groups = [slice(0, self.size), slice(self.size, rows.shape[2])]
+        ready = [
+            _Fade(rows[:, :, each], weights, means[..., each], ends[:, :, each])
+            for each in (groups if rows.shape[2] > self.size else groups[:1])
+        ]
+        for prior in priors:
+            yield np.concatenate([each.rows(linear, prior) for each in ready], axis=-1)
+
+    def _rotated(self, phase: int, ends: Float64Array) -> Float64Array:
         """Curves (m, k, n, width) with new ends, partly shifted and partly rotated."""
-        u = even_phases(rows.shape[1])[:, None]
-        offsets = ends[:, None] - rows[:, [0, -1]]
-        result = rows + (1.0 - u) * offsets[:, :, :1] + u * offsets[:, :, 1:]
-        position = rows[:, :, : self.size]
-        turned, fraction = _turned(position, ends[:, :, : self.size])
-        shifted = result[..., : self.size]
-        shifted += (ROTATED * fraction)[..., None, None] * (turned - shifted)
-        return np.asarray(result)
+        result = with_ends(self.phased[phase].rows, ends[:, None, :1], ends[:, None, 1:])
+        position = result[..., : self.size]
+        position[:] = self._chords[phase].adapted(ends[:, :, : self.size], position)
+        return result
 
     def chosen(self) -> list[Option]:
         """The options to average: those that surely predict left-out demonstrations best."""
@@ -129,7 +148,7 @@ class Predictor:
                     np.linalg.norm(_evened(a) - b, axis=1).mean()
                     for a, b in zip(found, wanted, strict=True)
                 ]
-                for found in few.between(wanted[:, [0, -1]], out)
+                for found in few.between(wanted[:, [0, -1]], self.options, out).values()
             ]
         )
         gain = np.log(missed + _TINY) - np.log(missed[default] + _TINY)
@@ -144,14 +163,24 @@ class Predictor:
 
         With the phases (n,) of the elastic curves there, and the times (n,).
         """
-        every = dict(zip(self.options, self.between(ends[None]), strict=True))
+        every = self.between(ends[None], [*chosen, _TIMING])
         rows = np.mean([_evened(every[each][0]) for each in chosen], axis=0)
         rows[[0, -1]] = ends
         aligned, even = self.phased[1], even_phases(len(rows))
         phases = np.interp(even, arc_phases(every[_TIMING][0]), even)
-        weights = _weights(aligned.rows[:, [0, -1]], ends[None], None)[_WIDTHS.index(_TIMING.width)]
+        (weights,) = _weights(aligned.rows[:, [0, -1]], ends[None], [_TIMING.width], None)
         clock = np.interp(phases, even, weights[0] @ aligned.times)
         return rows, phases, np.maximum.accumulate(clock)
+
+    def near(self, rows: Float64Array, nominal: Float64Array) -> Float64Array:
+        """Rows (n, width), drawn to nominal ones until none moves much farther than the ends."""
+        off = (rows - nominal)[[0, -1]]
+        moved = [float(np.linalg.norm(part, axis=1).max()) for part in (off[:, : self.size], off)]
+        parts = [
+            bounded(rows[:, part], nominal[:, part], most)
+            for part, most in zip((slice(0, self.size), slice(self.size, None)), moved, strict=True)
+        ]
+        return np.hstack(parts)
 
 
 _PLAIN = Option(0, 1.0, np.inf)
@@ -164,7 +193,10 @@ def _evened(rows: Float64Array) -> Float64Array:
 
 
 def _weights(
-    demonstrated: Float64Array, ends: Float64Array, without: NDArray[np.int64] | None
+    demonstrated: Float64Array,
+    ends: Float64Array,
+    widths: Sequence[float],
+    without: NDArray[np.int64] | None,
 ) -> Float64Array:
     """Weights (widths, m, k) of demonstrations by the nearness of their ends; sum 1."""
     squared = ((ends[:, None] - demonstrated) ** 2).sum(axis=(2, 3))
@@ -172,7 +204,7 @@ def _weights(
         squared[np.arange(len(ends)), without] = np.inf
     ranked = np.sort(squared, axis=1)
     kept = squared.shape[1] - (without is not None)
-    wide = 2.0 * np.square(_WIDTHS)[:, None, None] * ranked[:, kept // 2, None] + _TINY
+    wide = 2.0 * np.square(widths)[:, None, None] * ranked[:, kept // 2, None] + _TINY
     weights = np.exp(-(squared - ranked[:, :1]) / wide)
     return np.asarray(weights / weights.sum(axis=2, keepdims=True))
 
@@ -203,30 +235,3 @@ class _Fade:
             left = np.linalg.solve(self._gram + pull * np.eye(2), self._seen + pull * linear)
             left[..., [0, -1]] = np.eye(2)
         return np.asarray(self._means + np.einsum("wmin,wmid->wmnd", left, self._offsets))
-
-
-def _turned(rows: Float64Array, ends: Float64Array) -> tuple[Float64Array, Float64Array]:
-    """Curves (k, n, d) rotated about new goals and scaled to new starts, (m, k, n, d).
-
-    With the fractions (m, k) in [0, 1] to which these are of use.
-    """
-    own, wanted = rows[:, 0] - rows[:, -1], ends[:, 0] - ends[:, 1]
-    before, after = np.linalg.norm(own, axis=1), np.linalg.norm(wanted, axis=1)[:, None]
-    a = own / np.maximum(before, _TINY)[:, None]
-    b = wanted / np.maximum(after, _TINY)
-    cosine = b @ a.T
-    scale = after / np.maximum(before, _TINY)
-    length = np.linalg.norm(np.diff(rows, axis=1), axis=2).sum(axis=1)
-    directed = (before / np.maximum(length, _TINY) - _RETURNING[0]) / (
-        _RETURNING[1] - _RETURNING[0]
-    )
-    sound = (cosine > _MIN_COSINE) & (scale > _SCALES[0]) & (scale < _SCALES[1])
-    points = rows - rows[:, -1:]
-    between = a + b[:, None]
-    across = (
-        np.einsum("knd,mkd->mkn", points, between) / np.where(sound, 1.0 + cosine, 1.0)[..., None]
-    )
-    along = 2.0 * np.einsum("knd,kd->kn", points, a)
-    rotated = points - across[..., None] * between[:, :, None] + along[..., None] * b[:, None, None]
-    turned = ends[:, 1][:, None, None] + np.where(sound, scale, 1.0)[..., None, None] * rotated
-    return turned, np.where(sound, np.clip(directed, 0.0, 1.0), 0.0)

@@ -50,7 +50,8 @@ class Mode(Generic[MotionT_co]):
     @cached_property
     def ends(self) -> Float64Array:
         """Starts and goals (k, 2, width) of the demonstrations, scaled."""
-        return self.predictor.phased[0].rows[:, [0, -1]]
+        rows = self.predictor.phased[0].rows
+        return check.frozen(rows[:, [0, -1]], "ends", shape=("k", 2, "width"))
 
     def asked(self, query: CheckedQuery) -> Float64Array:
         """Start and goal (2, width) of a query, scaled; by default the demonstrations' mean."""
@@ -69,11 +70,22 @@ class Mode(Generic[MotionT_co]):
         asked = [query.start is not None, query.goal is not None]
         return float(apart[:, asked].sum(axis=1).min()), -len(self.ends)
 
+    @cached_property
+    def _nominal(self) -> Float64Array:
+        """The path (n, width) between the demonstrations' mean ends, scaled."""
+        rows, *_ = self.predictor.predicted(self.options, self.ends.mean(axis=0))
+        return rows
+
+    def _predicted(self, query: CheckedQuery) -> tuple[Float64Array, Float64Array, Float64Array]:
+        """As by `Predictor.predicted`, no part of the path moved much farther than the ends."""
+        rows, phases, clock = self.predictor.predicted(self.options, self.asked(query))
+        return self.predictor.near(rows, self._nominal), phases, clock
+
     def is_free(self, query: CheckedQuery) -> bool:
         """Whether its path keeps out of the query's obstacles as it is."""
         if not query.obstacles:
             return True
-        rows, *_ = self.predictor.predicted(self.options, self.asked(query))
+        rows, *_ = self._predicted(query)
         size = self.coordinates.size
         return detours.is_free(rows[:, :size] * self.scale[:size], query.obstacles)
 
@@ -81,7 +93,7 @@ class Mode(Generic[MotionT_co]):
         """The motion that answers a query."""
         from scipy.interpolate import CubicSpline
 
-        rows, phases, clock = self.predictor.predicted(self.options, self.asked(query))
+        rows, phases, clock = self._predicted(query)
         rows, even = rows * self.scale, even_phases(len(rows))
         if query.obstacles:
             rows, phases, clock = self._around(query, rows, phases, clock)
@@ -156,7 +168,7 @@ def _learned(motions: Sequence[MotionT]) -> Mode[MotionT]:
     )
     predictor = Predictor((curves, aligned), coordinates.size, coordinates.kind != "joints")
     options = predictor.chosen()
-    return Mode(coordinates, scale, predictor, tuple(options))
+    return Mode(coordinates, check.frozen(scale, "scale", shape=("n",)), predictor, tuple(options))
 
 
 def _continued(vector: Float64Array, near: Float64Array) -> Float64Array:

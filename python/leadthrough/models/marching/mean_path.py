@@ -18,7 +18,6 @@ import leadthrough._core as core
 from leadthrough.check import Float64Array, NoPath
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.route import Query, Route, route_along
-from leadthrough.models.queries import MAX_GAIN, fraction_inside
 from leadthrough.planning.detours import detoured
 from leadthrough.planning.maps import (
     CELLS_PER_KNOT,
@@ -27,21 +26,13 @@ from leadthrough.planning.maps import (
     min_distance,
     tube_field,
 )
-from leadthrough.preprocess.resample import arc_length, by_arc_length
+from leadthrough.preprocess.moved_ends import Chords, bounded, with_ends
+from leadthrough.preprocess.resample import by_arc_length
 
 _SAMPLES = 1000
-_ROTATED_FRACTION = 1.0 / 3.0
-# Between these ratios of a demonstration's chord to its length, rotation fades in: a motion that
-# returns to its start has no direction to rotate from.
-_RETURNING = (0.05, 0.1)
-# Rotation by more than 154 degrees or scaling by more than 5 says little about the new motion.
-_MIN_COSINE = -0.9
-_SCALES = (0.2, 5.0)
 # Demonstrations farther apart than this fraction of their length are different branches.
 _SAME_BRANCH = 0.1
-# A path deviates from the nominal one by at most this many times the move of its ends,
-MAX_DEVIATION = MAX_GAIN
-# and leaves the demonstrations by at most the move of its ends; below 1 to allow for rounding.
+# A path leaves the demonstrations by at most the move of its ends; below 1 to allow for rounding.
 _ROOM = 0.999
 # Details of a predicted path that are shorter than this many radii are tremor, not shape.
 _KNOTS = 1.6
@@ -87,7 +78,7 @@ def branches(
         weights = _weights(curves.starts, start, chosen)
         path = np.einsum("j,jnd->nd", weights, adapted)
         if moved > 0.0:
-            path = _bounded(path, curves.nominal_mean(chosen), start, goal)
+            path = bounded(path, curves.nominal_mean(chosen))
             path = np.clip(path, *region)
         yield MeanPath(path, weights, region)
 
@@ -101,19 +92,15 @@ class _Curves:
         self.nominal_ends = self.points[:, [0, -1]].mean(axis=0)
         self.nominal_length = float(np.mean([each.length for each in demonstrated]))
         self._corners = self.points.min(axis=(0, 1)), self.points.max(axis=(0, 1))
-        self._chords = [_chord_of(curve) for curve in self.points]
+        self._chords = Chords(self.points)
         self._nominal_means: dict[bytes, Float64Array] = {}
 
     def adapted(
         self, shifted: Float64Array, start: Float64Array, goal: Float64Array
     ) -> Float64Array:
         """The demonstrations (k, n, d), part shifted and part rotated to a new start and goal."""
-        result = shifted.copy()
-        for j, chord in enumerate(self._chords):
-            rotated = _rotated(chord, start, goal)
-            if rotated is not None:
-                result[j] = (1.0 - chord.rotation) * shifted[j] + chord.rotation * rotated
-        return result
+        (adapted,) = self._chords.adapted(np.stack([start, goal])[None], shifted)
+        return np.asarray(adapted)
 
     def region(
         self, start: Float64Array, goal: Float64Array, room: float
@@ -140,64 +127,6 @@ class _Curves:
 
 # The demonstrations of a skill in one direction or the other, for the skills in use at a time.
 _curves_of = lru_cache(maxsize=16)(_Curves)
-
-
-@dataclass(frozen=True, eq=False)
-class _Chord:
-    """A curve (n, d) relative to its end."""
-
-    points: Float64Array  # (n, d), from the curve's end
-    length: float  # between its ends
-    direction: Float64Array | None
-    along: Float64Array  # of the points, (n,), in that direction
-    rotation: float  # fraction of the rotated curve in the adapted one
-
-
-def _chord_of(curve: Float64Array) -> _Chord:
-    points, old = curve - curve[-1], curve[0] - curve[-1]
-    length = float(np.linalg.norm(old))
-    if length == 0.0:
-        return _Chord(points, 0.0, None, np.zeros(len(curve)), 0.0)
-    directed = length / float(arc_length(curve)[-1]) - _RETURNING[0]
-    rotation = _ROTATED_FRACTION * min(max(directed / (_RETURNING[1] - _RETURNING[0]), 0.0), 1.0)
-    direction = old / length
-    return _Chord(points, length, direction, points @ direction, rotation)
-
-
-def _bounded(
-    path: Float64Array, nominal: Float64Array, start: Float64Array, goal: Float64Array
-) -> Float64Array:
-    """The path, drawn to the shifted nominal one until it is no farther from that than its ends."""
-    shifted = with_ends(nominal, start, goal)
-    moved = max(
-        float(np.linalg.norm(start - nominal[0])), float(np.linalg.norm(goal - nominal[-1]))
-    )
-    off, change = shifted - nominal, path - shifted
-    if np.linalg.norm(off + change, axis=1).max() <= MAX_DEVIATION * moved:
-        return path
-    return np.asarray(shifted + fraction_inside(off, change, MAX_DEVIATION * moved) * change)
-
-
-def with_ends(curve: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
-    """The curve, or curves (..., n, d), with both ends' offsets blended linearly along it."""
-    u = np.linspace(0.0, 1.0, curve.shape[-2])[:, None]
-    first, last = curve[..., :1, :], curve[..., -1:, :]
-    return np.asarray(curve + (1 - u) * (start - first) + u * (goal - last))
-
-
-def _rotated(chord: _Chord, start: Float64Array, goal: Float64Array) -> Float64Array | None:
-    """The curve rotated about the goal and scaled so that it begins at the start, or None."""
-    new = start - goal
-    length, a = float(np.linalg.norm(new)), chord.direction
-    if a is None or length == 0.0 or not _SCALES[0] < length / chord.length < _SCALES[1]:
-        return None
-    b = new / length
-    cosine = float(a @ b)
-    if cosine < _MIN_COSINE:
-        return None
-    y, bisector = chord.points, a + b
-    rotated = y - np.outer(y @ bisector, bisector) / (1 + cosine) + 2 * np.outer(chord.along, b)
-    return np.asarray(goal + length / chord.length * rotated)
 
 
 def _branches_near(

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.models.marching.experience import Experience
-from leadthrough.models.marching.mean_path import MAX_DEVIATION, along_mean, branches, with_ends
+from leadthrough.models.marching.mean_path import along_mean, branches
 from leadthrough.models.marching.route import Query, Route, from_start, through_map
 from leadthrough.planning.maps import MAP_RADIUS, TUBE_RADIUS, Scales, min_distance
 from leadthrough.preprocess import arc_length, by_arc_length, frechet_distance
+from leadthrough.preprocess.moved_ends import MAX_GAIN, with_ends
 
 # A mean path is predicted where a demonstration's ends are nearer to start and goal than this
 # fraction of the distance between these, or, for motions that return, of its own length. Farther
@@ -82,7 +83,7 @@ def directed(known: Sequence[Experience], query: Query) -> list[Experience]:
     )
     change = _mean(towards, query.start, query.goal) - _mean(known, *nominal)
     # A small move of the ends must not turn a motion around that ends beside its start.
-    within = np.linalg.norm(change, axis=1).max() <= MAX_DEVIATION * moved
+    within = np.linalg.norm(change, axis=1).max() <= MAX_GAIN * moved
     return towards if within else list(known)
 
 
@@ -235,7 +236,7 @@ def _near_nominal(
 ) -> Route:
     """The route or, if it leaves the nominal route too far, the nominal one adapted."""
     moved = float(np.linalg.norm(query.ends - nominal.path[[0, -1]], axis=1).max())
-    bound = MAX_DEVIATION * moved + scales.radius
+    bound = MAX_GAIN * moved + scales.radius
     curves = [by_arc_length(each.path, _FRECHET_SAMPLES) for each in (route, nominal)]
     if route.method != nominal.method or frechet_distance(*curves) <= bound:
         return route

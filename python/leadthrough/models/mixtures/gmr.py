@@ -23,6 +23,7 @@ from leadthrough.models.mixtures.phases import SAMPLES, adapted, fit_phases, sam
 from leadthrough.models.protocol import Demonstrations, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, asked_times, even_times
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
+from leadthrough.preprocess.moved_ends import with_ends
 from leadthrough.preprocess.resample import arc_length
 
 
@@ -144,7 +145,8 @@ class GMRSkill(FittedSkill[MotionT_co]):
         columns, _ = self.regress(phases * self.duration)
         length = arc_length(columns[:, : self.coordinates.size])
         covered = length / length[-1] if length[-1] > 0.0 else phases
-        columns = shifted(columns, covered, wanted_ends(self.coordinates, self.ends, query))
+        ends = wanted_ends(self.coordinates, self.ends, query)
+        columns = with_ends(columns, ends[0], ends[1], covered)
         return self.coordinates.motion(times, phases, columns)
 
     def updated(self, demonstrations: Demonstrations[Motion]) -> GMRSkill[MotionT_co]:
@@ -219,10 +221,3 @@ def wanted_ends(coordinates: Coordinates, ends: Float64Array, query: CheckedQuer
             given = coordinates.target(place, name, float(row))
             wanted[row, : len(given)] = given
     return wanted
-
-
-def shifted(columns: Float64Array, fractions: Float64Array, ends: Float64Array) -> Float64Array:
-    """A motion moved to other ends; the offset at each end fades linearly towards the other."""
-    offsets = ends - columns[[0, -1]]
-    from_start, from_goal = np.outer(1.0 - fractions, offsets[0]), np.outer(fractions, offsets[1])
-    return np.asarray(columns + from_start + from_goal)

@@ -23,8 +23,8 @@ from leadthrough.check import FitError, Float64Array, NoContinuousLogarithm
 from leadthrough.models.coordinates import NODES, Coordinates, carried, mean_orientations
 from leadthrough.models.frame import Frame
 from leadthrough.models.gaussians.mixture import Blocks, Mixture
-from leadthrough.models.queries import MAX_GAIN, fraction_inside
 from leadthrough.motion import MotionT, PoseTrajectory, normalised_times
+from leadthrough.preprocess.moved_ends import MAX_GAIN, fraction_inside, with_ends
 from leadthrough.preprocess.resample import arc_length
 
 # Half the span of phases over which a drift is measured by finite differences.
@@ -258,6 +258,6 @@ def _limits(deviation: _Deviation, positions: Float64Array) -> tuple[float, floa
 
 def _within(changes: Float64Array, fractions: Float64Array, limit: float) -> Float64Array:
     """Changes (n, d) with those of the ends, drawn to their fade as far as the limit asks."""
-    fade = np.outer(1.0 - fractions, changes[0]) + np.outer(fractions, changes[-1])
+    fade = with_ends(np.zeros_like(changes), changes[0], changes[-1], fractions)
     more = changes - fade
     return np.asarray(fade + fraction_inside(fade, more, limit) * more)

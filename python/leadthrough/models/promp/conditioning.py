@@ -33,8 +33,8 @@ from leadthrough.models.promp.gaussian import (
     product,
     solve_definite,
 )
-from leadthrough.models.queries import MAX_GAIN, fraction_inside
 from leadthrough.motion import Motion, MotionT_co, Target
+from leadthrough.preprocess.moved_ends import MAX_GAIN, fraction_inside
 
 # Standard deviations, as fractions of the scale, of which a Cholesky root loses nothing that
 # matters.

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
-from leadthrough.errors import FitError, InvalidInput
+from leadthrough.errors import FitError, InvalidInput, NoPath
 from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
 
@@ -40,6 +40,32 @@ def test_where_the_start_is_forgotten_is_learned():
     made = skill.generate(start=(0.0, 0.12), goal=(1.0, 0.0))
     assert apart(made, wanted) < 0.01
     assert apart(stroke((0.0, 0.12)), wanted) > 0.05  # of a linear fade
+
+
+def test_a_start_that_was_amplified_moves_the_path_by_no_more_than_its_offset():
+    """The demonstrations' middles are off by six times as much as their starts."""
+    swell = 1.0 - U + 5.5 * np.sin(np.pi * U)
+    shown = [stroke((0.0, y), fade=swell) for y in np.linspace(-0.1, 0.1, 7)]
+    skill = lt.AlignedMean().fit(shown)
+    plain, made = skill.generate(), skill.generate(start=(0.0, 0.2))
+    assert apart(plain, made) <= 1.5 * 0.2
+
+
+def test_what_was_learned_is_read_only():
+    mode = lt.AlignedMean().fit([stroke(), stroke((0.0, 0.1))]).modes[0]
+    curves = mode.predictor.phased
+    for array in (mode.scale, mode.ends, *(a for c in curves for a in (c.rows, c.times))):
+        assert not array.flags.writeable
+
+
+def test_a_pose_that_turns_on_the_spot_needs_no_detour_and_none_exists_inside_an_obstacle():
+    q = lt.rotations.exp(np.outer(U, [0.0, 0.0, 1.0]))
+    here = np.tile([0.4, 0.0, 0.3], (len(U), 1))
+    skill = lt.AlignedMean().fit([lt.PoseTrajectory(TIMES, here, q)])
+    beside = skill.generate(obstacles=[lt.Sphere(0.05, (0.5, 0.0, 0.3))])
+    np.testing.assert_allclose(beside.positions, here[:1].repeat(len(beside), 0), atol=1e-9)
+    with pytest.raises(NoPath, match="lies in an obstacle"):
+        skill.generate(obstacles=[lt.Sphere(0.05, (0.4, 0.0, 0.3))])
 
 
 def test_two_ways_are_told_apart():
