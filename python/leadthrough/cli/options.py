@@ -146,7 +146,8 @@ class ReadOptions:
 
     Options:
         column: Columns to read: time=t, positions=x,y,z, orientations=qw,qx,qy,qz or
-            joints=q1,q2; may be repeated. By default found by their names.
+            joints=q1,q2; may be repeated. Patterns such as joints=q* stand for all that fit. By
+            default found by their names; those of an .npy are numbered from 1 on.
         rate: Sampling rate of recordings without a time column, in Hz.
         angles: Unit of joint angles if the file does not state it: radians (the default),
             degrees, or percent of the joints' ranges, as LeRobot has them.

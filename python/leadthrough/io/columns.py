@@ -12,7 +12,10 @@ arm that follows the motion keeps close to them.
 from __future__ import annotations
 
 import math
+import re
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
 
 import numpy as np
 
@@ -30,6 +33,7 @@ _DEGREE = math.pi / 180.0
 # Joints come this much beyond their limits by the slack of a calibration, rad; percent by rounding.
 _SLACK = 0.1
 _MAX_PERCENT, _END = 100.01, 1e-4
+_SPACE = 3  # coordinates of a position
 _SUFFIX = "_recorded"
 
 
@@ -88,15 +92,17 @@ def _check_there(table: Table, chosen: Mapping[str, Columns]) -> None:
             if column not in table.names:
                 raise InvalidInput(
                     f"columns[{role!r}]: no column {column!r}; there are {_listed(table.names)}"
+                    f"{_nearest(table, role, names)}"
                 )
 
 
 def _chosen(table: Table, request: Request) -> dict[str, Columns]:
-    names, named = table.names, request.columns
+    names = table.names
+    named = {role: _matching(asked, names) for role, asked in request.columns.items()}
     found = headers.candidates(names) | {role: [own] for role, own in table.roles.items()}
     chosen = dict(named)
     if not chosen.keys() & {"positions", "orientations", "joints"}:
-        chosen |= _of_the_arm(names, request.joints) or _only_motion(names, found)
+        chosen |= _of_the_arm(names, request.joints) or _only_motion(table, found, request)
     elif "orientations" in chosen and "positions" not in chosen:
         chosen["positions"] = _only(found["positions"], "positions")
     if "time" not in chosen and found["time"]:
@@ -116,16 +122,38 @@ def _of_the_arm(names: Sequence[str], joints: Iterable[str]) -> dict[str, Column
     return {"joints": tuple(by_joint[joint] for joint in known)}
 
 
-def _only_motion(names: Sequence[str], found: Mapping[str, list[Columns]]) -> dict[str, Columns]:
+def _matching(asked: Columns, names: Sequence[str]) -> Columns:
+    """The columns asked for; of a pattern such as joint_* those that fit, without derivatives."""
+    chosen: list[str] = []
+    for name in asked:
+        if name in names or not set("*?") & set(name):
+            chosen.append(name)
+            continue
+        pattern = re.escape(name).replace(r"\*", ".*").replace(r"\?", ".")
+        fitting = [each for each in names if re.fullmatch(pattern, each)]
+        chosen += [each for each in fitting if not _is_derived(each, fitting)] or [name]
+    return tuple(dict.fromkeys(chosen))
+
+
+def _is_derived(name: str, names: Sequence[str]) -> bool:
+    """Whether a column is the velocity, acceleration or recording of another."""
+    suffixes = [suffix for suffix in (*headers.JOINT_SUFFIXES.values(), _SUFFIX) if suffix]
+    return any(name.endswith(end) and name.removesuffix(end) in names for end in suffixes)
+
+
+def _only_motion(
+    table: Table, found: Mapping[str, list[Columns]], request: Request
+) -> dict[str, Columns]:
     if found["positions"] and found["joints"]:
         raise InvalidInput(
             "columns: the file has both poses and joints; name the ones to read, positions "
-            f"({_choices(found['positions'])}) or joints ({_choices(found['joints'])})"
+            f"({_choices(found['positions'])}) or joints ({_choices(found['joints'])}), as by "
+            f"{_words('joints', found['joints'][0])}"
         )
     if not found["positions"] and not found["joints"]:
         raise InvalidInput(
-            "columns: no names of positions or joints found; "
-            f"name the columns to read, there are {_listed(names)}"
+            "columns: no names of positions or joints found; name the columns to read, there are "
+            f"{_listed(table.names)}{_guess(table, found['time'], request)}"
         )
     wanted = ["joints"] if found["joints"] else ["positions", "orientations"]
     return {role: _only(found[role], role) for role in wanted if found[role]}
@@ -135,7 +163,52 @@ def _only(found: Sequence[Columns], role: str) -> Columns:
     if len(found) == 1:
         return found[0]
     what = f"several fit, {_choices(found)}" if found else "none found by their names"
-    raise InvalidInput(f"columns: {role}: {what}; name the right ones in columns[{role!r}]")
+    such = f", such as {_words(role, found[0])}" if found else ""
+    raise InvalidInput(f"columns: {role}: {what}; name the right ones in columns[{role!r}]{such}")
+
+
+def _words(role: str, names: Columns) -> str:
+    """The columns as on the command line, once the argument's name is the option's."""
+    return f"columns[{role!r}]={shlex.quote(','.join(names))}"
+
+
+def _guess(table: Table, times: Sequence[Columns], request: Request) -> str:
+    """Words that name the columns of numbers: a rising one as time, the others as a motion."""
+    time = (times[0] if times else _rising(table))[:1]
+    rest = [
+        name for name in table.names if name not in time and _of_numbers(table, name) is not None
+    ]
+    count = len(request.joints)
+    if len(rest) < max(count, 2):
+        return ""
+    role = "joints" if count or len(rest) > _SPACE else "positions"
+    words = [_words("time", time)] if time and not times else []
+    return f"; such as {' '.join([*words, _words(role, tuple(rest[: count or len(rest)]))])}"
+
+
+def _rising(table: Table) -> Columns:
+    """The columns whose numbers rise from each sample to the next, as times do."""
+    columns = ((name, _of_numbers(table, name)) for name in table.names)
+    return tuple(
+        name
+        for name, rows in columns
+        if rows is not None and len(rows) > 1 and (np.diff(rows) > 0.0).all()
+    )
+
+
+def _of_numbers(table: Table, name: str) -> Float64Array | None:
+    try:
+        rows = table.numbers(name)
+    except (InvalidInput, ValueError):
+        return None
+    return rows if rows.ndim == 1 else None
+
+
+def _nearest(table: Table, role: str, names: Columns) -> str:
+    """Words with the columns whose names come nearest, where each has one."""
+    near = [get_close_matches(name, table.names, 1) for name in names]
+    found = tuple(dict.fromkeys(each[0] for each in near if each))
+    return f"; perhaps {_words(role, found)}" if len(found) == len(names) else ""
 
 
 def _stacked(
@@ -168,7 +241,11 @@ def _times(table: Table, time: Columns | None, asked: float | None, count: int) 
     if time is None:
         rate = asked or table.rate
         if rate is None:
-            raise InvalidInput("rate: the file has no time column; give the rate in Hz")
+            rising = _rising(table)
+            named = f", or its column, as by {_words('time', rising[:1])}" if rising else ""
+            raise InvalidInput(
+                "rate: the file has no time column; give the rate in Hz, such as rate=100" + named
+            )
         return np.arange(count) / rate
     if asked is not None:
         raise InvalidInput(f"rate: the file has a time column, {time[0]!r}; leave rate out")

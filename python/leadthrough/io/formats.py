@@ -70,6 +70,7 @@ def _in_reader_process(
 FORMATS = (
     Format("csv", "text table", (".csv", ".tsv", ".txt"), _one(read_table), csv.write),
     Format("npz", "NumPy archive", (".npz",), _one(npz.table), npz.write),
+    Format("npy", "NumPy array", (".npy",), lambda path, asked: [npz.table_of_rows(path, asked)]),
     Format("mat", "MATLAB 5 to 7.2", (".mat",), _all(mat.tables)),
     Format(
         "json",

@@ -1,8 +1,11 @@
-"""NumPy's .npz archives, never with pickle: one motion per file, one row per sample.
+"""NumPy's .npz archives and .npy arrays, never with pickle: one motion per file, a row per sample.
 
 `write` uses names that reading finds: `times`, `positions` and `orientations_wxyz`, or `joints`
 with `joint_names`, `velocities` and `accelerations`; `event_times` and `event_names`. Joints that
 the tip carries along are arrays `<name>_recorded`.
+
+An .npy has rows of numbers, whose columns are named by their numbers, from 1 on. Without the time,
+two or three are a position, more are joints.
 """
 
 from __future__ import annotations
@@ -12,7 +15,8 @@ import tokenize
 import warnings
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +26,10 @@ from numpy.typing import NDArray
 from leadthrough import check
 from leadthrough.check import InvalidInput
 from leadthrough.io.columns import demonstrated_columns
-from leadthrough.io.files import ReadLimits, StrPath, refusing_damage, replacing
+from leadthrough.io.files import ReadLimits, StrPath, read_bytes, refusing_damage, replacing
 from leadthrough.io.headers import Columns
 from leadthrough.io.joint_trajectory import joint_columns, quantities
-from leadthrough.io.table import ArrayTable
+from leadthrough.io.table import ArrayTable, Request
 from leadthrough.motion import (
     Event,
     Events,
@@ -35,6 +39,8 @@ from leadthrough.motion import (
     checked_motion,
 )
 
+_OF_POINT, _OF_POSE = (2, 3), 7  # numbers in a row
+_UNIT = 1e-3  # error of a quaternion's norm, of a log that rounds
 # Errors of NumPy and zipfile for archives that are cut off, encrypted, pickled or altered, and for
 # a single array that was renamed to .npz (TypeError).
 DAMAGE = (
@@ -149,6 +155,46 @@ def _check_claims(path: Path, limits: ReadLimits) -> None:
                     f"{member.filename}: its header claims {size:,} bytes of "
                     f"{member.file_size:,}; the archive is damaged"
                 )
+
+
+def read_array(content: bytes, limits: ReadLimits) -> NDArray[Any]:
+    """The array of an .npy file."""
+    count, size = claimed(BytesIO(content))
+    limits.numbers(count, "the array")
+    if size > len(content):
+        raise InvalidInput(f"its header claims {size:,} bytes of {len(content):,}")
+    with warnings.catch_warnings():  # NumPy warns of headers as Python 2 wrote them
+        warnings.simplefilter("ignore", UserWarning)
+        return np.asarray(np.load(BytesIO(content), allow_pickle=False))
+
+
+def table_of_rows(path: Path, request: Request) -> ArrayTable:
+    """The rows of an .npy file as columns."""
+    limits = ReadLimits()
+    with refusing_damage(".npy array of numbers", damage=DAMAGE):
+        rows = read_array(read_bytes(path, limits), limits)
+    if rows.ndim != 2 or rows.dtype.kind not in "fiu":
+        raise InvalidInput(f"expected rows of numbers (n, k), got {rows.dtype} {rows.shape}")
+    count, arm = rows.shape[1], len(request.joints)
+    limits.columns(count, "the array")
+    numbered = {str(i + 1): rows[:, i] for i in range(count)}
+    moved = [name for name in numbered if name not in request.columns.get("time", ())]
+    if not set(request.columns) - {"time"} and len(moved) == _OF_POSE != arm:
+        _refuse_pose(numbered, moved)
+    role = "positions" if len(moved) in _OF_POINT and len(moved) != arm else "joints"
+    return ArrayTable(numbered | {role: rows[:, [int(name) - 1 for name in moved]]})
+
+
+def _refuse_pose(columns: Mapping[str, NDArray[Any]], names: Sequence[str]) -> None:
+    """Refuses seven numbers that end in a quaternion, which must not be taken for joints."""
+    norms = np.linalg.norm([columns[name] for name in names[3:]], axis=0)
+    if norms.size and np.abs(norms - 1.0).max() < _UNIT:
+        raise InvalidInput(
+            f"columns: the last four of each row have norm 1, as of a pose; name the columns, "
+            f"columns['positions']={','.join(names[:3])} and "
+            f"columns['orientations']={','.join(names[3:])} with their order, quaternions=wxyz or "
+            f"quaternions=xyzw; or columns['joints']={','.join(names)}"
+        )
 
 
 def claimed(file: Any) -> tuple[int, int]:

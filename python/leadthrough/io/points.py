@@ -7,7 +7,6 @@ that a sensor did not see, written as NaN, are left out.
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
@@ -95,13 +94,7 @@ def _read(path: Path, content: bytes, limits: ReadLimits) -> NDArray[Any]:
 
 
 def _array(content: bytes, limits: ReadLimits) -> Float64Array:
-    count, size = npz.claimed(BytesIO(content))
-    limits.numbers(count, "the points")
-    if size > len(content):
-        raise InvalidInput(f"its header claims {size:,} bytes of {len(content):,}")
-    with warnings.catch_warnings():  # NumPy warns of headers as Python 2 wrote them
-        warnings.simplefilter("ignore", UserWarning)
-        array = np.load(BytesIO(content), allow_pickle=False)
+    array = npz.read_array(content, limits)
     if array.ndim != 2 or array.shape[1] < 3 or array.dtype.kind not in "fiu":
         raise InvalidInput(f"expected numbers (n, 3), got {array.dtype} {array.shape}")
     return np.asarray(array[:, :3], dtype=np.float64)

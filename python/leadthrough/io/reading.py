@@ -42,10 +42,10 @@ def read_demonstrations(
     Rest before and after the motion is left out, as `preprocess.trim` does; times
     are as in the file. For motions that an arm is to run, whole, there is `read_motion`.
 
-    Formats are text tables (.csv, .tsv, .txt), .npz, .mat, ROS 2 JointTrajectory (.json, .yaml),
-    ROS bags (.bag, .mcap, .db3 or a folder; extra `ros`), robomimic (.hdf5; extra `hdf5`) and
-    LeRobot (.parquet or a folder; extra `lerobot`). A demonstration is named as in the file, or
-    else after it, with [i] where the file has several.
+    Formats are text tables (.csv, .tsv, .txt), NumPy's .npz and .npy, .mat, ROS 2 JointTrajectory
+    (.json, .yaml), ROS bags (.bag, .mcap, .db3 or a folder; extra `ros`), robomimic (.hdf5; extra
+    `hdf5`) and LeRobot (.parquet or a folder; extra `lerobot`). A demonstration is named as in the
+    file, or else after it, with [i] where the file has several.
 
     Joints make a JointTrajectory, positions and orientations a PoseTrajectory, positions alone a
     Trajectory. A motion and a time (s) that `columns` does not name are found by the names in the
@@ -54,7 +54,8 @@ def read_demonstrations(
     Args:
         paths: one file or folder, or several. Of a folder of recordings all are read, by name.
         columns: columns, arrays or fields to read, any of {"time": name, "positions":
-            [names], "orientations": [names], "joints": [names]}.
+            [names], "orientations": [names], "joints": [names]}; * and ? in a name stand for
+            any characters and for one.
         rate: Hz, > 0, for files without time; their first sample is then at 0 s.
         angles: unit of joints whose names don't state it, by default radians. Joints that stay
             beyond two turns are refused until it is set. "percent" of the joints' ranges, as in

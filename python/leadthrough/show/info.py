@@ -95,7 +95,10 @@ def describe(
 
 
 def _recordings(path: Path, kind: formats.Format, request: Request) -> FileInfo:
-    tables = kind.tables(path, request)
+    try:
+        tables = kind.tables(path, request)
+    except InvalidInput as error:
+        return FileInfo(str(path), kind.title, "recordings", problem=str(error))
     facts = {"columns": list(tables[0].names)} if tables else {}
     summaries, problem = [], None
     for table, name in zip(tables, names_of(path, tables), strict=True):

@@ -196,3 +196,33 @@ def test_what_has_a_velocity_is_a_joint_where_no_name_tells_more(tmp_path):
     assert found.joint_names == ("pan", "lift")
     assert np.array_equal(found.positions, joints)
     assert np.array_equal(found.velocities, 0.0 * joints)
+
+
+def test_patterns_name_columns_without_their_derivatives(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("t,arm_1,arm_1_velocity,arm_2,arm_2_velocity,grip\n0,1,9,2,9,5\n1,3,9,4,9,5\n")
+    for pattern in ("arm_*", "arm_?"):
+        motion = lt.read_motion(path, columns={"joints": pattern})
+        assert motion.joint_names == ("arm_1", "arm_2")
+        np.testing.assert_array_equal(motion.positions, [[1.0, 2.0], [3.0, 4.0]])
+    with pytest.raises(InvalidInput, match=r"no column 'leg_\*'; there are t, arm_1"):
+        lt.read_motion(path, columns={"joints": "leg_*"})
+
+
+@pytest.mark.parametrize(
+    ("header", "columns", "words"),
+    [
+        ("clock,a,b,c,d", None, "columns['time']=clock columns['joints']=a,b,c,d"),
+        ("clock,a,b,c d", None, "columns['time']=clock columns['positions']='a,b,c d'"),
+        ("t,x,y,z,q1", None, "as by columns['joints']=q1"),
+        ("t,arm_1,arm_2,a,b", {"joints": ["arm1", "arm2"]}, "columns['joints']=arm_1,arm_2"),
+    ],
+)
+def test_errors_about_columns_end_with_the_words_that_choose_them(tmp_path, header, columns, words):
+    path = tmp_path / "a.csv"
+    count = header.count(",") + 1
+    rows = [",".join("01928"[:count]), ",".join("13849"[:count])]
+    path.write_text("\n".join([header, *rows]))
+    with pytest.raises(InvalidInput) as caught:
+        lt.read_motion(path, columns=columns)
+    assert str(caught.value).endswith(words)

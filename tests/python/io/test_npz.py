@@ -65,3 +65,49 @@ def test_what_is_no_archive_is_refused(tmp_path):
         refused(r"not a readable .npz archive", lt.read_motion, path)
     with pytest.raises(InvalidInput):
         lt.read_motion(tmp_path / "text.npz")
+
+
+ROWS = np.column_stack([0.1 * np.arange(5), np.arange(30.0).reshape(5, 6) / 9.0])
+
+
+def test_rows_of_an_npy_are_joints_at_a_rate_or_beside_the_column_of_times(tmp_path):
+    path = tmp_path / "rows.npy"
+    np.save(path, ROWS)
+    for stated in ({"rate": 10.0}, {"columns": {"time": "1"}}):
+        motion = lt.read_motion(path, **stated)
+        np.testing.assert_allclose(motion.times, ROWS[:, 0])
+        wanted = ROWS if "rate" in stated else ROWS[:, 1:]
+        np.testing.assert_array_equal(motion.positions, wanted)
+    some = lt.read_motion(path, columns={"time": "1", "positions": ["2", "4", "3"]})
+    np.testing.assert_array_equal(some.positions, ROWS[:, [1, 3, 2]])
+
+
+def test_three_numbers_a_row_are_a_position_and_three_joints_of_an_arm_that_has_as_many(tmp_path):
+    np.save(tmp_path / "three.npy", ROWS[:, :3])
+    assert type(lt.read_motion(tmp_path / "three.npy", rate=10.0)) is lt.Trajectory
+    arm = dict.fromkeys("abc", (-9.0, 99.0))
+    found = lt.read_motion(tmp_path / "three.npy", rate=10.0, joints=arm)
+    assert type(found) is lt.JointTrajectory
+
+
+@pytest.mark.parametrize(
+    ("rows", "says"),
+    [
+        (ROWS, "no time column; give the rate in Hz, such as rate=100, or its column, as by "
+               r"columns\['time'\]=1"),
+        (ROWS.astype(str), "expected rows of numbers"),
+        (ROWS[0], "expected rows of numbers"),
+        (np.hstack([ROWS[:, :4], np.full((5, 4), 0.5)])[:, 1:], "of a pose; name the columns"),
+    ],
+)  # fmt: skip
+def test_an_npy_that_is_not_clear_is_refused_with_the_words_that_make_it_so(tmp_path, rows, says):
+    np.save(tmp_path / "rows.npy", rows)
+    columns = None if len(rows) < 5 or rows is ROWS else {"time": "9"}
+    with pytest.raises(InvalidInput, match=says):
+        lt.read_motion(tmp_path / "rows.npy", columns=columns)
+
+
+def test_a_pickled_npy_is_never_loaded(tmp_path):
+    np.save(tmp_path / "rows.npy", np.array([{}], dtype=object), allow_pickle=True)
+    with pytest.raises(InvalidInput, match=r"not a readable \.npy array"):
+        lt.read_motion(tmp_path / "rows.npy", rate=10.0)
