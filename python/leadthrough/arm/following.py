@@ -9,7 +9,7 @@ Sources: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -18,13 +18,22 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.arm.ik_failure import failure, require_reachable
+from leadthrough.arm.ik_failure import failure, require_reachable, with_reason
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.recorded_joints import demonstrated_joints
 from leadthrough.arm.tip_path import CollisionTest, TipPath, Track, tube_around
-from leadthrough.arm.tracking import Start, Tracker, axes_to_try, best_track, least_rotated, starts
+from leadthrough.arm.tracking import (
+    Start,
+    Tracker,
+    axes_to_try,
+    best_track,
+    branch_track,
+    least_rotated,
+    off_branch,
+    starts,
+)
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 from leadthrough.motion import (
     JointTrajectory,
@@ -43,6 +52,8 @@ _IN_TIME: tuple[OnRateLimit, ...] = ("deviate", "raise")
 # Default rates, 1/s, of the motion in the null space: towards a posture, and along demonstrated
 # joints, which a slower one would trail behind.
 _RATE, _DEMONSTRATED_RATE = 1.0, 10.0
+# Default tolerances, m and rad: everywhere, and where they keep the branch of demonstrated joints.
+_TOLERANCES, _BRANCH_TOLERANCES = (1e-5, 1e-5), (2e-3, 0.05)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,17 +75,19 @@ class FollowOptions(ShortRepr):
             Only with "slow" and "exceed_limits".
         max_step: the most that a joint may move between two samples, rad or m, > 0; a larger step
             is a jump.
-        position_tolerance: error in m that counts as reached, > 0. All samples but those beside a
-            singularity come ten times closer.
-        orientation_tolerance: error in rad that counts as reached, > 0; the same holds.
+        position_tolerance: error in m that counts as reached, > 0; by default 1e-5. All samples but
+            those beside a singularity come ten times closer. By default a motion of poses may be
+            missed there by 2e-3 where that keeps the arm near the motion's own joints, which the
+            exact path would leave by more than 1 rad or a jump; `path_report` says by how much.
+        orientation_tolerance: error in rad that counts as reached, > 0; the same holds, and 0.05.
     """
 
     posture: Motion | ArrayLike | None = None
     nullspace_gain: float | None = None
     free: Collection[Axis] | None = None
     max_step: float = 0.5
-    position_tolerance: float = 1e-5
-    orientation_tolerance: float = 1e-5
+    position_tolerance: float | None = None
+    orientation_tolerance: float | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.posture, Motion | None):
@@ -90,7 +103,19 @@ class FollowOptions(ShortRepr):
     @property
     def tolerances(self) -> tuple[float, float]:
         """Errors in m and rad that count as reached."""
-        return self.position_tolerance, self.orientation_tolerance
+        return self._stated_or(_TOLERANCES)
+
+    @property
+    def branch_tolerances(self) -> tuple[float, float]:
+        """Errors in m and rad that are allowed to keep near the motion's own joints."""
+        return self._stated_or(_BRANCH_TOLERANCES)
+
+    def _stated_or(self, default: tuple[float, float]) -> tuple[float, float]:
+        stated = self.position_tolerance, self.orientation_tolerance
+        position, orientation = (
+            b if a is None else a for a, b in zip(stated, default, strict=True)
+        )
+        return position, orientation
 
 
 def reachable_start(
@@ -140,27 +165,49 @@ def follow(
     allowed = _deviation(deviation if around is None else None, on_rate_limit, options.tolerances)
     default = _RATE if joints is None else _DEMONSTRATED_RATE
     rate = default if options.nullspace_gain is None else options.nullspace_gain
-    tracks = []
-    for axes in freedoms:
-        freed = replace(tracker, path=replace(path, free=axes))
-        initial = starts(freed, near, rate, others=joints is not None and q0 is None)
-        track_from = _track_function(freed, on_rate_limit, allowed)
-        tracks.append(best_track(freed, initial, track_from, allowed))
-        if tracks[-1].reached == len(path) and not axes:
-            break
-    track = least_rotated(chain, path, tracks)
+    branch = None
+    exact = freedoms == [()] and len(path.orientations) > 0 and path.dimension <= chain.joints
+    if near is not None and near is not q0 and exact and not in_time:
+        branch = branch_track(tracker, near, rate, options.branch_tolerances)
+    track, free = branch, freedoms[0]
+    if track is None or track.reached < len(path):
+        others = joints is not None and q0 is None
+        track, free = _furthest(
+            [replace(tracker, path=replace(path, free=axes)) for axes in freedoms],
+            lambda freed: starts(freed, near, rate, others=others),
+            lambda freed: _track_function(freed, on_rate_limit, allowed),
+            allowed,
+        )
     q = track.q
-    if track.reached < len(path) or (around is not None and not around.clear_along(track.q)):
-        free = freedoms[tracks.index(track)]
+    if track.reached < len(path) or (around is not None and not around.clear_along(q)):
         # An arm of few joints goes around obstacles by turning its tip away.
         ahead = replace(tracker, path=replace(path, free=free or freedoms[-1]))
         searched = None if in_time else ahead.searched(q0, around)
         if searched is None:
-            followed = replace(path, free=free)
             status = "rate_limit" if in_time else "jump"
-            raise failure(chain, arm.limits, followed, track, otherwise=status)
+            followed = replace(path, free=free)
+            missed = failure(chain, arm.limits, followed, track, otherwise=status)
+            if branch is not None and branch.reached < len(path):
+                missed = with_reason(missed, off_branch(branch))
+            raise missed
         q = searched
     return _timed(arm, motion, q, on_rate_limit)
+
+
+def _furthest(
+    trackers: Sequence[Tracker],
+    starts_of: Callable[[Tracker], Iterable[Start]],
+    track_function: Callable[[Tracker], Callable[[Start], Track]],
+    allowed: tuple[float, float],
+) -> tuple[Track, tuple[Axis, ...]]:
+    """Of the trackers' best tracks, the furthest, then the least rotated; its free axes."""
+    tracks: list[Track] = []
+    for tracker in trackers:
+        tracks.append(best_track(tracker, starts_of(tracker), track_function(tracker), allowed))
+        if tracks[-1].reached == len(tracker.path) and not tracker.path.free:
+            break
+    track = least_rotated(trackers[0].chain, trackers[0].path, tracks)
+    return track, trackers[tracks.index(track)].path.free
 
 
 def _track_function(

@@ -71,6 +71,18 @@ def failure(
     )
 
 
+def with_reason(failure: IkFailure, reason: str) -> IkFailure:
+    """The failure with a reason added to its message."""
+    return IkFailure(
+        f"{failure}; {reason}",
+        index=failure.index,
+        status=failure.status,
+        residual=failure.residual,
+        q=failure.q,
+        limiting_joints=failure.limiting_joints,
+    )
+
+
 def limiting_joints_text(limits: JointLimits, q: Float64Array, bars: Sequence[bool]) -> str:
     """The joints that limit the arm and the limits that they are at; empty if there are none."""
     texts = []

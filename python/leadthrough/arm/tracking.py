@@ -17,6 +17,7 @@ import numpy as np
 
 import leadthrough._core as core
 from leadthrough import rotations
+from leadthrough.arm.demonstrated_branch import track_on_branch
 from leadthrough.arm.ik_failure import failure
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration, margins
@@ -39,6 +40,10 @@ _MAX_STARTS = 24
 _SAME_POSTURE = 1e-2
 # Samples of the thinned path.
 _LOOK_AHEAD = 40
+# A joint this far from the demonstrated one, rad (m), may be in another branch.
+_OTHER_BRANCH = 1.0
+# Factor of the errors that are offered as tolerances: they are printed with two digits.
+_WIDER = 1.1
 # A joint this near to a limit, as a fraction of its range, costs as much as double speed.
 _NEAR_A_LIMIT = 0.05
 
@@ -142,6 +147,31 @@ def best_track(
             break
     assert best is not None
     return best
+
+
+def branch_track(
+    tracker: Tracker, q0: Float64Array, rate: float, allowed: tuple[float, float]
+) -> Track:
+    """The track near its path's postures, exact if it can be."""
+    path = tracker.path
+    initial = starts(tracker, q0, rate, others=False)
+    exact = best_track(tracker, initial, tracker.along, tracker.allowed)
+    complete = exact.reached == len(path)
+    if complete and np.abs(exact.q - path.postures).max() <= _OTHER_BRANCH:
+        return exact
+    return track_on_branch(tracker.chain, path, allowed, tracker.max_step)
+
+
+def off_branch(track: Track) -> str:
+    """How far a track near demonstrated joints is from its path, and how to allow that."""
+    far, angle = (
+        f"{_WIDER * error.max():.2g}" for error in (track.position_errors, track.orientation_errors)
+    )
+    return (
+        f"near the demonstrated joints the tip misses its path by up to {far} m and {angle} rad: "
+        f"--tolerance {far},{angle} allows that; in Python, FollowOptions("
+        f"position_tolerance={far}, orientation_tolerance={angle})"
+    )
 
 
 def _rank(track: Track, unit: tuple[float, float]) -> tuple[int, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from enum import StrEnum
 from pathlib import Path
 
@@ -42,19 +43,18 @@ def check(
     with errors.naming(linear_rate="--rate"):
         verdict = lt.check_limits(joints, arm.limits, linear_rate=_linear_rate(joints, rate))
     with output.busy("checking"):
-        clearance = arm.check(joints, scene)
+        clearance = _clearance(arm, joints, scene)
+    clear = clearance is None or clearance.ok
     simulated = None
     if physics:
         with output.busy("simulating"):
             simulated = lt.simulate(arm, joints, scene)
     quantities = ("position", "velocity", "acceleration", "jerk")
     found = {
-        "ok": verdict.ok and clearance.ok and (simulated is None or simulated.ok),
+        "ok": verdict.ok and clear and (simulated is None or simulated.ok),
         "limits_kept": verdict.ok,
         **{f"{name}_used": _peak(getattr(verdict, name), as_json) for name in quantities},
-        "clear": clearance.ok,
-        "nearest_obstacle": _approach(clearance.obstacles, as_json),
-        "nearest_itself": _approach(clearance.itself, as_json),
+        **_clearance_facts(clearance, as_json),
         "duration": joints.duration,
     }
     if simulated is not None:
@@ -63,9 +63,33 @@ def check(
     output.facts(found, as_json=as_json, units={"duration": "s"})
     if not as_json:
         fails = simulated is not None and not simulated.ok
-        _hint_after_check(ctx, motion, limits_kept=verdict.ok, clear=clearance.ok, fails=fails)
+        _hint_after_check(ctx, motion, limits_kept=verdict.ok, clear=clear, fails=fails)
     if not found["ok"]:
         raise typer.Exit(1)
+
+
+def _clearance(
+    arm: lt.Arm, joints: lt.JointTrajectory, scene: lt.Scene
+) -> lt.arm.CollisionReport | None:
+    """The report on collisions; None, with a warning, if neither arm nor scene has a shape."""
+    if scene.obstacles or arm.attached or arm._robot.collisions:
+        return arm.check(joints, scene)
+    print(
+        "warning: --robot: no link has collision geometry, so the limits are checked and "
+        "collisions are not",
+        file=sys.stderr,
+    )
+    return None
+
+
+def _clearance_facts(clearance: lt.arm.CollisionReport | None, as_json: bool) -> dict[str, object]:
+    if clearance is None:
+        return {"clear": None if as_json else "not checked, no link has collision geometry"}
+    return {
+        "clear": clearance.ok,
+        "nearest_obstacle": _approach(clearance.obstacles, as_json),
+        "nearest_itself": _approach(clearance.itself, as_json),
+    }
 
 
 def _linear_rate(joints: lt.JointTrajectory, rate: float | None) -> float | None:

@@ -25,11 +25,23 @@ UNITS = {
     "position_error": "m",
     "orientation_error": "rad",
     "start_from_recorded": "rad (m)",
+    "goal_from_recorded": "rad (m)",
     "clearance": "m",
     "tip_deviation": "m",
 }
 # A start this far from the demonstrated one, rad or m, is another posture to a person beside it.
 _ELSEWHERE = 0.3
+# Ends of a motion, their rows, and what to do where the arm has another posture there.
+_ENDS = (
+    (
+        *("start", 0, "starts"),
+        "bring it there slowly, or set --posture to a recording to start as it does",
+    ),
+    (
+        *("goal", -1, "ends"),
+        "look at it with `leadthrough view`, or choose a goal nearer to the demonstrated one",
+    ),
+)
 # Names of columns that number the joints.
 _NUMBERED = re.compile(r"((?:q|j|joint|axis|a|theta|position)(?:_d)?[_\[]?)(\d+)\]?", re.IGNORECASE)
 
@@ -202,7 +214,7 @@ def options_of(
 
 def _freed(report: lt.arm.PathReport, options: lt.arm.FollowOptions) -> dict[str, list[str]]:
     """The axes that the arm left free by itself, because it has fewer than six joints."""
-    asked = max(options.orientation_tolerance, _AS_PLANNED)
+    asked = max(options.tolerances[1], _AS_PLANNED)
     angles = np.abs(report.turn).max(axis=0).tolist()
     axes = [f"r{axis}" for axis, angle in zip("xyz", angles, strict=True) if angle > asked]
     return {"free_axes": axes} if axes else {}
@@ -230,13 +242,16 @@ def _beside_recorded(arm: lt.Arm, motion: Motion, joints: lt.JointTrajectory) ->
             file=sys.stderr,
         )
         return {}
-    away = np.abs(joints.positions[0] - arm.joints_of(demonstrated).positions[0])
-    farthest = int(np.argmax(away))
-    if away[farthest] >= _ELSEWHERE:
-        print(
-            f"warning: start: {arm.joint_names[farthest]} is {away[farthest]:.3g} rad (m) from "
-            "the demonstrated one, so the arm starts in another posture; bring it there slowly, or "
-            "set --posture to a recording to start as it does",
-            file=sys.stderr,
-        )
-    return {"start_from_recorded": float(away[farthest])}
+    recorded = arm.joints_of(demonstrated).positions
+    found = {}
+    for name, index, verb, advice in _ENDS:
+        away = np.abs(joints.positions[index] - recorded[index])
+        farthest = int(np.argmax(away))
+        found[f"{name}_from_recorded"] = float(away[farthest])
+        if away[farthest] >= _ELSEWHERE:
+            print(
+                f"warning: {name}: {arm.joint_names[farthest]} is {away[farthest]:.3g} rad (m) "
+                f"from the demonstrated one, so the arm {verb} in another posture; {advice}",
+                file=sys.stderr,
+            )
+    return found

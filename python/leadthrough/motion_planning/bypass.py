@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough.arm.following import slowed, velocities_of
+from leadthrough.arm.ik_failure import with_reason
 from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.check import Float64Array, IkFailure
 from leadthrough.motion import (
@@ -21,7 +22,7 @@ from leadthrough.motion import (
 )
 from leadthrough.motion_planning.blocked_segment import CollisionFreeIk, blocked_segment_at
 from leadthrough.motion_planning.connection import connect_configurations
-from leadthrough.motion_planning.tip_paths import TipMotion, with_reason
+from leadthrough.motion_planning.tip_paths import TipMotion
 from leadthrough.preprocess import join
 from leadthrough.trajectories import minimum_jerk_time_scaling
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check
+from leadthrough.arm.ik_failure import with_reason
 from leadthrough.check import Float64Array, IkFailure, NoPath, ShortRepr
 from leadthrough.models.protocol import Mapped, Skill
 from leadthrough.models.queries import CheckedQuery
@@ -140,17 +141,6 @@ class TipPaths:
         if isinstance(motion, JointTrajectory):
             return self._ik.arm.poses(motion)
         return motion
-
-
-def with_reason(failure: IkFailure, reason: str) -> IkFailure:
-    """The failure with a reason added to its message."""
-    return IkFailure(
-        f"{failure}; {reason}",
-        index=failure.index,
-        status=failure.status,
-        residual=failure.residual,
-        q=failure.q,
-    )
 
 
 def closed_cells(

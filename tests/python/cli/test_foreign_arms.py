@@ -5,6 +5,7 @@ Jaco, and elsewhere for each goal; the columns of the iiwa were not found.
 """
 
 import json
+import re
 from pathlib import Path
 
 import foreign_arms
@@ -54,7 +55,7 @@ def test_recordings_become_checked_motions_that_start_as_shown_for_every_goal(sh
         assert Path(f"{number}.html").stat().st_size > 10_000
 
 
-def test_a_start_in_another_posture_is_told_and_warned_of(shown):
+def test_other_postures_at_start_and_goal_are_told_and_warned_of(shown):
     robot, arm, _ = shown
     facts("learn", *sorted(Path("recorded").iterdir()), *robot, "-o", "reach.npz")
     plain = lt.load_skill("reach.npz").generate()
@@ -70,7 +71,9 @@ def test_a_start_in_another_posture_is_told_and_warned_of(shown):
         result = RUNNER.invoke(cli.app, [*map(str, words), "--json"])
         if result.exit_code == 0:  # other postures may end at a limit
             assert "warning: start: " in result.stderr
-            assert json.loads(result.stdout)["start_from_recorded"] >= 0.3
+            assert "warning: goal: " in result.stderr
+            found = json.loads(result.stdout)
+            assert min(found["start_from_recorded"], found["goal_from_recorded"]) >= 0.3
             return
     pytest.fail("no other posture can be followed")
 
@@ -136,6 +139,21 @@ def test_a_skill_of_joints_needs_no_inverse_kinematics(arm):
     mean = np.mean([q for q, _ in so101.motions()], axis=0)
     assert np.abs(motion.positions[[0, -1]] - mean[[0, -1]]).max() < 2e-3
     assert [event.name for event in motion.events] == ["close gripper"]
+
+
+def test_an_arm_without_collision_shapes_is_checked_for_its_limits(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(re.sub(r"(?s)<collision>.*?</collision>", "", so101.URDF))
+    write_limits("arm.toml", so101.JOINTS)
+    q = np.outer(np.linspace(0.0, 1.0, 30), np.full(5, 0.2))
+    slow = lt.JointTrajectory(np.linspace(0.0, 3.0, 30), q, joint_names=so101.JOINTS)
+    lt.write_motion(slow, "slow.csv")
+    run("retime", "slow.csv", *ARM, "-o", "timed.json")
+    result = run("check", "timed.json", *ARM, "--json")
+    assert "collisions are not" in result.stderr
+    assert json.loads(result.stdout)["clear"] is None
+    around = run("check", "timed.json", *ARM, "--obstacle", "sphere:0.1@1,0,0", code=2).stderr
+    assert "no link has collision geometry" in around
 
 
 def test_axes_and_tolerances_are_set_by_options(arm):
