@@ -95,6 +95,19 @@ def test_generated_arrays_are_finite_contiguous_and_read_only(skill):
         assert (np.einsum("ij,ij->i", motion.orientations[1:], motion.orientations[:-1]) > 0).all()
 
 
+def test_velocities_and_accelerations_are_the_derivatives_of_the_motion(skill, kind):
+    motion = skill.generate(dt=0.002)
+    below = motion.positions
+    for name in ("velocities", "accelerations"):
+        rates = getattr(motion, name, None)
+        if rates is None or (kind.family == "AlignedMean" and name == "accelerations"):
+            return  # those of the aligned mean are differences over other steps
+        expected = np.gradient(below, motion.times, axis=0)
+        largest = np.abs(rates).max()
+        np.testing.assert_allclose(rates[5:-5], expected[5:-5], atol=1e-2 * largest)
+        below = rates
+
+
 def test_new_start_goal_and_duration_are_met(skill, query):
     assert {"start", "goal", "duration"} <= skill.supports
     motion = skill.generate(start=query.start, goal=query.goal, duration=4.0, dt=0.02)

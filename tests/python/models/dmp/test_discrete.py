@@ -247,16 +247,6 @@ def test_several_demonstrations_give_their_mean():
     np.testing.assert_allclose(made.positions, hook().positions, atol=1e-5)
 
 
-def test_joints_keep_names_and_velocities():
-    shown = hook()
-    joints = lt.JointTrajectory(shown.times, shown.positions, joint_names=("a", "b", "c"))
-    made = fitted(joints).generate(dt=0.001)
-    assert isinstance(made, lt.JointTrajectory)
-    assert made.joint_names == ("a", "b", "c")
-    differences = np.gradient(made.positions, made.times, axis=0)
-    np.testing.assert_allclose(made.velocities[5:-5], differences[5:-5], atol=1e-3)
-
-
 def test_two_samples_give_a_minimum_jerk_motion():
     made = fitted(lt.Trajectory([0.0, 1.0], [[0.0], [1.0]])).generate(dt=0.01)
     np.testing.assert_allclose(made.positions[:, 0], minimum_jerk(made.times), atol=1e-9)

@@ -114,9 +114,3 @@ def test_pose_rhythm_starts_anywhere_and_turns_about_a_new_centre():
     assert rotations.distance(state.orientation[None], centre[None])[0] < 1e-3
     nudged = skill.step(state, 0.05, coupling=(0.0, 0.0, 1.0))
     assert nudged.position[2] > skill.step(state, 0.05).position[2]
-
-
-def test_joints_keep_their_names():
-    joints = lt.JointTrajectory(SHOWN.times, SHOWN.positions, joint_names=("a", "b", "c"))
-    made = lt.RhythmicDMP().fit([joints]).generate()
-    assert made.joint_names == ("a", "b", "c")

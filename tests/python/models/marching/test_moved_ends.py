@@ -55,27 +55,6 @@ def test_ends_moved_past_each_other_do_not_turn_the_motion_around():
         assert_bounded(skill, usual, found, 0.3 * size)
 
 
-def test_moved_poses_turn_no_farther_than_their_ends():
-    flat = [each.positions for each in family(3, 5)]
-    shown = [
-        lt.PoseTrajectory(
-            2.0 * SHARE,
-            np.column_stack([path, 0.1 * RISE]),
-            lt.rotations.exp(np.outer(RISE, [0.2, 0.1, 1.2]) + 0.02 * index),
-        )
-        for index, path in enumerate(flat)
-    ]
-    skill = lt.FastMarching().fit(shown)
-    usual = skill.generate()
-    for angle in (0.01, 0.3, 1.0):
-        turn = lt.rotations.exp([[0.0, angle, 0.0]])
-        ends = lt.rotations.compose(turn, usual.orientations[-1:])[0]
-        made = skill.generate(goal=(usual.positions[-1], ends))
-        assert np.allclose(made.positions, usual.positions)
-        off = lt.rotations.distance(made.orientations, usual.orientations)
-        assert off.max() <= 1.5 * angle
-
-
 def moves(size, angles=DIRECTIONS):
     for offset in OFFSETS[:4]:
         for angle in angles:

@@ -86,16 +86,6 @@ def test_covariances_are_those_of_samples(skill):
             np.testing.assert_allclose(np.cov(values[:, i].T), covariance[i], atol=tolerance)
 
 
-def test_joint_motion_comes_with_names_and_derivatives(skill):
-    motion = skill.generate(duration=4.0, dt=0.005)
-    assert isinstance(motion, lt.JointTrajectory)
-    assert motion.joint_names == ("a", "b", "c")
-    gradient = np.gradient(motion.positions, motion.times, axis=0)
-    np.testing.assert_allclose(motion.velocities[1:-1], gradient[1:-1], atol=1e-3)
-    slope = np.gradient(motion.velocities, motion.times, axis=0)
-    np.testing.assert_allclose(motion.accelerations[1:-1], slope[1:-1], atol=1e-2)
-
-
 def test_samples_are_repeatable_and_of_the_type_shown(skill, shown):
     first, second = (skill.sample(3, seed=7) for _ in range(2))
     assert len(first) == 3
