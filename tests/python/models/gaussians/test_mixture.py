@@ -89,6 +89,13 @@ def test_fit_history_ends_at_the_mixtures_own_likelihood():
     assert fit_mixture(points, 3).mixture.means.tobytes() == fit.mixture.means.tobytes()
 
 
+def test_likelihood_never_falls_where_variances_are_as_small_as_they_may_be():
+    t = np.repeat(np.linspace(0.0, 1.0, 100), 2)
+    fit = fit_mixture(np.column_stack([t, 2.0 * t, np.ones(200)]), 4)
+    assert np.diff(fit.history).min() > -1e-8
+    assert (np.linalg.eigvalsh(fit.mixture.covariances) > 0.0).all()
+
+
 @pytest.mark.parametrize(("count", "size", "seed"), [(5, 3, 1), (8, 2, 3)])
 def test_fit_is_as_likely_as_the_best_of_five_of_scikit_learn(count, size, seed):
     sklearn_mixture = pytest.importorskip("sklearn.mixture")

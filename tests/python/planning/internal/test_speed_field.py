@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import leadthrough as lt
-from leadthrough.errors import NoPath
 from leadthrough.planning import Grid, arrival_times, descend, speed_map
 from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
@@ -163,29 +162,6 @@ def test_gap_in_a_wall_thinner_than_a_block_is_found(width):
     field, start, goal = wall_with_gap(width), np.array([10.0, 20.0]), np.array([190.0, 25.0])
     even = (by_arc_length(each(field, start, goal), 4000) for each in (quickest, in_whole_map))
     assert frechet_distance(*even) <= 0.5
-
-
-def test_walls_between_the_ends_leave_no_path():
-    start, goal = np.array([10.0, 20.0]), np.array([190.0, 25.0])
-    with pytest.raises(NoPath, match="separate") as error:
-        quickest(wall_with_gap(0), start, goal)
-    assert error.value.reason == "goal_enclosed"
-
-
-@pytest.mark.parametrize("end", ["start", "goal"])
-def test_end_in_a_wall_is_no_path(end):
-    ends = {"start": np.array([10.0, 20.0]), "goal": np.array([190.0, 25.0])}
-    ends[end] = np.array([100.0, 20.0])
-    with pytest.raises(NoPath, match=end) as error:
-        quickest(wall_with_gap(3), **ends)
-    assert error.value.reason == f"{end}_in_wall"
-
-
-def test_start_at_the_goal_is_a_path_of_one_place():
-    field = wall_with_gap(3)
-    place = np.array([10.2, 20.1])
-    path = quickest(field, place, place)
-    np.testing.assert_array_equal(path, np.broadcast_to(place, path.shape))
 
 
 def test_threads_find_the_same_bits():

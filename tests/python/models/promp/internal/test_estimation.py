@@ -159,12 +159,6 @@ def test_derivatives_are_those_of_central_differences(basis, order):
     np.testing.assert_allclose(basis(inside, order), difference, atol=2e-3 * 12**order)
 
 
-def test_rhythmic_functions_repeat_with_every_period():
-    rhythmic = Basis("rhythmic", 9)
-    for order in (0, 1, 2):
-        np.testing.assert_allclose(rhythmic(PHASES, order), rhythmic(PHASES + 3, order), atol=1e-8)
-
-
 def test_each_function_is_largest_near_its_centre(basis):
     inside = (basis.centres >= 0.0) & (basis.centres <= 1.0)
     largest = PHASES[basis(PHASES).argmax(axis=0)]
