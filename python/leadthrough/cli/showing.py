@@ -5,23 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich import box
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 import leadthrough as lt
 from leadthrough.cli import options, output
 from leadthrough.cli.command import PROFILE
 
-if TYPE_CHECKING:
-    from leadthrough_studies.demo.performed import Performed
-    from leadthrough_studies.handwriting.demo import Handwriting
-
-SCENES = ("handwriting", "pouring", "harvesting")
 _PROFILE = """\
 # Options that every command takes in this folder; an option on the command line wins.
 robot = "{robot}.urdf"
@@ -103,47 +97,18 @@ def demo(
             eight of them. The arm is shown with the first.
     """
     from leadthrough import check
-    from leadthrough_studies.demo import report, scenes
+    from leadthrough_studies.demo.performance import perform
+    from leadthrough_studies.demo.scenes import NAMES
 
-    wanted = dict.fromkeys(check.choice(name, "--scene", SCENES) for name in scene or SCENES)
-    left_out = "" if scene or motion else _missing()
-    if left_out:
-        del wanted["handwriting"]
-    performed: list[Performed] = []
-    written: list[Handwriting] = []
-    if "handwriting" in wanted:
-        with Progress() as progress:  # ended with the loop, also by an error
-            names = progress.track(motion or scenes.MOTIONS, description="Writing")
-            first, written = scenes.handwriting(names, out)
-        performed.append(first)
-    others = [name for name in wanted if name != "handwriting"]
-    with Progress(disable=not others) as progress:
-        tracked = progress.track(others, description=" and ".join(others).capitalize())
-        performed += [scenes.other(name, out) for name in tracked]
-    report.write_page(performed, written, out)
-    simulated = report.write_simulation(performed[0], out)
+    names = [check.choice(name, "--scene", NAMES) for name in scene or ()]
+    shown = perform(names, motion or (), out)
     console = Console()
-    console.print(_table(*report.glance(performed)))
-    if written:
-        console.print(_table(*report.errors(written)))
+    for table in shown.tables:
+        console.print(_table(*table))
     # Plain: rich would take the extra's name in brackets for a style.
-    print(f"Figures, tables and the joint trajectories: {out}/")
-    print(f"Page to open in a browser: {out / 'report.html'}")
-    print(f"{performed[0].name} under gravity and a controller: {simulated}")
-    if left_out:
-        print(f"Without handwriting: {left_out}")
-    if not (all(each.ok for each in performed) and all(each.ok for each in written)):
+    print("\n".join(shown.remarks))
+    if not shown.ok:
         raise typer.Exit(1)
-
-
-def _missing() -> str:
-    """Missing packages for the handwriting, as a message; empty if there are none."""
-
-    try:
-        lt.io.lasa.motions()
-    except lt.errors.MissingDependency as error:
-        return str(error)
-    return ""
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:

@@ -13,12 +13,14 @@ from leadthrough_studies.demo.writing import performed
 from leadthrough_studies.handwriting.demo import MOTIONS, Handwriting, HandwritingConfig, run
 from leadthrough_studies.handwriting.report import write_learning, write_summary
 
-__all__ = ["MOTIONS", "handwriting", "other"]
+__all__ = ["HANDWRITING", "MOTIONS", "NAMES", "handwriting", "other"]
 
+HANDWRITING = "handwriting"
 _OTHERS: Mapping[str, Callable[[], Performed]] = {
     "pouring": pouring.run,
     "harvesting": harvesting.run,
 }
+NAMES = (HANDWRITING, *_OTHERS)
 
 
 def handwriting(names: Iterable[str], folder: Path) -> tuple[Performed, list[Handwriting]]:
