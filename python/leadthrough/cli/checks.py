@@ -104,26 +104,16 @@ def _linear_rate(joints: lt.JointTrajectory, rate: float | None) -> float | None
 def _hint_after_check(
     ctx: typer.Context, motion: Path, *, limits_kept: bool, clear: bool, fails: bool
 ) -> None:
-    arm = output.arm_words(ctx)
+    arm, around = output.arm_words(ctx), output.typed(ctx, "obstacle")
     if not clear:
         output.advise("replan with a larger --margin or another --posture, then retime and check")
     elif not limits_kept:
-        output.hint(
-            ctx,
-            "leadthrough",
-            "retime",
-            motion,
-            *arm,
-            "-o",
-            motion.with_stem(f"{motion.stem}-timed"),
-        )
+        timed = motion.with_stem(f"{motion.stem}-timed")
+        output.hint(ctx, "retime", motion, *arm, "-o", timed)
     elif fails:
-        output.hint(ctx, "leadthrough", "simulate", motion, *arm, *output.typed(ctx, "obstacle"))
+        output.hint(ctx, "simulate", motion, *arm, *around)
     else:
-        page = motion.with_suffix(".html")
-        output.hint(
-            ctx, "leadthrough", "view", motion, *arm, *output.typed(ctx, "obstacle"), "--html", page
-        )
+        output.hint(ctx, "view", motion, *arm, *around, "--html", motion.with_suffix(".html"))
 
 
 def _peak(peak: lt.timing.Peak | None, as_json: bool) -> object:
@@ -238,12 +228,11 @@ def _hint_after_simulation(
         output.advise("plan with the obstacle, or a larger --margin, then retime and simulate")
     elif kinds & {"torque", "velocity"}:
         timed = motion.with_stem(f"{motion.stem}-timed")
-        output.hint(ctx, "leadthrough", "retime", motion, *arm, "--torques", "-o", timed)
+        output.hint(ctx, "retime", motion, *arm, "--torques", "-o", timed)
     elif kinds:
         output.advise("state the right --mass, raise the gains, or retime the motion more slowly")
     elif html is None:
-        page = motion.with_suffix(".html")
-        output.hint(ctx, "leadthrough", "simulate", motion, *arm, "--html", page)
+        output.hint(ctx, "simulate", motion, *arm, "--html", motion.with_suffix(".html"))
 
 
 def _controller(

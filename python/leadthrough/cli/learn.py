@@ -78,7 +78,7 @@ def learn(
     from leadthrough import check
     from leadthrough.cli import errors, outliers, parse, reading, robot as robots
 
-    reading.check_skill_output(out)
+    reading.check_suffix(out, reading.SKILL, "--out")
     if model is not None:
         check.choice(model, "--model", lt.models.model_names())
     arm = None if robot is None else robots.load(robot, details)
@@ -184,7 +184,7 @@ def _hint(ctx: typer.Context, near: lt.models.Reproduction, model: str) -> None:
         words = output.repeated(ctx, "model", "parameter", changed=("--model", "aligned-mean"))
     else:
         words = ("judge", *ctx.params["files"], *output.reading_words(ctx))
-    output.hint(ctx, "leadthrough", *words)
+    output.hint(ctx, *words)
 
 
 def _streamed(
@@ -193,7 +193,7 @@ def _streamed(
     """The recordings that can be cleaned, each thinned out as it comes, with a table of faults."""
     from leadthrough.cli import reading
 
-    reading.check_table(table)
+    reading.check_suffix(table, reading.TABLE, "--table")
     return [
         reading.thinned(demonstration, samples)
         for _, demonstration, _ in reading.cleaned_episodes(
@@ -244,7 +244,7 @@ def _told(ctx: typer.Context, demonstrations: list[lt.Demonstration]) -> Iterato
             str(each.message),
         )
         text = errors.in_words(text, {_ALIGN: "--align"})
-        cure = output.line(ctx, "leadthrough", *output.repeated(ctx, changed=("--align",)))
+        cure = output.line(ctx, *output.repeated(ctx, changed=("--align",)))
         print(f"warning: {text}: {cure}", file=sys.stderr)
 
 

@@ -92,7 +92,7 @@ def retime(
         )
     if not as_json:
         if reading.can_read(out):
-            output.hint(ctx, "leadthrough", "check", out, *output.arm_words(ctx))
+            output.hint(ctx, "check", out, *output.arm_words(ctx))
         else:
             output.advise(f"run {out} on the robot")
 
@@ -180,6 +180,6 @@ def guard(
     output.facts(found, as_json=as_json, units=units)
     if answer.safe and not as_json and reading.can_read(out):
         words = (*output.arm_words(ctx), *output.typed(ctx, "obstacle"))
-        output.hint(ctx, "leadthrough", "check", out, *words)
+        output.hint(ctx, "check", out, *words)
     if answer.verdict == "braking" or not answer.safe:
         raise typer.Exit(1)

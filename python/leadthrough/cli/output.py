@@ -21,8 +21,6 @@ from rich.table import Table
 from leadthrough.cli.options import ReadOptions
 
 _ARM = ("robot", "base", "tip", "limits", "mesh_folder")
-_OPERATORS = ("&&",)
-_PROGRAM = "leadthrough"
 _WIDTH = 80  # characters
 _WHOLE_WORDS: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
@@ -33,10 +31,12 @@ def hint(ctx: typer.Context, *words: str | Path) -> None:
 
 
 def line(ctx: typer.Context, *words: str | Path) -> str:
-    """A command line quoted for a shell, with --no-profile where it was set."""
-    program = f"{_PROGRAM} --no-profile" if ctx.find_root().params.get("no_profile") else _PROGRAM
-    kept = {word: word for word in _OPERATORS} | {_PROGRAM: program}
-    return " ".join(kept.get(str(word)) or shlex.quote(_word(word)) for word in words)
+    """A command line quoted for a shell, with --no-profile where it was set; && begins another."""
+    unset = " --no-profile" if ctx.find_root().params.get("no_profile") else ""
+    program = f"leadthrough{unset}"
+    return " ".join(
+        [program, *(f"&& {program}" if word == "&&" else quoted(word) for word in words)]
+    )
 
 
 def advise(text: str) -> None:
@@ -89,9 +89,10 @@ def _words(option: str, value: Any) -> Iterator[str]:
         yield from [f"{option}={each}"] if str(each).startswith("-") else [option, str(each)]
 
 
-def _word(word: str | Path) -> str:
-    """A word of a command line; a file whose name looks like an option gets its folder."""
-    return f"./{word}" if isinstance(word, Path) and str(word).startswith("-") else str(word)
+def quoted(word: str | Path) -> str:
+    """A word quoted for a shell; a file whose name looks like an option gets its folder."""
+    looks_like_option = isinstance(word, Path) and str(word).startswith("-")
+    return shlex.quote(f"./{word}" if looks_like_option else str(word))
 
 
 def _is_typed(ctx: typer.Context, name: str) -> bool:

@@ -146,11 +146,11 @@ def _next(ctx: typer.Context, motion: Motion, *, knows_limits: bool) -> tuple[st
         again = output.typed(ctx, *_ASKED)
         if ctx.params["robot"] or not moves_joints:
             again += arm
-        return ("leadthrough", "plan", skill, *again, "-o", out.with_suffix(".json"))
+        return ("plan", skill, *again, "-o", out.with_suffix(".json"))
     timed = out.with_stem(f"{out.stem}-timed")
     if knows_limits:
-        return ("leadthrough", "retime", out, *arm, "-o", timed)
-    return _limits_first(ctx, ("leadthrough", "retime", out), ("-o", timed))
+        return ("retime", out, *arm, "-o", timed)
+    return _limits_first(ctx, ("retime", out), ("-o", timed))
 
 
 def _limits_first(
@@ -165,7 +165,7 @@ def _limits_first(
     known = output.typed(ctx, "base", "tip", "limits", "mesh_folder")
     arm = output.typed(ctx, "robot", "base", "tip", "mesh_folder")
     written: tuple[str | Path, ...]
-    written = ("leadthrough", "info", urdf, *known, "--write-limits", target)
+    written = ("info", urdf, *known, "--write-limits", target)
     return (*written, "&&", *begin, *arm, "--limits", target, *end)
 
 

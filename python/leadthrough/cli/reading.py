@@ -24,8 +24,7 @@ listed, can_read = files.listed, files.can_read
 _REPORTED = 0.1  # s; shorter rests are left out silently
 _EACH = 8  # recordings that are reported one by one
 
-_SKILL = ".npz"
-_TABLE = ".csv"
+SKILL, TABLE = ".npz", ".csv"  # suffixes
 # Of the table of faults.
 _COLUMNS = (
     *("episode", "used", "samples", "left", "duration_s", "faults", "missing", "spikes"),
@@ -109,9 +108,9 @@ def saved_skill(file: Path) -> lt.models.Skill:
     """The skill in a file."""
     if not file.is_file():
         raise lt.errors.InvalidInput(f"{file}: no such file")
-    if file.suffix.lower() != _SKILL:
+    if file.suffix.lower() != SKILL:
         raise lt.errors.InvalidInput(
-            f"{file}: expected a skill, a {_SKILL} that `leadthrough learn` wrote, "
+            f"{file}: expected a skill, a {SKILL} that `leadthrough learn` wrote, "
             f"got {file.suffix or 'a file without a suffix'}"
         )
     with errors.naming(path=str(file)):
@@ -121,17 +120,17 @@ def saved_skill(file: Path) -> lt.models.Skill:
 def refuse_skills(files: Sequence[Path]) -> None:
     """Refuses skills where recordings or motions are due."""
     for file in files:
-        if file.suffix.lower() == _SKILL and file.is_file() and _is_skill(file):
+        if file.suffix.lower() == SKILL and file.is_file() and _is_skill(file):
             raise lt.errors.InvalidInput(
                 f"{file}: expected recordings or a motion, got a skill; `leadthrough plan {file}` "
                 "makes a motion of it"
             )
 
 
-def check_skill_output(out: Path, option: str = "--out") -> None:
-    """Refuses a file that no skill would be read from again, before anything is computed."""
-    if out.suffix.lower() != _SKILL:
-        raise lt.errors.InvalidInput(f"{option}: expected a name that ends in {_SKILL}, got {out}")
+def check_suffix(path: Path, suffix: str, option: str) -> None:
+    """Refuses a file's name with another suffix, before anything is computed."""
+    if path.suffix.lower() != suffix:
+        raise lt.errors.InvalidInput(f"{option}: expected a name that ends in {suffix}, got {path}")
 
 
 def _is_skill(file: Path) -> bool:
@@ -152,12 +151,6 @@ def write_motion(motion: Motion, out: Path, format: str | None) -> None:
     """Writes a motion to the file of --out."""
     with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
         io.write_motion(motion, out, format=format)
-
-
-def check_table(table: Path) -> None:
-    """Refuses a table's name before anything is read."""
-    if table.suffix.lower() != _TABLE:
-        raise lt.errors.InvalidInput(f"--table: expected a name that ends in {_TABLE}, got {table}")
 
 
 def cleaned_episodes(

@@ -130,19 +130,11 @@ def _next(
 ) -> tuple[str | Path, ...]:
     """The command for these files, which are of one kind."""
     if infos[0].kind == "skill":
-        return ("leadthrough", "plan", infos[0].path, "-o", "motion.csv")
+        return ("plan", infos[0].path, "-o", "motion.csv")
     if infos[0].kind == "recordings":
         faulty = any(recording.has_faults for each in infos for recording in each.recordings)
-        asked = ctx.params["files"]
-        return (
-            "leadthrough",
-            "learn",
-            *asked,
-            *output.reading_words(ctx),
-            *["--clean"] * faulty,
-            "-o",
-            "skill.npz",
-        )
+        how = (*output.reading_words(ctx), *["--clean"] * faulty)
+        return ("learn", *ctx.params["files"], *how, "-o", "skill.npz")
     return _next_of_robot(ctx, infos[0], written)
 
 
@@ -150,16 +142,16 @@ def _next_of_robot(
     ctx: typer.Context, robot: FileInfo, written: Path | None
 ) -> tuple[str | Path, ...]:
     if "ends" in robot.facts:
-        return ("leadthrough", "info", robot.path, "--tip", str(robot.facts["tip"]))
+        return ("info", robot.path, "--tip", str(robot.facts["tip"]))
     typed = {name: ctx.params[name] for name in OF_THE_ROBOT}
     if robot.facts["unknown_limits"]:
         target = Path(robot.path).with_suffix(".toml").name
         arm = output.words(base=typed["base"], tip=typed["tip"])
-        return ("leadthrough", "info", robot.path, *arm, "--write-limits", target)
+        return ("info", robot.path, *arm, "--write-limits", target)
     asked = _arm_options(ctx, Path(robot.path), {**typed, "limits": written or typed["limits"]})
     is_in_profile = asked and not any(typed.values()) and written is None
     arm = () if is_in_profile else output.words(robot=robot.path, **asked)
-    return ("leadthrough", "learn", "RECORDINGS", *arm, "-o", "skill.npz")
+    return ("learn", "RECORDINGS", *arm, "-o", "skill.npz")
 
 
 def clean(
@@ -208,7 +200,7 @@ def clean(
         smoothing=smoothing,
     )
     if table is not None:
-        reading.check_table(table)
+        reading.check_suffix(table, reading.TABLE, "--table")
         stream = lt.io.stream_recordings(reading.listed(files), **layout.arguments())
         results = reading.cleaned_episodes(stream, cleaned, table)
     else:
@@ -232,7 +224,7 @@ def clean(
     elif table is not None:
         print(f"{len(files_written)} recordings cleaned; faults: {table}")
     else:
-        output.hint(ctx, "leadthrough", "learn", *files_written, "-o", "skill.npz")
+        output.hint(ctx, "learn", *files_written, "-o", "skill.npz")
 
 
 def judge(

@@ -152,8 +152,8 @@ def example(
             lt.io.write_motion(content.motion, folder / path)
     output.facts({"folder": str(folder), "files": list(files)}, as_json=as_json)
     if not as_json:
-        here = () if folder.resolve() == Path.cwd() else ("cd", folder, "&&")
-        output.hint(ctx, *here, "leadthrough", "info", "recorded")
+        here = "" if folder.resolve() == Path.cwd() else f"cd {output.quoted(folder)} && "
+        output.advise(here + output.line(ctx, "info", "recorded"))
 
 
 def _reach(seed: int) -> dict[str, str | lt.Demonstration]:

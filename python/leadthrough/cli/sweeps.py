@@ -55,7 +55,7 @@ def validate(
     from leadthrough.cli import errors, parse, reading, robot as robots
 
     if certify is not None:
-        reading.check_skill_output(certify, "--certify")
+        reading.check_suffix(certify, reading.SKILL, "--certify")
     learned = reading.saved_skill(skill)
     fixed = parse.obstacles(obstacle)
     drawn = [parse.random_obstacle(text) for text in random_obstacle or ()]
@@ -149,7 +149,7 @@ def reach(
     """
     from leadthrough.cli import parse, reading, robot as robots
 
-    reading.check_skill_output(out)
+    reading.check_suffix(out, reading.SKILL, "--out")
     arm = robots.load(robot, details)
     if skill is not None or area is not None:
         _place(arm, skill, area, out, spacing, yaws, seed, as_json=as_json)

@@ -1,0 +1,83 @@
+"""The demo as a whole: its scenes one after the other, with their files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.progress import Progress
+
+from leadthrough.errors import MissingDependency
+from leadthrough.io import lasa
+from leadthrough_studies.demo import report, scenes
+from leadthrough_studies.demo.performed import Performed
+from leadthrough_studies.handwriting.demo import Handwriting
+
+# Names of columns, and rows.
+Table = tuple[Sequence[str], Sequence[Sequence[str]]]
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """The scenes that were performed.
+
+    Attributes:
+        tables: of the measures, each the names of its columns and its rows.
+        remarks: sentences on the files and on what is missing.
+        ok: whether every motion keeps all limits and every arm is clear.
+    """
+
+    tables: list[Table]
+    remarks: list[str]
+    ok: bool
+
+
+def perform(names: Sequence[str], motions: Sequence[str], out: Path) -> Performance:
+    """Perform scenes and write their files, with bars of progress.
+
+    Args:
+        names: of the scenes; none for all, without the handwriting if its set is not installed.
+        motions: of the handwriting set; none for eight of them.
+        out: folder of the files, made if missing.
+
+    Raises:
+        MissingDependency: if the handwriting is named and its set is not installed.
+    """
+    wanted = list(dict.fromkeys(names or scenes.NAMES))
+    left_out = "" if names or motions else _missing()
+    if left_out:
+        wanted.remove(scenes.HANDWRITING)
+    performed: list[Performed] = []
+    written: list[Handwriting] = []
+    if scenes.HANDWRITING in wanted:
+        wanted.remove(scenes.HANDWRITING)
+        with Progress() as progress:  # ended with the loop, also by an error
+            tracked = progress.track(motions or scenes.MOTIONS, description="Writing")
+            first, written = scenes.handwriting(tracked, out)
+        performed.append(first)
+    with Progress(disable=not wanted) as progress:
+        tracked = progress.track(wanted, description=" and ".join(wanted).capitalize())
+        performed += [scenes.other(name, out) for name in tracked]
+    report.write_page(performed, written, out)
+    simulated = report.write_simulation(performed[0], out)
+    remarks = [
+        f"Figures, tables and the joint trajectories: {out}/",
+        f"Page to open in a browser: {out / 'report.html'}",
+        f"{performed[0].name} under gravity and a controller: {simulated}",
+        *([f"Without handwriting: {left_out}"] if left_out else []),
+    ]
+    tables: list[Table] = [report.glance(performed)]
+    if written:
+        tables.append(report.errors(written))
+    ok = all(each.ok for each in performed) and all(each.ok for each in written)
+    return Performance(tables, remarks, ok)
+
+
+def _missing() -> str:
+    """Missing packages for the handwriting, as a message; empty if there are none."""
+    try:
+        lasa.motions()
+    except MissingDependency as error:
+        return str(error)
+    return ""
