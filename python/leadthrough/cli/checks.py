@@ -35,12 +35,12 @@ def check(
             by default so are files without velocities and accelerations, at their own.
         physics: Also simulate it under gravity; `leadthrough simulate` reports more.
     """
-    from leadthrough.cli import errors, parse, robot as robots
+    from leadthrough.cli import parse, robot as robots
 
     arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
     scene = lt.Scene(parse.obstacles(obstacle), margin)
-    with errors.naming(linear_rate="--rate"):
+    with output.naming(linear_rate="--rate"):
         verdict = lt.check_limits(joints, arm.limits, linear_rate=_linear_rate(joints, rate))
     with output.busy("checking"):
         clearance = _clearance(arm, joints, scene)
@@ -187,7 +187,7 @@ def simulate(
         tip_tolerance: Largest error of the tip that is acceptable, in m.
         html: Write a page with the simulated arm beside the planned one to this HTML file.
     """
-    from leadthrough.cli import errors, parse, robot as robots
+    from leadthrough.cli import parse, robot as robots
 
     arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
@@ -196,7 +196,7 @@ def simulate(
     elif payload != 1.0:
         robots.refuse("--mass", payload=payload)
     made = _controller(arm, controller.value, frequency=frequency, stiffness=stiffness, skill=skill)
-    with output.busy("simulating"), errors.naming(state="--start"):
+    with output.busy("simulating"), output.naming(state="--start"):
         report = lt.simulate(
             arm,
             joints,
@@ -209,7 +209,7 @@ def simulate(
             tip_tolerance=tip_tolerance,
         )
     if html is not None:
-        with errors.naming(path="--html", html="--html"):
+        with output.naming(path="--html", html="--html"):
             lt.show.simulation_page(report, html)
     units = {"tip_error": "mm", "joint_error": "mrad", "energy": "J", "duration": "s"}
     output.facts(_simulation_facts(report, as_json=as_json), as_json=as_json, units=units)
@@ -264,12 +264,12 @@ def _controller(
 
 
 def _push(text: str) -> lt.simulation.Push:
-    from leadthrough.cli import errors, parse
+    from leadthrough.cli import parse
 
     values = parse.numbers(text, "--push")
     if len(values) != 4:
         raise lt.errors.InvalidInput(f"--push: expected TIME,FX,FY,FZ, got {text!r}")
-    with errors.naming(time="--push", force="--push"):
+    with output.naming(time="--push", force="--push"):
         return lt.simulation.Push(float(values[0]), values[1:])
 
 

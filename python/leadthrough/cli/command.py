@@ -20,7 +20,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 import leadthrough as lt
-from leadthrough.cli import errors
+from leadthrough.cli import output
 
 # Typer's root of what is wrong with the words of a command line.
 _UsageError: Any = typer.BadParameter.__bases__[0]
@@ -80,14 +80,14 @@ class Command(TyperCommand):
 
     def invoke(self, ctx: Any) -> Any:
         try:
-            with errors.warnings_in(words(ctx)):
+            with output.warnings_in(words(ctx)):
                 return super().invoke(ctx)
         except BrokenPipeError:  # a reader such as `head` has seen enough
             raise
         except (lt.errors.LeadthroughError, OSError) as error:
             if ctx.find_root().params.get("debug"):
                 raise
-            raise errors.ending(error, words(ctx), as_json=_wants_json(ctx)) from None
+            raise output.ending(error, words(ctx), as_json=_wants_json(ctx)) from None
 
 
 def _refuse_files_like_options(command: Command, ctx: Any, args: list[str]) -> None:
@@ -148,12 +148,12 @@ def _usage_errors(ctx: Any) -> Iterator[None]:
             raise
         parameter = getattr(error, "param", None)
         argument = parameter.opts[0] if parameter else getattr(error, "option_name", None)
-        errors.print_json("UsageError", error.format_message(), argument)
+        output.print_json("UsageError", error.format_message(), argument)
         raise typer.Exit(error.exit_code) from None
     except lt.errors.LeadthroughError as error:  # of the profile, or of a command with --debug
         if ctx.params.get("debug"):
             raise
-        raise errors.ending(error, {}, as_json=_wants_json(ctx)) from None
+        raise output.ending(error, {}, as_json=_wants_json(ctx)) from None
 
 
 def _wants_json(ctx: Any) -> bool:

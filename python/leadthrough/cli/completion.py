@@ -75,9 +75,8 @@ def anything(incomplete: str) -> list[str]:
 
 def formats(incomplete: str) -> list[str]:
     """Names of the formats that motions can be written in."""
-    from leadthrough.io.formats import FORMATS
-
-    return _beginning((each.name for each in FORMATS if each.write is not None), incomplete)
+    known = lt.io.formats.FORMATS
+    return _beginning((each.name for each in known if each.write is not None), incomplete)
 
 
 def robots(incomplete: str) -> list[str]:
@@ -102,19 +101,15 @@ def links(ctx: typer.Context, incomplete: str) -> list[str]:
 
 def models(incomplete: str) -> list[str]:
     """Names of the models, those that other packages add included."""
-    from leadthrough.models import model_names
-
-    return _beginning(model_names(), incomplete)
+    return _beginning(lt.models.model_names(), incomplete)
 
 
 def parameters(ctx: typer.Context, incomplete: str) -> list[str]:
     """The parameters of the model that --model names, with their defaults."""
     from dataclasses import fields
 
-    from leadthrough.models import model_entry
-
     with suppress(lt.errors.LeadthroughError):
-        known = fields(model_entry(ctx.params.get("model") or "dmp").load())
+        known = fields(lt.models.model_entry(ctx.params.get("model") or "dmp").load())
         return _beginning((f"{field.name}={field.default}" for field in known), incomplete)
     return []
 
@@ -124,9 +119,8 @@ def _beginning(values: Iterable[str], incomplete: str) -> list[str]:
 
 
 def _readable() -> tuple[str, ...]:
-    from leadthrough.io.formats import FORMATS
-
-    return tuple(suffix for each in FORMATS if each.read is not None for suffix in each.suffixes)
+    readable = (each for each in lt.io.formats.FORMATS if each.read is not None)
+    return tuple(suffix for each in readable for suffix in each.suffixes)
 
 
 def _files(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:

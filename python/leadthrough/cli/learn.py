@@ -76,7 +76,7 @@ def learn(
         samples: With --table, most samples that are kept of each recording.
     """
     from leadthrough import check
-    from leadthrough.cli import errors, outliers, parse, reading, robot as robots
+    from leadthrough.cli import outliers, parse, reading, robot as robots
 
     reading.check_suffix(out, reading.SKILL, "--out")
     if model is not None:
@@ -117,7 +117,7 @@ def learn(
     _refuse_other_kinds(kind, demonstrations)
     words = {f"demonstrations[{i}]": each.name for i, each in enumerate(demonstrations)}
     words |= options.of_model(chosen) | {_ALIGN: "--align"}
-    with output.busy("learning"), errors.naming(**words, path="--out"):
+    with output.busy("learning"), output.naming(**words, path="--out"):
         if "rhythmic" not in repr(chosen).lower():  # a rhythm may be any number of periods long
             outliers.refuse_contradictions(ctx, demonstrations)
         with _told(ctx, demonstrations):
@@ -183,7 +183,7 @@ def _hint(ctx: typer.Context, near: lt.models.Reproduction, model: str) -> None:
     elif len(near.positions) < _JUDGED:
         words = output.repeated(ctx, "model", "parameter", changed=("--model", "aligned-mean"))
     else:
-        words = ("judge", *ctx.params["files"], *output.reading_words(ctx))
+        words = ("judge", *ctx.params["files"], *options.reading_words(ctx))
     output.hint(ctx, *words)
 
 
@@ -232,7 +232,6 @@ def _refuse_other_kinds(model: str, demonstrations: list[lt.Demonstration]) -> N
 @contextmanager
 def _told(ctx: typer.Context, demonstrations: list[lt.Demonstration]) -> Iterator[None]:
     """Prints warnings of misaligned demonstrations on stderr, with names and the cure."""
-    from leadthrough.cli import errors
 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", lt.models.MisalignmentWarning)
@@ -243,7 +242,7 @@ def _told(ctx: typer.Context, demonstrations: list[lt.Demonstration]) -> Iterato
             lambda found: ", ".join(demonstrations[int(i)].name for i in found[1].split(",")),
             str(each.message),
         )
-        text = errors.in_words(text, {_ALIGN: "--align"})
+        text = output.in_words(text, {_ALIGN: "--align"})
         cure = output.line(ctx, *output.repeated(ctx, changed=("--align",)))
         print(f"warning: {text}: {cure}", file=sys.stderr)
 

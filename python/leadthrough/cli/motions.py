@@ -50,7 +50,7 @@ def retime(
         start: Joint positions, such as 0,-0.5,1, at which the arm rests before; a way from there
             onto the motion is written with it.
     """
-    from leadthrough.cli import errors, parse, reading, robot as robots
+    from leadthrough.cli import parse, reading, robot as robots
 
     reading.check_output(out, format)
     if start is None:
@@ -69,7 +69,7 @@ def retime(
     with output.busy("timing"):
         timed = law(path)
     if start is not None:
-        with errors.naming(state="--start"):
+        with output.naming(state="--start"):
             timed = law(lt.connect(parse.numbers(start, "--start"), timed, arm, around))
     limited = _limited_by(lt.timing.binding_limits(timed, arm.limits))
     reading.write_motion(timed, out, format)
@@ -142,7 +142,7 @@ def guard(
     """
     import numpy as np
 
-    from leadthrough.cli import errors, parse, reading, robot as robots
+    from leadthrough.cli import parse, reading, robot as robots
     from leadthrough.guard.admission import states_of, trajectory
     from leadthrough.guard.rules import row_of
 
@@ -157,7 +157,7 @@ def guard(
         here, chunk = parse.numbers(start, "--start"), joints
     else:
         here, chunk = joints.positions[0], joints[1:] if len(joints) > 1 else joints
-    with errors.naming(state="--start"):
+    with output.naming(state="--start"):
         answer = admits.admit(chunk, here)
     rest = answer.to_rest
     now = chunk.times[0] - 1.0 / per_second

@@ -15,7 +15,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
 
-from leadthrough.cli import completion
+from leadthrough.cli import completion, output
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
 
 EXAMPLES = ("reach",)
@@ -170,6 +170,11 @@ class ReadOptions:
         return {name: value for name, value in vars(self).items() if name != "column"} | {
             "columns": columns
         }
+
+
+def reading_words(ctx: typer.Context) -> tuple[str, ...]:
+    """The options that say how recordings are read, as they were typed."""
+    return output.typed(ctx, *(each.name for each in fields(ReadOptions)))
 
 
 @dataclass(frozen=True)

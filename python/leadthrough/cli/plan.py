@@ -74,7 +74,7 @@ def plan(
         tip_only: Keep only the tip clear of obstacles.
     """
     from leadthrough.arm.recorded_joints import warn_of_another_arm
-    from leadthrough.cli import errors, parse, reading, robot as robots
+    from leadthrough.cli import parse, reading, robot as robots
     from leadthrough.motion import joints_with
 
     reading.check_output(out, format)
@@ -94,7 +94,7 @@ def plan(
         robots.refuse("--robot and --obstacle", margin=margin, tip_only=tip_only or None)
     _warn_of_novelty(learned, asked)
     at_learning = options.of_model(getattr(learned, "model", None))
-    with output.busy("planning"), errors.naming(**at_learning):
+    with output.busy("planning"), output.naming(**at_learning):
         query = asked | {"dt": dt}
         facts: dict[str, Any] = {}
         arm = None

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import leadthrough as lt
-from leadthrough import io, preprocess
-from leadthrough.cli import errors
+from leadthrough.cli import output
 from leadthrough.cli.options import RestOptions
 from leadthrough.io import reading as files
 from leadthrough.io.files import replacing
@@ -32,17 +31,17 @@ _COLUMNS = (
 )
 
 
-_Clean = Callable[[io.Recording], tuple[lt.Demonstration, preprocess.CleaningReport]]
+_Clean = Callable[[lt.io.Recording], tuple[lt.Demonstration, lt.preprocess.CleaningReport]]
 
 
 def cleaned(files: Sequence[Path], **how: Any) -> list[lt.Demonstration]:
     """The recordings in files, cleaned; stderr reports the samples that were removed."""
     demonstrations = []
-    recordings = io.read_recordings(files, **how)
+    recordings = lt.io.read_recordings(files, **how)
     for recording in recordings:
         # Both ends stay: `trimmed` has the options for them.
-        with errors.naming(longest_gap="`leadthrough clean --longest-gap`"):
-            demonstration, report = preprocess.clean(recording, rest=math.inf)
+        with output.naming(longest_gap="`leadthrough clean --longest-gap`"):
+            demonstration, report = lt.preprocess.clean(recording, rest=math.inf)
         print(f"{recording.name}: {report}", file=sys.stderr)
         demonstrations.append(demonstration)
     return demonstrations
@@ -56,7 +55,7 @@ def cut(
     motions = [
         motion
         for recording in recordings
-        for motion in preprocess.segment(
+        for motion in lt.preprocess.segment(
             recording, speed=resting.speed, angular_speed=resting.angular_speed, **shortest
         )
     ]
@@ -72,7 +71,7 @@ def cut(
 
 def trimmed(recordings: Sequence[lt.Demonstration], resting: RestOptions) -> list[lt.Demonstration]:
     """The recordings without the rest at both ends; stderr reports how long it was."""
-    kept = [preprocess.trim(each, **vars(resting)) for each in recordings]
+    kept = [lt.preprocess.trim(each, **vars(resting)) for each in recordings]
     _report_rests(recordings, kept)
     return kept
 
@@ -101,7 +100,7 @@ def _report_rests(recordings: Sequence[lt.Demonstration], kept: Sequence[lt.Demo
 def one_motion(file: Path, *, joints: Mapping[str, tuple[float, float]] | None = None) -> Motion:
     """The only motion in a file."""
     refuse_skills([file])
-    return io.read_motion(file, joints=joints)
+    return lt.io.read_motion(file, joints=joints)
 
 
 def saved_skill(file: Path) -> lt.models.Skill:
@@ -113,7 +112,7 @@ def saved_skill(file: Path) -> lt.models.Skill:
             f"{file}: expected a skill, a {SKILL} that `leadthrough learn` wrote, "
             f"got {file.suffix or 'a file without a suffix'}"
         )
-    with errors.naming(path=str(file)):
+    with output.naming(path=str(file)):
         return lt.load_skill(file)
 
 
@@ -143,19 +142,19 @@ def _is_skill(file: Path) -> bool:
 
 def check_output(out: Path, format: str | None = None) -> None:
     """Refuses a file that no motion can be written to, before anything is computed."""
-    with errors.naming(path="--out"):
+    with output.naming(path="--out"):
         lt.io.formats.to_write(out, format)
 
 
 def write_motion(motion: Motion, out: Path, format: str | None) -> None:
     """Writes a motion to the file of --out."""
-    with errors.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
-        io.write_motion(motion, out, format=format)
+    with output.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
+        lt.io.write_motion(motion, out, format=format)
 
 
 def cleaned_episodes(
-    episodes: Iterable[io.Episode], clean: _Clean, table: Path
-) -> Iterator[tuple[int, lt.Demonstration, preprocess.CleaningReport]]:
+    episodes: Iterable[lt.io.Episode], clean: _Clean, table: Path
+) -> Iterator[tuple[int, lt.Demonstration, lt.preprocess.CleaningReport]]:
     """The episodes that can be cleaned, one after the other, with their numbers, counted from 1."""
     used, problem = 0, "--table: there are no episodes"
     with replacing(table) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
@@ -178,7 +177,7 @@ def cleaned_episodes(
 
 
 def _row(
-    name: str, found: tuple[lt.Demonstration, preprocess.CleaningReport] | None, problem: str
+    name: str, found: tuple[lt.Demonstration, lt.preprocess.CleaningReport] | None, problem: str
 ) -> dict[str, object]:
     if found is None:
         return {"episode": name, "used": "no", "problem": problem}
@@ -207,4 +206,6 @@ def thinned(demonstration: lt.Demonstration, samples: int) -> lt.Demonstration:
         return demonstration
     # A little more than needed, as the last sample comes no later than the old one.
     rate = (samples - 1) / motion.duration * (1.0 - 1e-12)
-    return replace(demonstration, motion=preprocess.sample_evenly(demonstration, rate=rate).motion)
+    return replace(
+        demonstration, motion=lt.preprocess.sample_evenly(demonstration, rate=rate).motion
+    )

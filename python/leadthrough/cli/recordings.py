@@ -74,14 +74,14 @@ def info(
 
 def _in_words(ctx: typer.Context, found: FileInfo) -> FileInfo:
     """The summary, whose remarks name options."""
-    from leadthrough.cli import command, errors
+    from leadthrough.cli import command
 
     words = command.words(ctx)
     recordings = tuple(
-        replace(each, remarks=tuple(errors.in_words(text, words) for text in each.remarks))
+        replace(each, remarks=tuple(output.in_words(text, words) for text in each.remarks))
         for each in found.recordings
     )
-    problem = found.problem and errors.in_words(found.problem, words)
+    problem = found.problem and output.in_words(found.problem, words)
     return replace(found, recordings=recordings, problem=problem)
 
 
@@ -133,7 +133,7 @@ def _next(
         return ("plan", infos[0].path, "-o", "motion.csv")
     if infos[0].kind == "recordings":
         faulty = any(recording.has_faults for each in infos for recording in each.recordings)
-        how = (*output.reading_words(ctx), *["--clean"] * faulty)
+        how = (*options.reading_words(ctx), *["--clean"] * faulty)
         return ("learn", *ctx.params["files"], *how, "-o", "skill.npz")
     return _next_of_robot(ctx, infos[0], written)
 
@@ -255,7 +255,7 @@ def judge(
     """
     import numpy as np
 
-    from leadthrough.cli import errors, parse, reading
+    from leadthrough.cli import parse, reading
     from leadthrough.cli.learn import model_of
 
     recordings = reading.listed(files)
@@ -263,7 +263,7 @@ def judge(
     demonstrations = lt.read_demonstrations(recordings, **layout.arguments(), rest=math.inf)
     demonstrations = reading.trimmed(demonstrations, resting)
     middle = np.mean([each.motion.positions[-1] for each in demonstrations], axis=0)
-    with output.busy("judging"), errors.naming(demonstrations="RECORDINGS"):
+    with output.busy("judging"), output.naming(demonstrations="RECORDINGS"):
         found = lt.judge_demonstrations(
             demonstrations,
             model=model_of(model or "promp", parse.parameters(parameter or [])),

@@ -15,7 +15,7 @@ import leadthrough as lt
 from leadthrough import check
 from leadthrough.arm.inverse_kinematics import AXES
 from leadthrough.arm.robot_files import find_robot
-from leadthrough.cli import errors, parse, reading
+from leadthrough.cli import output, parse, reading
 from leadthrough.cli.options import ArmDetails
 from leadthrough.motion import Motion, joints_with, with_derivatives
 
@@ -49,7 +49,7 @@ _NUMBERED = re.compile(r"((?:q|j|joint|axis|a|theta|position)(?:_d)?[_\[]?)(\d+)
 def load(name: str, details: ArmDetails) -> lt.Arm:
     """The arm of a robot, by its name, or of a URDF, by its path."""
     named: Any = {"base": details.base, "tip": details.tip, "limits": details.limits}
-    with errors.naming(name="--robot", path_or_xml="--robot"):
+    with output.naming(name="--robot", path_or_xml="--robot"):
         if _is_path(name):
             folders = mesh_folders(details.mesh_folder)
             return lt.Arm.from_urdf(Path(name), **named, mesh_folders=folders)
@@ -112,7 +112,7 @@ def own_joints(arm: lt.Arm, motion: Motion, name: str) -> lt.JointTrajectory:
         )
     if strangers and len(recorded) == len(arm.joint_names):
         motion = _numbered(motion, arm.joint_names, name)
-    with errors.naming(trajectory=name):
+    with output.naming(trajectory=name):
         return arm.joints_of(motion)
 
 

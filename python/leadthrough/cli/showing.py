@@ -52,7 +52,7 @@ def view(
         port: Port of the live page; 0 picks a free one.
     """
     from leadthrough import check
-    from leadthrough.cli import errors, parse, reading, robot as robots
+    from leadthrough.cli import parse, reading, robot as robots
 
     check.integer(port, "port", at_least=0, at_most=65535)
     arm = robots.load(robot, details)
@@ -67,7 +67,7 @@ def view(
         recordings = lt.read_demonstrations(
             files, **layout.arguments(), joints=known, rest=math.inf
         )
-    with errors.naming(path="--html"):
+    with output.naming(path="--html"):
         lt.show.view(
             arm,
             asked,

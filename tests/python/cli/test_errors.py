@@ -12,7 +12,7 @@ import pytest
 from cli.command_line import run
 
 import leadthrough as lt
-from leadthrough.cli.errors import in_words
+from leadthrough.cli.output import in_words
 
 WORDS = {
     "rate": "--rate",
