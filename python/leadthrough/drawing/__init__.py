@@ -1,8 +1,8 @@
 """Figures of objects by matplotlib: panels that describe them, their style and colours."""
 
+from leadthrough.drawing.drawn import Drawn as Drawn
 from leadthrough.drawing.panels import (
     Dot as Dot,
-    Drawn as Drawn,
     Line as Line,
     Panel as Panel,
     bars as bars,
