@@ -19,6 +19,9 @@ _PACKAGE = "leadthrough."
 # A position this many times as far away as a motion or an arm is large is in another unit: a
 # thousand times in mm. No task stretches a motion a hundred times.
 _FAR = 100.0
+# Extents of the demonstrations beyond which a moved goal leaves little of their shape.
+_STRETCHED = 5.0
+_RETURNS = 0.1  # extents between its ends, at most, of a motion that returns
 # Joints, rad: no query is more than two turns from a demonstrated joint position; degrees are.
 _TURNS = 4.0 * np.pi
 # rad: an orientation farther than the first from all demonstrated ones, and with its components in
@@ -61,6 +64,22 @@ def _is_near(given: list[float], first: list[float], last: list[float]) -> bool:
     """Whether a position is near the first one, by the size that the motion's ends imply."""
     size = max(*map(abs, first), *(abs(b - a) for a, b in zip(first, last, strict=True)))
     return all(abs(b - a) <= _FAR * size for a, b in zip(first, given, strict=True))
+
+
+def stretched(given: Float64Array, demonstrated: Float64Array, name: str) -> None:
+    """Warns of a position (d,) many extents away from the demonstrated ones (n, d).
+
+    A rhythm, which ends where it begins, may go on anywhere.
+    """
+    extent = float(np.ptp(demonstrated, axis=0).max())
+    away = float(np.abs(demonstrated - given).max(axis=1).min())
+    leads_on = np.abs(demonstrated[-1] - demonstrated[0]).max() > _RETURNS * extent
+    if away > _STRETCHED * extent and leads_on:
+        warn(
+            f"{name}: {numbers_text(given)} lies {away:.4g} from a motion whose extent is "
+            f"{extent:.3g}; give it in the frame of the demonstrations, or demonstrate the task "
+            "there"
+        )
 
 
 def joints(given: Float64Array, demonstrated: Float64Array, name: str) -> None:

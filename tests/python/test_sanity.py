@@ -35,6 +35,12 @@ def test_a_place_in_millimetres_is_refused(skill, name):
     skill.generate(goal=(3.0 * GOAL, DOWN))  # far, and in m
 
 
+def test_a_goal_many_extents_away_is_warned_of(skill):
+    """Three numbers are a position: nobody knows yet whether an arm reaches it."""
+    with pytest.warns(ImplausibleInputWarning, match=r"goal: \(1, 2, 3\) lies 2.6 from a motion"):
+        skill.generate(goal=(1.0, 2.0, 3.0))
+
+
 def test_an_obstacle_in_millimetres_is_warned_of():
     skill = lt.DMP().fit([reach()])
     with pytest.warns(

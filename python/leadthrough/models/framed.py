@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from inspect import signature
 from typing import Any, ClassVar, cast
 
 import numpy as np
@@ -121,7 +122,7 @@ class FramedSkill(SteppedSkill[MotionT_co]):
 
     def step(
         self,
-        state: FramedState,
+        state: Any,
         dt: float,
         *,
         goal: Target | None = None,
@@ -130,18 +131,26 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         measured: Target | None = None,
         obstacles: Sequence[Shape] = (),
         limits: tuple[ArrayLike, ArrayLike] | None = None,
-    ) -> FramedState:
-        """The state dt s later.
+    ) -> Any:
+        """The state dt s later, or the position to which a policy leads within dt.
 
         The frame may have moved since the last step, as by `at`: the motion goes on in it.
 
-        Arguments are those of `DMPSkill.step` in the base frame; a coupling of poses (6,) has an
-        angular part.
+        Args:
+            state: a FramedState; of a skill with a policy a position as for `policy`, and what
+                comes back has its form.
+            dt: s, > 0.
+            goal: in the base frame, as all that follows: arguments of the skill inside. A coupling
+                of poses (6,) has an angular part.
 
         Raises:
-            UnsupportedQuery: for a skill that does not go on step by step, and for limits as in
-                `generate`.
+            UnsupportedQuery: for a skill that does not go on step by step, for an argument that it
+                does not take, and for limits as in `generate`.
         """
+        if isinstance(self.skill, Guided):
+            others = {"coupling": coupling, "measured": measured, "limits": limits}
+            others |= {"lag": lag or None, "obstacles": obstacles or None}
+            return self._led(state, dt, goal=self._local(goal, "goal"), **others)
         push = None
         if coupling is not None:
             width = len(self.frame.origin)
@@ -197,11 +206,11 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         made = self.skill.condition(check.number(time, "time"), seen, covariance=uncertain)
         return replace(self, skill=cast(Skill[MotionT_co], made))
 
-    def policy(self, position: ArrayLike) -> Float64Array:
+    def policy(self, position: ArrayLike | Target) -> Float64Array:
         """The velocity (d,) that leads from a position to the goal, both in the base frame.
 
         Args:
-            position: (d,), or rows (n, d).
+            position: (d,), or rows (n, d); of poses as the skill inside takes them.
 
         Raises:
             UnsupportedQuery: for a skill without a policy.
@@ -212,10 +221,23 @@ class FramedSkill(SteppedSkill[MotionT_co]):
                 f"policy: a skill of kind {self.skill.kind!r} has none; in Python, fit "
                 "Framed(FastMarching())"
             )
-        d = len(self.frame.origin)
-        given = check.array_of_rank(position, "position", shapes=((d,), ("n", d)))
-        seen = (given - self.frame.origin) @ self.frame.axes
-        return np.asarray(self.skill.policy(seen) @ self.frame.axes.T)
+        seen: Any = self._local(position, "position")
+        velocity = self.skill.policy(seen)
+        parts = velocity.reshape(-1, len(self.frame.origin)) @ self.frame.axes.T
+        return np.asarray(parts.reshape(velocity.shape))
+
+    def _led(self, position: Any, dt: float, **others: Any) -> Any:  # Any: each has its own check
+        """The position, in the base frame, to which the policy of the skill inside leads."""
+        skill: Any = self.skill
+        asked = {name: value for name, value in others.items() if value is not None}
+        for name in asked.keys() - signature(skill.step).parameters:
+            raise UnsupportedQuery(f"{name}: step of a skill of kind {skill.kind!r} takes none")
+        after = skill.step(self._local(position, "position"), dt, **asked)
+        if not isinstance(after, tuple):
+            return after @ self.frame.axes.T + self.frame.origin
+        turns = after[1].reshape(-1, 4)
+        turns = rotations.compose(self.frame.orientations(len(turns)), turns)
+        return after[0] @ self.frame.axes.T + self.frame.origin, turns.reshape(after[1].shape)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         settings, arrays = self.skill.to_archive()
@@ -311,18 +333,20 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         ]
 
     def _local(self, place: Any, name: str) -> Target | None:
-        """A place of the base frame as it is seen from the frame; None for None."""
+        """A place of the base frame, or rows, as seen from the frame; None for None."""
         if place is None:
             return None
         is_pose = self.poses and isinstance(place, tuple | list) and len(place) == 2
+        d = len(self.frame.origin)
         given = place[0] if is_pose else place
-        position = check.array(given, name, shape=self.frame.origin.shape)
+        position = check.array_of_rank(given, name, shapes=((d,), ("n", d)))
         seen: Float64Array = (position - self.frame.origin) @ self.frame.axes
         if not is_pose:
             return seen
-        q = check.quaternions(place[1], name, shape=(4,))
-        back = rotations.inverse(self.frame.orientations(1))
-        return seen, rotations.compose(back, q[None])[0]
+        q = check.quaternions(place[1], name, shape=(*position.shape[:-1], 4))
+        turns = q.reshape(-1, 4)
+        back = rotations.inverse(self.frame.orientations(len(turns)))
+        return seen, rotations.compose(back, turns).reshape(q.shape)
 
 
 @dataclass(frozen=True, eq=False)

@@ -101,6 +101,8 @@ def _check_end(end: Any, demonstrated: Motion, name: str) -> None:
     if position is not None:
         compare = sanity.joints if isinstance(demonstrated, JointTrajectory) else sanity.position
         compare(position, demonstrated.positions, name)
+        if is_pose and name == "goal":
+            sanity.stretched(position, demonstrated.positions, name)
     quaternion = _numbers(end[1], 4) if oriented else None
     if quaternion is not None and isinstance(demonstrated, PoseTrajectory):
         own = demonstrated.orientations[0 if name == "start" else -1]

@@ -213,6 +213,25 @@ def through(format):
     return read_back
 
 
+def distributed(motions, limit=None):
+    """A ProMP of joints, with limits that differ."""
+    skill = lt.ProMP(weights=5).fit(motions)
+    return skill if limit is None else skill.within(np.full(6, -np.inf), limit)
+
+
+def foreseen(*two):
+    found = models.infer(MOTION[:20], two)
+    return [found.probabilities, found.skills[1].free.covariance, found.skills[1].bounds]
+
+
+# Two skills of which the second one's columns come in any order, and the first one's count.
+OF_SKILLS = {
+    "models.combine": lambda *two: [models.combine(two).weights.mean],
+    "models.blend": lambda *two: models.blend(two, TIMES, np.ones((len(TIMES), 2))),
+    "models.infer": foreseen,
+}
+
+
 # One motion that comes back, with its names on the columns that they came with.
 KEEPING = {
     "Demonstration": lambda joints: lt.Demonstration(beside(joints)).joints,
@@ -245,8 +264,6 @@ OTHERS = {
     "models.*.parameters": "adjustments of a skill, whose fit is above",
     "models.Model.fit": "a protocol",
     "models.dynamical.model.DynamicalModel.fit": "a base class",
-    "models.combine": "skills, whose joints have to be named alike",
-    "models.blend": "skills, whose joints have to be named alike",
     "validation.validate": "plans by plan_motion",
     "show.open_view": "the page of show.view",
     "models.*Skill": "holds", "models.Inference": "holds", "models.Parameter": "holds",
@@ -270,7 +287,7 @@ def takes_motions(value):
 
 def test_every_public_function_that_takes_motions_is_in_the_table():
     found = {name for name, value in public_callables() if takes_motions(value)}
-    listed = [*ENTRIES, *TOGETHER, *KEEPING, *OTHERS]
+    listed = [*ENTRIES, *TOGETHER, *OF_SKILLS, *KEEPING, *OTHERS]
     assert not {name for name in found if not any(fnmatch(name, each) for each in listed)}
     assert not [each for each in listed if not any(fnmatch(name, each) for name in found)]
 
@@ -310,6 +327,19 @@ def test_joints_of_several_motions_are_put_in_one_order(name):
 def test_joints_of_several_arms_are_refused_with_both_lists(name):
     with pytest.raises(InvalidInput, match=f"{', '.join(NAMES)}.*{', '.join(FOREIGN)}"):
         TOGETHER[name](MOTION, renamed(motion(0.8)))
+
+
+@pytest.mark.parametrize("name", OF_SKILLS)
+def test_joints_of_several_skills_are_put_in_one_order(name):
+    first, others = distributed([MOTION, motion(0.9)]), [motion(0.8), motion(0.7)]
+    order, limit = ORDERS[0], np.arange(3.0, 9.0) if name == "models.infer" else None
+    expected = OF_SKILLS[name](first, distributed(others, limit))
+    shuffled = [reordered(each, order) for each in others]
+    given = OF_SKILLS[name](first, distributed(shuffled, limit if limit is None else limit[order]))
+    for one, other in zip(given, expected, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-9)
+    with pytest.raises(InvalidInput, match=f"{', '.join(NAMES)}.*{', '.join(FOREIGN)}"):
+        OF_SKILLS[name](first, distributed([renamed(each) for each in others]))
 
 
 @pytest.mark.parametrize("name", KEEPING)

@@ -155,6 +155,41 @@ def test_a_policy_is_asked_and_answers_in_the_base_frame():
     assert np.linalg.norm(found) > 0.01
 
 
+@pytest.mark.parametrize(
+    ("name", "motion"), [("CLFDM", "poses"), ("LPVDS", "points"), ("FastMarching", "points")]
+)
+def test_policies_in_a_frame_step_to_where_they_lead_in_the_task(name, motion):
+    settings = {} if name == "FastMarching" else {"components": 2}
+    seen = MOTIONS[motion]
+    framed = Framed(kind(name, motion, **settings).build())
+    skill = framed.fit([HERE.base(seen)], frames=[[HERE]]).at([THERE])
+    rows = [40, 120]
+    shown = THERE.base(seen)
+    here = shown.positions[rows]
+    if motion == "poses":
+        here, seen_rows = (here, shown.orientations[rows]), (seen.positions[rows], TURNED[rows])
+        after, inside = skill.step(here, 0.02), skill.skill.step(seen_rows, 0.02)
+        np.testing.assert_allclose(after[0], THERE.base(lt.Trajectory([0, 1], inside[0])).positions)
+        expected = rotations.compose(THERE.orientations(2), inside[1])
+        assert rotations.distance(after[1], expected).max() < 1e-7
+        one = skill.step((here[0][1], here[1][1]), 0.02)
+        np.testing.assert_allclose(one[0], after[0][1], atol=1e-9)
+        velocity = skill.policy(here)
+        later = skill.step(here, 1e-5)
+        np.testing.assert_allclose(velocity[:, :3], (later[0] - here[0]) / 1e-5, atol=1e-4)
+        turned = rotations.log(rotations.compose(later[1], rotations.inverse(here[1]))) / 1e-5
+        np.testing.assert_allclose(velocity[:, 3:], turned, atol=1e-3)
+        goal = (shown.positions[-1] + (0.02, 0.0, 0.0), shown.orientations[-1])
+        assert np.abs(skill.step(here, 0.02, goal=goal)[0] - after[0]).max() > 1e-5
+    else:
+        after = skill.step(here, 0.02)
+        inside = lt.Trajectory([0, 1], skill.skill.step(seen.positions[rows], 0.02))
+        np.testing.assert_allclose(after, THERE.base(inside).positions, atol=1e-9)
+        np.testing.assert_allclose(skill.step(here[1], 0.02), after[1], atol=1e-9)
+    with pytest.raises(UnsupportedQuery, match="coupling: step of a skill of kind"):
+        skill.step(here, 0.02, coupling=np.zeros(3))
+
+
 def test_a_via_point_of_a_distribution_is_in_the_base_frame():
     rng = np.random.default_rng(2)
     for motion, first in MOTIONS.items():

@@ -31,8 +31,8 @@ def combine(
     """The motions that all skills find likely at once: the product of their distributions.
 
     Args:
-        skills: k skills of the same type of motion, with equal bases. Orientations of poses must
-            lie within a right angle of each other.
+        skills: k skills of the same type of motion, with equal bases; joints in any order, the
+            first one's counts. Orientations of poses must lie within a right angle of each other.
         activations: powers (k,) of the factors, > 0; by default all 1.
 
     Returns:
@@ -43,7 +43,7 @@ def combine(
         InvalidInput: if the skills differ in type or basis, if orientations are more than a right
             angle apart, or if an activation is not positive.
     """
-    check_alike(skills)
+    skills = alike(skills)
     skills = [_about(each, skills[0].coordinates) for each in skills]
     if len({each.basis for each in skills}) > 1:
         raise InvalidInput(
@@ -64,8 +64,9 @@ def blend(
     """Mean and covariance of a motion that passes from one skill to the next.
 
     Args:
-        skills: k skills of the same type of motion. Each runs over the whole motion, whatever its
-            own duration. Orientations of poses must lie within a right angle of each other.
+        skills: k skills of the same type of motion; joints in any order, the first one's counts.
+            Each runs over the whole motion, whatever its own duration. Orientations of poses must
+            lie within a right angle of each other.
         times: times (n,) of the whole motion, s, increasing.
         activations: activation (n, k) of each skill at each time, >= 0, not all 0 at any time.
 
@@ -77,7 +78,7 @@ def blend(
         InvalidInput: if the skills differ in type, if orientations are more than a right angle
             apart, or if the times or the activations are not as described.
     """
-    check_alike(skills)
+    skills = alike(skills)
     skills = [_about(each, skills[0].coordinates) for each in skills]
     at = check.times(times, "times")
     active = check.array(activations, "activations", shape=(len(at), len(skills)))
@@ -141,23 +142,45 @@ def _about(skill: ProMPSkill[MotionT], coordinates: Coordinates[MotionT]) -> Pro
     return replace(skill, coordinates=coordinates, free=weights, experience=None)
 
 
-def check_alike(skills: Sequence[ProMPSkill]) -> None:
-    """Checks that there are skills, and that their columns mean the same."""
+def alike(skills: Sequence[ProMPSkill[MotionT]]) -> list[ProMPSkill[MotionT]]:
+    """The skills, of columns that mean the same, with joints in the order of the first one."""
     if not isinstance(skills, Sequence) or len(skills) == 0:
         raise InvalidInput("skills: expected a sequence of at least one skill")
     for i, each in enumerate(skills):
         if not isinstance(each, ProMPSkill):
             raise InvalidInput(f"skills[{i}]: expected a ProMPSkill, got {type(each).__name__}")
-    kinds = {
-        (each.coordinates.kind, each.coordinates.size, each.coordinates.joint_names)
-        for each in skills
-    }
+    kinds = sorted({(each.coordinates.kind, each.coordinates.size) for each in skills})
     if len(kinds) > 1:
-        got = " and ".join(
-            f"{kind} of {size} columns {list(names) if names else ''}".rstrip()
-            for kind, size, names in sorted(kinds)
-        )
+        got = " and ".join(f"{kind} of {size} columns" for kind, size in kinds)
         raise InvalidInput(
             "skills: expected all of points of one dimension, all of the same joints or all of "
             f"poses, got {got}"
         )
+    names = skills[0].coordinates.joint_names
+    return [_with_joints(each, names, f"skills[{i}]") for i, each in enumerate(skills)]
+
+
+def _with_joints(
+    skill: ProMPSkill[MotionT], names: tuple[str, ...], argument: str
+) -> ProMPSkill[MotionT]:
+    """The skill with its columns in the order of `names`."""
+    if skill.coordinates.joint_names == names:
+        return skill
+    columns = check.column_order(skill.coordinates.joint_names, names, argument)
+    count, known = skill.basis.count, skill.experience
+    rows = np.add.outer(np.multiply(columns, count), np.arange(count)).ravel()
+    return replace(
+        skill,
+        coordinates=replace(skill.coordinates, joint_names=names),
+        free=Gaussian(skill.free.mean[rows], skill.free.covariance[np.ix_(rows, rows)]),
+        noise=skill.noise[columns],
+        scale=skill.scale[columns],
+        bounds=skill.bounds and (skill.bounds[0][columns], skill.bounds[1][columns]),
+        experience=known
+        and replace(
+            known,
+            curves=known.curves[:, rows],
+            noise=known.noise[columns],
+            scale=known.scale[columns],
+        ),
+    )

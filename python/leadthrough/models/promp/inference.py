@@ -23,7 +23,7 @@ from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.models.promp.basis import Basis
-from leadthrough.models.promp.combination import check_alike
+from leadthrough.models.promp.combination import alike
 from leadthrough.models.promp.conditioning import check_seen
 from leadthrough.models.promp.estimation import Experience, PosteriorPredictive, common_noise
 from leadthrough.models.promp.gaussian import Gaussian
@@ -152,14 +152,14 @@ def infer(
     Args:
         observed: first part of a motion, from its start on, at least two samples, of the skills'
             type.
-        skills: k skills of one motion type.
+        skills: k skills of one motion type; joints in any order, the first one's counts.
         prior: probabilities (k,) before anything is observed, >= 0; by default equal.
 
     Raises:
         InvalidInput: if the motion has fewer than two samples or another type, if the skills
             differ in type, or if the prior is negative or all 0.
     """
-    check_alike(skills)
+    skills = alike(skills)
     check_seen(observed, "observed")
     before = _prior(prior, len(skills))
     noise = common_noise([each.noise for each in skills], [each.scale for each in skills])

@@ -61,7 +61,7 @@ def test_prior_counts(skills, family):
 
 def test_skills_of_other_joints_are_refused(skill, shown):
     renamed = [lt.JointTrajectory(each.times, each.positions) for each in shown()]
-    refused("same joints", infer, shown(1)[0], [skill, lt.ProMP().fit(renamed)])
+    refused("the joints", infer, shown(1)[0], [skill, lt.ProMP().fit(renamed)])
 
 
 @pytest.mark.parametrize("samples", [2, 40])
