@@ -148,9 +148,16 @@ class FramedSkill(SteppedSkill[MotionT_co]):
                 does not take, and for limits as in `generate`.
         """
         if isinstance(self.skill, Guided):
-            others = {"coupling": coupling, "measured": measured, "limits": limits}
-            others |= {"lag": lag or None, "obstacles": obstacles or None}
-            return self._led(state, dt, goal=self._local(goal, "goal"), **others)
+            return self._led(
+                state,
+                dt,
+                goal=self._local(goal, "goal"),
+                coupling=coupling,
+                lag=lag or None,
+                measured=measured,
+                obstacles=obstacles or None,
+                limits=limits,
+            )
         push = None
         if coupling is not None:
             width = len(self.frame.origin)

@@ -115,7 +115,8 @@ def test_wrong_arguments_are_refused(panda, skill, box):
     with pytest.raises(InvalidInput, match="query: expected a Query"):
         lt.plan_motion(skill, panda, [box], {"goal": (0.4, 0.0, 0.4)})
     refused(r"arm: expected an Arm, got None", lt.plan_motion, skill, None)
-    for name, value in (("duration", np.nan), ("duration", 0.0), ("dt", -0.1)):
+    no_turn = ((0.4, 0.0, 0.4), (0.0, 0.0, 0.0, 0.0))
+    for name, value in (("duration", np.nan), ("duration", 0.0), ("dt", -0.1), ("goal", no_turn)):
         refused(f"{name}: expected", lt.Query, **{name: value})
 
 
