@@ -50,23 +50,10 @@ def test_log_agrees_with_scipy_up_to_the_sign_at_pi(angle):
     np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-15)
 
 
-@pytest.mark.parametrize("angle", ANGLES[:-1])
-def test_log_inverts_exp_below_pi(angle):
-    expected = angle * axes(20)
-    np.testing.assert_allclose(rotations.log(rotations.exp(expected)), expected, atol=2e-15)
-
-
 @given(unit_quaternions)
 def test_exp_inverts_log_for_any_rotation(quaternion):
     back = rotations.exp(rotations.log([quaternion]))
     assert rotations.distance(back, [quaternion])[0] < 1e-14
-
-
-@given(vectors)
-def test_exp_has_unit_length_and_log_at_most_pi(vector):
-    quaternion = rotations.exp([vector])
-    assert abs(np.linalg.norm(quaternion) - 1) < 1e-15
-    assert np.linalg.norm(rotations.log(quaternion)) <= np.pi * (1 + 1e-15)
 
 
 @given(unit_quaternions, unit_quaternions)
@@ -138,13 +125,6 @@ def test_matrices_agree_with_scipy_both_ways(quaternion):
     back = rotations.from_matrix([matrix])
     assert rotations.distance(back, [quaternion])[0] < 1e-15
     assert back[0, 0] >= 0
-
-
-@pytest.mark.parametrize("angle", [0.0, 1e-9, np.pi - 1e-9, np.pi])
-@pytest.mark.parametrize("axis", [*np.eye(3), [0.6, 0, -0.8], [1e-9, 1, 1e-9]])
-def test_matrices_near_the_identity_and_half_turns_are_read(angle, axis):
-    q = rotations.exp([angle * np.array(axis) / np.linalg.norm(axis)])
-    assert rotations.distance(rotations.from_matrix(rotations.to_matrix(q)), q)[0] < 1e-15
 
 
 @given(unit_quaternions, arrays(float, (3, 3), elements=st.floats(-1e-3, 1e-3)))
@@ -242,14 +222,6 @@ def test_mean_is_blind_to_signs_but_for_its_own(quaternions, weights, flips):
     expected = -mean if flips[0] else mean
     np.testing.assert_allclose(rotations.mean(flipped, weights=weights), expected, atol=1e-13)
     assert quaternions[0] @ mean > 0
-
-
-@given(unit_quaternions, unit_quaternions, st.floats(0, 1))
-def test_weighted_mean_of_two_is_slerp(a, b, fraction):
-    if rotations.distance([a], [b])[0] > np.pi - 0.01:
-        return
-    mean = rotations.mean([a, b], weights=[1 - fraction, fraction])
-    assert rotations.distance([mean], rotations.slerp([a], [b], [fraction]))[0] < 1e-13
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-5])
