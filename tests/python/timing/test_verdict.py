@@ -224,15 +224,6 @@ def test_missing_arrays_are_slopes_of_splines():
     )
 
 
-def test_filled_derivatives_are_those_of_the_motion():
-    trajectory = with_derivatives(between([0, 0], [1, 0], 2.0, 400, start=5.0))
-    u = np.linspace(0, 1, 400)
-    velocities = (30 * u**2 - 60 * u**3 + 30 * u**4) / 2.0
-    accelerations = (60 * u - 180 * u**2 + 120 * u**3) / 4.0
-    np.testing.assert_allclose(trajectory.velocities[:, 0], velocities, atol=1e-6)
-    np.testing.assert_allclose(trajectory.accelerations[:, 0], accelerations, atol=1e-3)
-
-
 @pytest.mark.parametrize("rate", [100.0, 500.0])
 def test_positions_alone_are_judged_straight_at_the_receivers_rate(rate):
     motion = between([0, 0], [1, 0], 2.0, 21)

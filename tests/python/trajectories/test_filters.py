@@ -312,14 +312,6 @@ def test_a_moving_target_is_followed():
     assert max(misses[1500:]) < 0.3
 
 
-def test_a_stop_is_where_it_was_said_to_be():
-    made, now = tr.JerkFilter(1.0, 2.0, 10.0), state([0.0, 1.0], [0.8, -0.5], [0.4, 1.0])
-    place = made.resting_place(now)
-    for _ in range(100):
-        now = made.step(now, place, 0.02)
-    assert rests(now, place).all()
-
-
 def test_dimensions_that_go_together_arrive_together_when_the_slowest_can():
     rng = np.random.default_rng(6)
     for _ in range(60):

@@ -101,17 +101,6 @@ def test_two_samples_are_enough():
     assert tr.RotationSpline([0.0, 1.0], Q[:2]).evaluate(0.5).shape == (4,)
 
 
-@pytest.mark.parametrize("angle", [0.0, 1e-9, 0.3, 3.0, np.pi])
-def test_slerp_is_the_turn_by_a_fraction_of_the_angle_and_meets_its_samples(angle):
-    q = rotations.exp(np.array([[0.2, 0.1, 0.0], [0.0, 0.0, angle], [0.0, 1.0, 0.0]]))
-    samples = np.vstack([q[:1], rotations.compose(q[1:2], q[:1]), q[2:]])
-    curve, t = tr.Slerp([0.0, 2.0, 3.0], samples), np.linspace(0.0, 2.0, 41)
-    turned = rotations.exp(np.outer(t / 2.0, [0.0, 0.0, angle]))
-    expected = rotations.compose(turned, np.repeat(q[:1], len(t), axis=0))
-    np.testing.assert_allclose(rotations.distance(curve.evaluate(t), expected), 0.0, atol=1e-15)
-    np.testing.assert_array_equal(curve.evaluate([3.0, 0.0, 2.0]), curve.quaternions[[2, 0, 1]])
-
-
 def test_slerp_keeps_the_axis_and_euler_angles_do_not():
     """The notes' example: a third of a turn about (1, 1, 1)."""
     end = rotations.from_matrix(np.array([[[0.0, 0, 1], [1, 0, 0], [0, 1, 0]]]))
