@@ -355,12 +355,17 @@ def test_distance_to_a_cloud_and_a_mesh_is_that_of_coal(arm):
 
 def test_clear_is_what_distances_say(arm):
     rows = configurations(arm, 400, 5)
-    rows = rows[arm.self_distance(rows) > 1e-6]
-    room = [lt.PointCloud(scattered(3000), 0.01), shelf((0.5, 0.1, 0.4))]
-    distances = arm.distance(rows, room)
-    clear = arm.is_clear(rows, lt.Scene(room, 0.02))
-    np.testing.assert_array_equal(clear, distances >= 0.02)
+    room = [
+        lt.PointCloud(scattered(3000), 0.01),
+        shelf((0.5, 0.1, 0.4)),
+        lt.Sphere(0.2, (0, -1, 1)),
+    ]
+    scene = lt.Scene(room, 0.02, self_collision_margin=0.01)
+    clear = arm.is_clear(rows, scene)
+    apart = (arm.distance(rows, room) >= 0.02) & (arm.self_distance(rows) >= 0.01)
+    np.testing.assert_array_equal(clear, apart)
     assert 0 < clear.sum() < len(rows)
+    assert arm.is_clear(rows[0], scene) is bool(clear[0])
 
 
 def shelf(place):

@@ -46,11 +46,6 @@ def test_what_is_clear_anyway_stays_as_it_is(panda, sweep, freely):
     np.testing.assert_array_equal(panda.follow(sweep, scene=[aside]).positions, freely.positions)
 
 
-def test_the_answer_has_the_same_bits_each_time(panda, sweep, trap):
-    once, again = (panda.follow(sweep, scene=[trap]) for _ in range(2))
-    np.testing.assert_array_equal(once.positions, again.positions)
-
-
 def test_where_there_is_no_room_the_bodies_are_named(panda, sweep):
     wall = lt.Box([0.05, 0.02, 0.6], [0.45, 0.0, 0.35])  # across the tip's own path
     with pytest.raises(IkFailure, match=r"sample \d+ at .* s: blocked, .*obstacle 0") as failure:
@@ -85,20 +80,6 @@ def test_times_and_obstacles_are_not_both_kept(panda, sweep, trap, on_rate_limit
     deviation = (0.01, 0.1) if on_rate_limit == "deviate" else None
     with pytest.raises(InvalidInput, match="scene: not used together with on_rate_limit"):
         panda.follow(sweep, scene=[trap], on_rate_limit=on_rate_limit, deviation=deviation)
-
-
-def test_is_clear_says_what_distances_say(panda):
-    rng = np.random.default_rng(0)
-    q = rng.uniform(panda.limits.lower, panda.limits.upper, (500, 7))
-    obstacles = [lt.Box([0.3, 0.3, 0.3], [0.4, 0.2, 0.5]), lt.Sphere(0.2, [0.0, -0.5, 0.7])]
-    far = panda.distance(q, obstacles) > 0.02
-    apart = panda.self_distance(q) > 0.01
-    clear = panda.is_clear(q, lt.Scene(obstacles, 0.02, self_collision_margin=0.01))
-    np.testing.assert_array_equal(clear, far & apart)
-    assert panda.is_clear(q[0], lt.Scene(obstacles, 0.02, self_collision_margin=0.01)) is bool(
-        clear[0]
-    )
-    assert 50 < clear.sum() < 450
 
 
 # Positions of published paths among boxes before a Panda whose tip is its hand (TORM, CppFlow): the

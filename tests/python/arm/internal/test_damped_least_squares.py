@@ -1,8 +1,8 @@
 """The plain damped least squares of Yang et al., for poses and along paths."""
 
 import numpy as np
-import pytest
 from motions import minimum_jerk
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.arm.damped_least_squares import (
@@ -10,7 +10,6 @@ from leadthrough.arm.damped_least_squares import (
     damped_inverse_kinematics,
     follow_path,
 )
-from leadthrough.errors import InvalidInput
 
 PANDA = lt.Arm.load("panda")
 UR3 = lt.Arm.load("ur3")
@@ -105,29 +104,17 @@ def test_positions_alone_are_reached_too():
     assert result.orientation_error == 0.0
 
 
-@pytest.mark.parametrize(
-    "numbers",
-    [
+def test_bad_settings_motions_and_starts_are_refused():
+    for numbers in (
         {"damping": -1.0},
         {"alpha": np.nan},
         {"condition_threshold": 0.5},
         {"nullspace_gain": np.inf},
         {"rotation_weight": 0.0},
-    ],
-)
-def test_bad_settings_are_refused(numbers):
-    with pytest.raises(InvalidInput):
-        DampedLeastSquares(**numbers)
-
-
-def test_bad_motions_and_starts_are_refused():
-    with pytest.raises(InvalidInput):
-        follow_path(PANDA, "circle", q0=READY)
-    with pytest.raises(InvalidInput):
-        follow_path(PANDA, lt.Trajectory([0.0, 1.0], [[0, 0], [1, 1]]), q0=READY)
-    with pytest.raises(InvalidInput):
-        follow_path(PANDA, outwards(0.1), q0=READY[:3])
-    with pytest.raises(InvalidInput):
-        follow_path(PANDA, outwards(0.1), q0=READY, settings=0.1)
-    with pytest.raises(InvalidInput):
-        damped_inverse_kinematics(PANDA, [[0.3, 0.0, 0.3]], settings={"damping": 0.1})
+    ):
+        refused(next(iter(numbers)), DampedLeastSquares, **numbers)
+    for motion in ("circle", lt.Trajectory([0.0, 1.0], [[0, 0], [1, 1]])):
+        refused("motion", follow_path, PANDA, motion, q0=READY)
+    refused("q0", follow_path, PANDA, outwards(0.1), q0=READY[:3])
+    refused("settings", follow_path, PANDA, outwards(0.1), q0=READY, settings=0.1)
+    refused("settings", damped_inverse_kinematics, PANDA, [[0.3, 0.0, 0.3]], settings={})
