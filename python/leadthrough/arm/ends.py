@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import leadthrough._core as core
 
@@ -28,10 +28,30 @@ def proposed_tip(robot: core.Robot) -> str:
         if before is None or (joint.kind != "fixed" and _is_finger(robot, joint)):
             continue
         moving[joint.child] = before + (joint.kind != "fixed" and joint.mimic is None)
-    tools = [i for i in moving if _TOOL.search(robot.links[i])]
-    most = max(moving.values())
-    last = [i for i in tools if moving[i] == most] or [i for i in moving if moving[i] == most]
-    return min((robot.links[i] for i in last), key=lambda name: not name.endswith("tool0"))
+    return _last(robot, moving)
+
+
+def proposed_ends(document: str, recorded: Sequence[str] = ()) -> tuple[str, str]:
+    """The base and tip of an arm: around the joints that were recorded, else as `proposed_tip`."""
+    robot = core.Robot(document)
+    first: dict[int, int] = {}  # the link before the recorded joints, by the link behind them
+    behind: dict[int, int] = {}  # how many of them are before a link
+    for joint in robot.tree:
+        is_recorded = joint.name in recorded and not _is_finger(robot, joint)
+        if is_recorded or (joint.kind == "fixed" and joint.parent in behind):
+            first[joint.child] = first.get(joint.parent, joint.parent)
+            behind[joint.child] = behind.get(joint.parent, 0) + is_recorded
+    if not behind:
+        return robot.links[0], proposed_tip(robot)
+    tip = _last(robot, behind)
+    return robot.links[first[robot.links.index(tip)]], tip
+
+
+def _last(robot: core.Robot, joints: Mapping[int, int]) -> str:
+    """The link behind the most joints, a tool's before others."""
+    most = max(joints.values())
+    names = [robot.links[i] for i, count in joints.items() if count == most]
+    return max(names, key=lambda name: (name.endswith("tool0"), bool(_TOOL.search(name))))
 
 
 def _is_finger(robot: core.Robot, joint: core.Joint) -> bool:

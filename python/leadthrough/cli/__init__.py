@@ -14,6 +14,7 @@ from leadthrough.cli.options import flattened
 from leadthrough.cli.plan import plan
 from leadthrough.cli.recordings import clean, info, judge
 from leadthrough.cli.showing import demo, example, view
+from leadthrough.cli.start import start
 from leadthrough.cli.sweeps import experiment, reach, validate
 
 __all__ = ["app", "main"]
@@ -39,6 +40,7 @@ app = typer.Typer(
 )
 for each in (
     demo,
+    start,
     example,
     info,
     clean,

@@ -179,12 +179,12 @@ def _hint(ctx: typer.Context, near: lt.models.Reproduction, model: str) -> None:
     """Prints the next command: a cure where demonstrations are not reproduced."""
     if near.fraction <= _SOUND or (model == "aligned-mean" and len(near.positions) < _JUDGED):
         motion = "motion.csv" if ctx.params["robot"] is None else "motion.json"
-        words = ("plan", ctx.params["out"], *output.arm_words(ctx), "-o", motion)
-    elif len(near.positions) < _JUDGED:
+        output.hint(ctx, "plan", ctx.params["out"], *output.arm_words(ctx), "-o", motion)
+        return
+    words: tuple[str | Path, ...] = ("judge", *ctx.params["files"], *options.reading_words(ctx))
+    if len(near.positions) < _JUDGED:
         words = output.repeated(ctx, "model", "parameter", changed=("--model", "aligned-mean"))
-    else:
-        words = ("judge", *ctx.params["files"], *options.reading_words(ctx))
-    output.hint(ctx, *words)
+    output.advise(output.line(ctx, *words))
 
 
 def _streamed(

@@ -69,7 +69,7 @@ def _refuse(ctx: typer.Context, found: Mapping[str, str], count: int) -> None:
         return
     if len(found) < count and not ctx.params["as_json"]:
         dropped = tuple(word for name in found for word in ("--drop", name))
-        output.hint(ctx, *output.repeated(ctx, changed=dropped))
+        output.advise(output.line(ctx, *output.repeated(ctx, changed=dropped)))
     texts = "; ".join(f"{name}: {text}" for name, text in found.items())
     names = " ".join(f"--drop {name}" for name in found)
     raise lt.errors.FitError(f"{texts}; leave out with {names}")

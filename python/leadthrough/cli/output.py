@@ -26,13 +26,15 @@ from rich.table import Table
 import leadthrough as lt
 
 _ARM = ("robot", "base", "tip", "limits", "mesh_folder")
+GUIDED = "guided"  # the context's object where the commands follow one another
 _WIDTH = 80  # characters
 _WHOLE_WORDS: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 
 def hint(ctx: typer.Context, *words: str | Path) -> None:
-    """Prints the next command line."""
-    advise(line(ctx, *words))
+    """Prints the next command line, unless `leadthrough start` runs it by itself."""
+    if ctx.find_root().obj != GUIDED:
+        advise(line(ctx, *words))
 
 
 def line(ctx: typer.Context, *words: str | Path) -> str:
@@ -70,7 +72,7 @@ def repeated(
     return (str(ctx.command.name), *ctx.params["files"], *typed(ctx, *kept), *changed)
 
 
-def words(**values: str | Path | None) -> tuple[str, ...]:
+def words(**values: object) -> tuple[str, ...]:
     """Options as words of a command line."""
     given = {name: value for name, value in values.items() if value is not None}
     return tuple(

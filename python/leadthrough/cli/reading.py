@@ -13,12 +13,13 @@ from typing import Any
 import leadthrough as lt
 from leadthrough.cli import output
 from leadthrough.cli.options import RestOptions
-from leadthrough.io import reading as files
+from leadthrough.io import formats, reading as files
 from leadthrough.io.files import replacing
+from leadthrough.io.table import Request, Table
 from leadthrough.models import archive
 from leadthrough.motion import Motion
 
-listed, can_read = files.listed, files.can_read
+listed, can_read, blaming = files.listed, files.can_read, files.blaming
 
 _REPORTED = 0.1  # s; shorter rests are left out silently
 _EACH = 8  # recordings that are reported one by one
@@ -101,6 +102,12 @@ def one_motion(file: Path, *, joints: Mapping[str, tuple[float, float]] | None =
     """The only motion in a file."""
     refuse_skills([file])
     return lt.io.read_motion(file, joints=joints)
+
+
+def first_table(file: Path, request: Request) -> Table:
+    """The columns of the first recording in a file."""
+    with blaming(file):
+        return formats.of_file(file).tables(file, request)[0]
 
 
 def saved_skill(file: Path) -> lt.models.Skill:

@@ -147,13 +147,13 @@ def _only_motion(
     if found["positions"] and found["joints"]:
         raise InvalidInput(
             "columns: the file has both poses and joints; name the ones to read, positions "
-            f"({_choices(found['positions'])}) or joints ({_choices(found['joints'])}), as by "
-            f"{_words('joints', found['joints'][0])}"
+            f"({_choices(found['positions'])}) or joints ({_choices(found['joints'])})"
+            f"{_guess(table, request)}"
         )
     if not found["positions"] and not found["joints"]:
         raise InvalidInput(
             "columns: no names of positions or joints found; name the columns to read, there are "
-            f"{_listed(table.names)}{_guess(table, found['time'], request)}"
+            f"{_listed(table.names)}{_guess(table, request)}"
         )
     wanted = ["joints"] if found["joints"] else ["positions", "orientations"]
     return {role: _only(found[role], role) for role in wanted if found[role]}
@@ -167,23 +167,32 @@ def _only(found: Sequence[Columns], role: str) -> Columns:
     raise InvalidInput(f"columns: {role}: {what}; name the right ones in columns[{role!r}]{such}")
 
 
+def _guess(table: Table, request: Request) -> str:
+    words = [_words(role, names) for role, names in guessed(table, request).items()]
+    return f"; such as {' '.join(words)}" if words else ""
+
+
 def _words(role: str, names: Columns) -> str:
     """The columns as on the command line, once the argument's name is the option's."""
     return f"columns[{role!r}]={shlex.quote(','.join(names))}"
 
 
-def _guess(table: Table, times: Sequence[Columns], request: Request) -> str:
-    """Words that name the columns of numbers: a rising one as time, the others as a motion."""
-    time = (times[0] if times else _rising(table))[:1]
+def guessed(table: Table, request: Request) -> dict[str, Columns]:
+    """Columns by role, for a person to confirm: by their names, else the rising one as the time."""
+    found = headers.candidates(table.names) | {role: [own] for role, own in table.roles.items()}
+    for role in ("joints", "positions"):
+        if found[role]:
+            return {role: found[role][0]}
+    time = (found["time"][0] if found["time"] else _rising(table))[:1]
     rest = [
         name for name in table.names if name not in time and _of_numbers(table, name) is not None
     ]
     count = len(request.joints)
     if len(rest) < max(count, 2):
-        return ""
+        return {}
     role = "joints" if count or len(rest) > _SPACE else "positions"
-    words = [_words("time", time)] if time and not times else []
-    return f"; such as {' '.join([*words, _words(role, tuple(rest[: count or len(rest)]))])}"
+    named = {"time": time} if time and not found["time"] else {}
+    return named | {role: tuple(rest[: count or len(rest)])}
 
 
 def _rising(table: Table) -> Columns:

@@ -15,6 +15,7 @@ from leadthrough import cli
 COMMANDS = typer.main.get_command(cli.app).commands
 ENOUGH = {
     "demo": [],
+    "start": ["ur3.urdf", "recorded", "--yes"],
     "example": ["reach", "elsewhere"],
     "info": ["recorded"],
     "clean": ["recorded/reach1.csv", "-o", "out.csv"],
@@ -39,6 +40,7 @@ ENOUGH = {
     ("clean", "topic"): ["shown.mcap", "-o", "out.csv"],
     ("learn", "samples"): ["recorded/reach1.csv", "--table", "out.csv", "-o", "out.npz"],
     ("judge", "topic"): ["shown.mcap"],
+    ("start", "topic"): ["ur3.urdf", "shown.mcap", "--yes"],
     ("learn", "topic"): ["shown.mcap", "-o", "out.npz"],
     ("simulate", "skill"): ["recorded/reach1.csv", "--controller", "cartesian-impedance"],
     ("retime", "obstacle"): ["recorded/reach1.csv", "-o", "out.json", "--start", "0,0,0,0,0,0"],
@@ -122,6 +124,7 @@ ANY = {
     "physics",
     "tip_only",
     "quick",
+    "yes",
 }
 NAMED_BY_THEIR_VALUE = {
     ("view", "demonstrations"),

@@ -214,7 +214,7 @@ def test_patterns_name_columns_without_their_derivatives(tmp_path):
     [
         ("clock,a,b,c,d", None, "columns['time']=clock columns['joints']=a,b,c,d"),
         ("clock,a,b,c d", None, "columns['time']=clock columns['positions']='a,b,c d'"),
-        ("t,x,y,z,q1", None, "as by columns['joints']=q1"),
+        ("t,x,y,z,q1", None, "such as columns['joints']=q1"),
         ("t,arm_1,arm_2,a,b", {"joints": ["arm1", "arm2"]}, "columns['joints']=arm_1,arm_2"),
     ],
 )
