@@ -10,7 +10,7 @@ void evaluate(const Chain& chain, const IkTarget& target, const std::optional<Ik
     constexpr int M = decltype(dimension)::value;
     Task<M> task;
     evaluate(chain, seen, q.data(), task);
-    error.rows = M;
+    error.rows = task.rows;
     error.error.template head<M>() = task.error;
     for (std::size_t i = 0; i < static_cast<std::size_t>(chain.joints()); ++i)
       error.columns[i].template head<M>() = task.columns[i];

@@ -1,8 +1,8 @@
 #pragma once
 
 // Targets that constrain some axes only, or each axis with its own tolerance and weight. The axes
-// are those of the target's frame. Free axes have no rows at all, so that they make no matrix
-// singular.
+// are those of the target's frame. Constrained axes have the first rows of a task of six; the rest
+// is zero, and Task::rows tells it apart.
 //
 // Rotations are measured by what is left between tip and target: the rotation vector where all
 // three axes are constrained; with one free axis the swing, the shortest rotation of the tool's
@@ -14,28 +14,30 @@
 
 namespace leadthrough {
 
-template <int M>
 struct AxisTarget {
   AxisTarget(const IkTarget& target, const IkAxes& axes)
       : position(target.position), frame(target.rotation.value_or(Eigen::Matrix3d::Identity())) {
-    for (int row = 0, k = 0; k < (target.rotation ? 6 : 3); ++k) {
+    for (int k = 0; k < (target.rotation ? 6 : 3); ++k) {
       if (axes.free[static_cast<std::size_t>(k)]) continue;
+      const int row = rows();
       (k < 3 ? translations : rotations) += 1;
       axis[static_cast<std::size_t>(row)] = k % 3;
       scale[row] = axes.weight[k] * (k < 3 ? 1.0 : kOrientationWeight);
-      tolerance[row++] = axes.tolerance[k];
+      tolerance[row] = axes.tolerance[k];
     }
     for (int k = 0; rotations == 2 && k < 3; ++k)
       if (axes.free[static_cast<std::size_t>(3 + k)]) lone_axis = k;
-    if (rotations == 1) lone_axis = axis[M - 1];
+    if (rotations == 1) lone_axis = axis[static_cast<std::size_t>(rows() - 1)];
   }
+
+  int rows() const { return translations + rotations; }
 
   Eigen::Vector3d position;
   Eigen::Matrix3d frame;  // its columns are the axes
   int translations = 0, rotations = 0;
-  std::array<int, M> axis{};  // of each row, 0 to 2
-  TaskVector<M> scale;        // weights, rotations in m a rad
-  TaskVector<M> tolerance;
+  std::array<int, 6> axis{};  // of each row, 0 to 2
+  TaskVector<6> scale;        // weights, rotations in m a rad
+  TaskVector<6> tolerance;
   int lone_axis = 0;  // the free one of two rotations, the constrained one of a single rotation
 };
 
@@ -44,8 +46,7 @@ inline double distance_from(const Eigen::Vector3d& point, const IkTarget& target
   return (target.position - point).norm();
 }
 
-template <int M>
-double distance_from(const Eigen::Vector3d& point, const AxisTarget<M>& target) {
+inline double distance_from(const Eigen::Vector3d& point, const AxisTarget& target) {
   const Eigen::Vector3d away = target.frame.transpose() * (target.position - point);
   double squared = 0.0;
   for (int row = 0; row < target.translations; ++row) {
@@ -116,8 +117,7 @@ inline RotationError twist(const Eigen::Matrix3d& rotation, int k) {
   return result;
 }
 
-template <int M>
-void evaluate(const Chain& chain, const AxisTarget<M>& target, const double* q, Task<M>& task) {
+inline void evaluate(const Chain& chain, const AxisTarget& target, const double* q, Task<6>& task) {
   Kinematics kinematics;
   forward_kinematics(chain, q, kinematics);
   const Eigen::Vector3d offset =
@@ -132,7 +132,11 @@ void evaluate(const Chain& chain, const AxisTarget<M>& target, const double* q, 
   const Eigen::Matrix3d rate = result.rate * target.frame.transpose();
   double position = 0.0, orientation = 0.0;
   task.in_axes = true;
-  for (int row = 0; row < M; ++row) {
+  task.rows = target.rows();
+  task.error.setZero();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(chain.joints()); ++i)
+    task.columns[i].setZero();
+  for (int row = 0; row < task.rows; ++row) {
     const int k = target.axis[static_cast<std::size_t>(row)];
     const bool translation = row < target.translations;
     const double error = translation ? offset[k] : result.error[k];
@@ -141,8 +145,8 @@ void evaluate(const Chain& chain, const AxisTarget<M>& target, const double* q, 
     task.error[row] = target.scale[row] * error;
     for (std::size_t i = 0; i < static_cast<std::size_t>(chain.joints()); ++i) {
       const Vector6& column = kinematics.jacobian[i];
-      const double speed = translation ? target.frame.col(k).dot(column.template head<3>())
-                                       : rate.row(k).dot(column.template tail<3>());
+      const double speed = translation ? target.frame.col(k).dot(column.head<3>())
+                                       : rate.row(k).dot(column.tail<3>());
       task.columns[i][row] = target.scale[row] * speed;
     }
   }
@@ -157,24 +161,8 @@ using Dimension = std::integral_constant<int, M>;
 // constrained.
 template <typename Visit>
 auto visit_target(const IkTarget& target, const std::optional<IkAxes>& axes, Visit visit) {
-  if (!axes) return target.rotation ? visit(Dimension<6>(), target) : visit(Dimension<3>(), target);
-  const auto as = [&](auto dimension) {
-    return visit(dimension, AxisTarget<decltype(dimension)::value>(target, *axes));
-  };
-  switch (axes->asked(target.rotation.has_value())) {
-    case 1:
-      return as(Dimension<1>());
-    case 2:
-      return as(Dimension<2>());
-    case 3:
-      return as(Dimension<3>());
-    case 4:
-      return as(Dimension<4>());
-    case 5:
-      return as(Dimension<5>());
-    default:
-      return as(Dimension<6>());
-  }
+  if (axes) return visit(Dimension<6>(), AxisTarget(target, *axes));
+  return target.rotation ? visit(Dimension<6>(), target) : visit(Dimension<3>(), target);
 }
 
 }  // namespace leadthrough

@@ -61,6 +61,7 @@ class PoseSearch {
   }
 
   bool found() const { return found_; }
+  bool redundant() const { return n_ > task_.rows; }
   int iterations() const { return iterations_; }
 
   // From the best attempt to the configuration at which a descent ends, and the reason why.
@@ -90,7 +91,7 @@ class PoseSearch {
 
   // Moves a redundant arm towards the goal; the tool stays.
   void approach(const SelfMotionGoal& goal, double share) {
-    if (n_ <= M) return;
+    if (!redundant()) return;
     SelfMotion<M, Target> motion(chain_, target_, limits_, options_.tolerance, q_);
     motion.run(goal, share, options_.max_iterations - iterations_);
     iterations_ += motion.iterations();

@@ -20,7 +20,7 @@ IkResult finish(PoseSearch<M, Target>& search, const Chain& chain, const IkOptio
   if (met && options.posture) {
     search.take_turns_near(*options.posture);
     search.approach(towards(*options.posture), 1.0);
-  } else if (met && options.nullspace_gain > 0.0 && chain.joints() > M) {
+  } else if (met && options.nullspace_gain > 0.0 && search.redundant()) {
     search.take_turns_near(middle(chain));
     search.approach(towards_middle(chain), std::min(options.nullspace_gain, 1.0));
   } else {

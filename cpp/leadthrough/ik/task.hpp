@@ -27,6 +27,7 @@ struct Task {
   std::array<TaskVector<M>, kMaxJoints> columns;
   double position_error = 0.0;
   double orientation_error = 0.0;
+  int rows = M;         // the last ones, of free axes, are zero
   bool in_axes = true;  // each axis with a tolerance of its own is inside it
 
   double squared() const { return error.squaredNorm(); }

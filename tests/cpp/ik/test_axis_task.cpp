@@ -73,8 +73,8 @@ TEST(AxisTask, ASpinAboutTheFreeAxisIsNoError) {
       const Pose pose = forward_kinematics(chain, c.q.data());
       const Eigen::Matrix3d turn = so3::to_matrix(so3::exp(spin * Eigen::Vector3d::Unit(k)));
       const IkTarget target{pose.position, pose.rotation * turn};
-      Task<5> task;
-      evaluate(chain, AxisTarget<5>(target, axes), c.q.data(), task);
+      Task<6> task;
+      evaluate(chain, AxisTarget(target, axes), c.q.data(), task);
       EXPECT_LE(task.error.norm(), 1e-12);
     }
   }
@@ -101,7 +101,7 @@ TEST(AxisTask, AllAxesAlikeMeasureAsThePlainTask) {
     const Case c = random_case(generator, chain);
     Task<6> plain, by_axes;
     evaluate(chain, c.target, c.q.data(), plain);
-    evaluate(chain, AxisTarget<6>(c.target, IkAxes()), c.q.data(), by_axes);
+    evaluate(chain, AxisTarget(c.target, IkAxes()), c.q.data(), by_axes);
     EXPECT_NEAR(plain.position_error, by_axes.position_error, 1e-12);
     EXPECT_NEAR(plain.orientation_error, by_axes.orientation_error, 1e-9);
     EXPECT_NEAR(plain.squared(), by_axes.squared(), 1e-9);
