@@ -279,7 +279,7 @@ void bind_chain(py::module_& module) {
           [](const Chain& chain, const py::object& q) -> py::object {
             const double* joints = finite_vector(q, chain.joints());
             if (!joints) return py::none();
-            const Pose pose = forward_kinematics(chain, joints);
+            const Transform pose = forward_kinematics(chain, joints);
             const Eigen::Vector4d orientation = so3::from_matrix(pose.rotation);
             return py::make_tuple(py::array_t<double>(3, pose.position.data()),
                                   py::array_t<double>(4, orientation.data()));

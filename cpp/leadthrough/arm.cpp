@@ -44,7 +44,7 @@ bool Arm::within_limits(const Joints& q) const {
   return (q.array() >= chain_.lower.array()).all() && (q.array() <= chain_.upper.array()).all();
 }
 
-Pose Arm::forward_kinematics(const Joints& q) const {
+Transform Arm::forward_kinematics(const Joints& q) const {
   check_rows(chain_, q.transpose());
   return leadthrough::forward_kinematics(chain_, q.data());
 }

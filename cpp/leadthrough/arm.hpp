@@ -27,7 +27,7 @@ class Arm {
   const Chain& chain() const { return chain_; }
   bool within_limits(const Joints& q) const;
 
-  Pose forward_kinematics(const Joints& q) const;
+  Transform forward_kinematics(const Joints& q) const;
   // (6, joints), linear rows first, base frame.
   Eigen::MatrixXd jacobian(const Joints& q) const;
   // Torques, N m (N); gravity in the base frame, m/s^2.

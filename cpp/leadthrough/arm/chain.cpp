@@ -17,7 +17,6 @@ namespace {
 using urdf::Joint;
 using urdf::JointType;
 using urdf::Robot;
-using urdf::Transform;
 using Joints = std::vector<const Joint*>;
 
 std::string quoted(const std::string& name) { return "'" + name + "'"; }
@@ -237,7 +236,7 @@ double reach(const Chain& chain) {
   return sum;
 }
 
-Pose forward_kinematics(const Chain& chain, const double* q) {
+Transform forward_kinematics(const Chain& chain, const double* q) {
   MovingValues room;
   return run_down(chain, moving_values(chain, q, room),
                   [](std::size_t, const auto&, const auto&) {});
@@ -279,7 +278,7 @@ Poses forward_kinematics_batch(const Chain& chain, const Eigen::Ref<const Rows>&
   Poses poses{Rows3(q.rows(), 3), Rows4(q.rows(), 4)};
   for (Eigen::Index i = 0; i < q.rows(); ++i) {
     check_interrupt(i);
-    const Pose pose = forward_kinematics(chain, q.row(i).data());
+    const Transform pose = forward_kinematics(chain, q.row(i).data());
     poses.positions.row(i) = pose.position;
     poses.orientations.row(i) = so3::from_matrix(pose.rotation);
   }

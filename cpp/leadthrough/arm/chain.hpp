@@ -19,11 +19,6 @@ constexpr int kMaxJoints = 16;
 
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxJoints, 1>;  // no heap
 
-struct Pose {
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d position;
-};
-
 // Drive of a moving joint: its value is multiplier * q[joint] + offset.
 struct Drive {
   int joint = 0;
@@ -45,7 +40,7 @@ struct Chain {
   bool mimics = false;
   std::array<bool, kMaxJoints> prismatic{};
   std::array<Drive, kMaxJoints> drives{};
-  std::array<urdf::Transform, kMaxJoints + 1> fixed;
+  std::array<Transform, kMaxJoints + 1> fixed;
   // The rigid body that a moving joint carries, loads included, in the joint's frame.
   std::array<urdf::Inertia, kMaxJoints> bodies;
   double mass = 0.0;  // of the bodies without loads, kg
@@ -66,7 +61,7 @@ std::variant<std::vector<const urdf::Joint*>, urdf::Error> joints_between(const 
                                                                           const std::string& tip);
 
 // The chain with another tip, given in the frame of the present one.
-Chain with_tool(const Chain& chain, const urdf::Transform& T_tip_tool);
+Chain with_tool(const Chain& chain, const Transform& T_tip_tool);
 // The chain that carries a body, given in the frame of its tip.
 Chain with_load(const Chain& chain, const urdf::Inertia& load);
 
@@ -77,12 +72,12 @@ double reach(const Chain& chain);
 using JacobianColumns = std::array<Vector6, kMaxJoints>;
 
 struct Kinematics {
-  Pose T_base_tip;
+  Transform T_base_tip;
   JacobianColumns jacobian;
 };
 
 // q: one value a joint, rad or m.
-Pose forward_kinematics(const Chain& chain, const double* q);
+Transform forward_kinematics(const Chain& chain, const double* q);
 void forward_kinematics(const Chain& chain, const double* q, Kinematics& kinematics);
 
 // Positions and orientations (w, x, y, z), one row a configuration.

@@ -15,7 +15,7 @@ namespace {
 
 KDL::Vector to_kdl(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-KDL::Frame to_kdl(const urdf::Transform& transform) {
+KDL::Frame to_kdl(const Transform& transform) {
   const auto& r = transform.rotation;
   return {KDL::Rotation(r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1),
                         r(2, 2)),
@@ -27,11 +27,6 @@ KDL::RigidBodyInertia to_kdl(const urdf::Inertia& inertia) {
   return KDL::RigidBodyInertia(
       inertia.mass, to_kdl(inertia.center),
       KDL::RotationalInertia(m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)));
-}
-
-urdf::Transform inverse(const urdf::Transform& transform) {
-  const Eigen::Matrix3d turn = transform.rotation.transpose();
-  return {turn, -(turn * transform.position)};
 }
 
 // One segment a moving joint; KDL has a segment's joint at its start and its body at its end.

@@ -12,7 +12,7 @@ namespace leadthrough {
 // A frame that the first `moving` moving joints of a chain carry.
 struct Frame {
   int moving = 0;
-  urdf::Transform T_joint_frame;  // in the frame of the last of these joints, rotated about its z
+  Transform T_joint_frame;  // in the frame of the last of these joints, rotated about its z
 };
 
 // The tip of a chain; of a chain's upper part, a frame of the whole chain.

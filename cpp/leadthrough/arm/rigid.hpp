@@ -1,19 +1,13 @@
 #pragma once
 
-// Transforms of frames and of the rigid bodies in them.
-
-#include <Eigen/Geometry>
+// Rigid bodies: their sum, and in another frame.
 
 #include "leadthrough/arm/urdf.hpp"
 
 namespace leadthrough {
 
-inline urdf::Transform operator*(const urdf::Transform& a, const urdf::Transform& b) {
-  return {a.rotation * b.rotation, a.rotation * b.position + a.position};
-}
-
 // A body given in frame b, in frame a.
-inline urdf::Inertia operator*(const urdf::Transform& T_a_b, const urdf::Inertia& body) {
+inline urdf::Inertia operator*(const Transform& T_a_b, const urdf::Inertia& body) {
   return {body.mass, T_a_b.rotation * body.center + T_a_b.position,
           T_a_b.rotation * body.moments * T_a_b.rotation.transpose()};
 }

@@ -45,7 +45,7 @@ inline void gather(const Chain& chain, JacobianColumns& columns) {
 
 // values: of the moving joints. at_joint(k, z axis, origin) sees each one's line in the base frame.
 template <typename AtJoint>
-Pose run_down(const Chain& chain, const double* values, AtJoint at_joint) {
+Transform run_down(const Chain& chain, const double* values, AtJoint at_joint) {
   Eigen::Matrix3d rotation = chain.fixed[0].rotation;
   Eigen::Vector3d position = chain.fixed[0].position;
   for (std::size_t k = 0; k < moving_count(chain); ++k) {

@@ -10,13 +10,9 @@
 #include <variant>
 #include <vector>
 
-namespace leadthrough::urdf {
+#include "leadthrough/base/transform.hpp"
 
-// Maps a point of the child frame into the parent frame: rotation * point + position.
-struct Transform {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-};
+namespace leadthrough::urdf {
 
 enum class JointType { kFixed, kRevolute, kContinuous, kPrismatic, kPlanar, kFloating };
 

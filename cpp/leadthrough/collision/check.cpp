@@ -60,11 +60,11 @@ class Placement {
 
  private:
   const BodyShape& shape(int i) const { return scene_.shapes[static_cast<std::size_t>(i)]; }
-  const Pose& pose(int i) const { return poses_[static_cast<std::size_t>(i)]; }
+  const Transform& pose(int i) const { return poses_[static_cast<std::size_t>(i)]; }
 
   const CollisionScene& scene_;
   Frames frames_;
-  std::vector<Pose> poses_;
+  std::vector<Transform> poses_;
   std::vector<double> balls_;
 };
 

@@ -26,7 +26,7 @@ struct Body {
 // T_frame_shape: in the frame that moves with the body's last joint; the base for 0 joints.
 struct BodyShape {
   Convex convex;
-  Pose T_frame_shape;
+  Transform T_frame_shape;
   int body;
   double radius;  // of a ball about the shape's origin that holds it, m
   std::shared_ptr<const Cloud> cloud = nullptr;  // of an obstacle, in place of a convex body

@@ -84,7 +84,7 @@ NearPair ClearanceTest::with_gradient(std::size_t i, const Separation& found) co
   const ShapePair& pair = scene.pairs[i];
   NearPair near{i, found.distance, {}};
   for (auto k = index(scene.joints[index(pair.a)]); k < index(scene.joints[index(pair.b)]); ++k) {
-    const Pose& frame = frames_[k + 1];
+    const Transform& frame = frames_[k + 1];
     const Eigen::Vector3d axis = frame.rotation.col(2);
     const Eigen::Vector3d velocity =
         scene.chain.prismatic[k] ? axis : axis.cross(found.on_b - frame.position);

@@ -45,7 +45,7 @@ class ClearanceTest {
 
   const WholeArm& arm_;
   collision::Frames frames_;
-  std::vector<Pose> poses_;
+  std::vector<Transform> poses_;
   std::vector<Eigen::Vector3d> normals_;  // the last separating direction of each pair
   std::size_t blocker_ = 0;
 };

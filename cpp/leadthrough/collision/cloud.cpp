@@ -22,13 +22,13 @@ constexpr int kLeaf = 8;  // maximum number of points of a leaf
 constexpr std::size_t kPlanes = 8;
 constexpr int kDepth = 64;  // more halvings than any number of points needs
 
-Pose unturned(const Vector3d& position) { return {Eigen::Matrix3d::Identity(), position}; }
+Transform unturned(const Vector3d& position) { return {Eigen::Matrix3d::Identity(), position}; }
 
 // A body among points in their frame. radius: of a ball about its origin that holds it.
 template <typename OwnCore>
 class Probe {
  public:
-  Probe(const Convex& body, const OwnCore& core, const Pose& pose, double radius)
+  Probe(const Convex& body, const OwnCore& core, const Transform& pose, double radius)
       : body_(body), core_(core), pose_(pose), back_(pose.rotation.transpose()), radius_(radius) {}
 
   double square_to(const Vector3d& point) const { return (point - pose_.position).squaredNorm(); }
@@ -77,7 +77,7 @@ class Probe {
 
   const Convex& body_;
   const OwnCore& core_;
-  const Pose& pose_;
+  const Transform& pose_;
   Eigen::Matrix3d back_;
   double radius_;
   // The last separating normal of a hull, and its latest separating planes with their offsets.
@@ -89,7 +89,8 @@ class Probe {
 
 // Calls work(probe) with a body in the frame of a cloud.
 template <typename Work>
-auto with_probe(const Convex& body, const Pose& T_cloud_body, double radius, const Work& work) {
+auto with_probe(const Convex& body, const Transform& T_cloud_body, double radius,
+                const Work& work) {
   return std::visit(
       [&](const auto& core) {
         return work(Probe<std::decay_t<decltype(core)>>(body, core, T_cloud_body, radius));
@@ -97,8 +98,8 @@ auto with_probe(const Convex& body, const Pose& T_cloud_body, double radius, con
       body.core);
 }
 
-Pose seen_from(const Pose& T_base_cloud, const Pose& T_base_body) {
-  return collision::compose(collision::inverse(T_base_cloud), T_base_body);
+Transform seen_from(const Transform& T_base_cloud, const Transform& T_base_body) {
+  return inverse(T_base_cloud) * T_base_body;
 }
 
 }  // namespace
@@ -196,21 +197,21 @@ double Cloud::reach(const Vector3d& along) const {
 const Vector3d& Cloud::nearest_to(const Vector3d& point) const {
   const cores::Point core;
   const Convex body{core};
-  const Pose pose = unturned(point);
+  const Transform pose = unturned(point);
   return *nearest(Probe<cores::Point>(body, core, pose, 0.0), kInfinity);
 }
 
-Separation Cloud::separation(const Pose& T_base_cloud, const Convex& body, const Pose& T_base_body,
-                             double radius, double cutoff) const {
+Separation Cloud::separation(const Transform& T_base_cloud, const Convex& body,
+                             const Transform& T_base_body, double radius, double cutoff) const {
   const Vector3d* found =
       with_probe(body, seen_from(T_base_cloud, T_base_body), radius,
                  [&](const auto& probe) { return nearest(probe, cutoff + radius_); });
   if (!found) return {cutoff, Vector3d::Zero(), Vector3d::Zero(), Vector3d::UnitX()};
-  const Pose ball = unturned(T_base_cloud.rotation * *found + T_base_cloud.position);
+  const Transform ball = unturned(T_base_cloud.rotation * *found + T_base_cloud.position);
   return leadthrough::separation(sphere(radius_), ball, body, T_base_body);
 }
 
-bool Cloud::apart(const Pose& T_base_cloud, const Convex& body, const Pose& T_base_body,
+bool Cloud::apart(const Transform& T_base_cloud, const Convex& body, const Transform& T_base_body,
                   double radius, double least) const {
   const double needed = least + radius_;
   return with_probe(body, seen_from(T_base_cloud, T_base_body), radius, [&](const auto& probe) {

@@ -31,10 +31,10 @@ class Cloud {
   // As for convex bodies, for the ball that the body is nearest to or deepest in; a distance of at
   // least `cutoff` is returned as `cutoff`, without points and normal. radius: of a bounding ball
   // about the body's origin, m.
-  Separation separation(const Pose& T_base_cloud, const Convex& body, const Pose& T_base_body,
-                        double radius, double cutoff) const;
-  bool apart(const Pose& T_base_cloud, const Convex& body, const Pose& T_base_body, double radius,
-             double least) const;
+  Separation separation(const Transform& T_base_cloud, const Convex& body,
+                        const Transform& T_base_body, double radius, double cutoff) const;
+  bool apart(const Transform& T_base_cloud, const Convex& body, const Transform& T_base_body,
+             double radius, double least) const;
 
  private:
   // Without points of its own it has two branches: the next node and the node `second`.

@@ -177,16 +177,16 @@ NearestOfCores between_cores(const Difference& difference, const Vector3d& start
   return iterate(difference, start, cutoff, overlap);
 }
 
-Difference difference_of(const Convex& a, const Pose& T_base_a, const Convex& b,
-                         const Pose& T_base_b) {
+Difference difference_of(const Convex& a, const Transform& T_base_a, const Convex& b,
+                         const Transform& T_base_b) {
   const Matrix3d R_a_base = T_base_a.rotation.transpose();
   return {a, b, R_a_base * T_base_b.rotation, R_a_base * (T_base_b.position - T_base_a.position)};
 }
 
 }  // namespace
 
-Separation separation(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
-                      double cutoff) {
+Separation separation(const Convex& a, const Transform& T_base_a, const Convex& b,
+                      const Transform& T_base_b, double cutoff) {
   const Difference difference = difference_of(a, T_base_a, b, T_base_b);
   const double rounding = a.rounding + b.rounding;
   const NearestOfCores cores =
@@ -198,7 +198,7 @@ Separation separation(const Convex& a, const Pose& T_base_a, const Convex& b, co
           to_base(cores.on_b - b.rounding * cores.normal), T_base_a.rotation * cores.normal};
 }
 
-bool apart(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
+bool apart(const Convex& a, const Transform& T_base_a, const Convex& b, const Transform& T_base_b,
            double least, Vector3d& normal) {
   const Difference difference = difference_of(a, T_base_a, b, T_base_b);
   const double rounding = a.rounding + b.rounding;

@@ -27,12 +27,12 @@ struct Separation {
 // In the frame in which both poses are given. A distance of at least `cutoff` may be returned as
 // any value from `cutoff` up to the true one, and then without the points, but with a normal along
 // which the bodies are that far apart.
-Separation separation(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
-                      double cutoff = kInfinity);
+Separation separation(const Convex& a, const Transform& T_base_a, const Convex& b,
+                      const Transform& T_base_b, double cutoff = kInfinity);
 
 // True if the distance is at least `least`, m. normal: a guess of the unit vector from a to b along
 // which it is, updated to a better one. Cores that overlap count as infinitely deep.
-bool apart(const Convex& a, const Pose& T_base_a, const Convex& b, const Pose& T_base_b,
+bool apart(const Convex& a, const Transform& T_base_a, const Convex& b, const Transform& T_base_b,
            double least, Eigen::Vector3d& normal);
 
 }  // namespace leadthrough

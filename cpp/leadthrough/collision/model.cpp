@@ -12,28 +12,24 @@ namespace leadthrough {
 
 namespace {
 
-using collision::compose;
 using collision::Frames;
-using collision::inverse;
 using urdf::Robot;
 
-Pose to_pose(const urdf::Transform& transform) { return {transform.rotation, transform.position}; }
-
-Pose moved(const urdf::Joint& joint, double value) {
-  const Pose at_zero = to_pose(joint.T_parent_child);
+Transform moved(const urdf::Joint& joint, double value) {
+  const Transform& at_zero = joint.T_parent_child;
   if (joint.type == urdf::JointType::kFixed || joint.type == urdf::JointType::kPlanar ||
       joint.type == urdf::JointType::kFloating)
     return at_zero;
   if (joint.type == urdf::JointType::kPrismatic)
-    return compose(at_zero, {Eigen::Matrix3d::Identity(), value * joint.axis});
-  return compose(
-      at_zero, {Eigen::AngleAxisd(value, joint.axis).toRotationMatrix(), Eigen::Vector3d::Zero()});
+    return at_zero * Transform{Eigen::Matrix3d::Identity(), value * joint.axis};
+  return at_zero * Transform{Eigen::AngleAxisd(value, joint.axis).toRotationMatrix(),
+                             Eigen::Vector3d::Zero()};
 }
 
 // Placement of a link: the number of the chain's joints that move it, and its pose at zero.
 struct Place {
   int joints = 0;
-  Pose T_root_link{Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()};
+  Transform T_root_link;
 };
 
 int find_link(const Robot& robot, const std::string& name) {
@@ -63,7 +59,7 @@ std::vector<Place> places(const Robot& robot, const std::vector<bool>& among) {
     const Place& parent = result[static_cast<std::size_t>(joint.parent)];
     result[static_cast<std::size_t>(joint.child)] = {
         parent.joints + (among[i] ? 1 : 0),
-        compose(parent.T_root_link, moved(joint, among[i] ? 0.0 : held))};
+        parent.T_root_link * moved(joint, among[i] ? 0.0 : held)};
   }
   return result;
 }
@@ -84,17 +80,18 @@ Convex to_convex(const urdf::Geometry& collision) {
   return {};
 }
 
-void add_shape(CollisionModel& model, const Convex& convex, const Pose& T_frame_shape) {
+void add_shape(CollisionModel& model, const Convex& convex, const Transform& T_frame_shape) {
   const int body = static_cast<int>(model.bodies.size()) - 1;
   model.shapes.push_back({convex, T_frame_shape, body, bounding_radius(convex)});
 }
 
 // A mesh's frame may lie far from it: the bounding ball needs the middle as origin.
-void add_hull(CollisionModel& model, const Eigen::Matrix3Xd& vertices, const Pose& T_frame_mesh) {
+void add_hull(CollisionModel& model, const Eigen::Matrix3Xd& vertices,
+              const Transform& T_frame_mesh) {
   const Eigen::Vector3d middle =
       0.5 * (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff());
   add_shape(model, hull(vertices.colwise() - middle),
-            compose(T_frame_mesh, {Eigen::Matrix3d::Identity(), middle}));
+            T_frame_mesh * Transform{Eigen::Matrix3d::Identity(), middle});
 }
 
 // The nearest link towards the root that has shapes is a link's neighbour, as one of bodies.
@@ -137,7 +134,7 @@ struct Candidate {
   bool decided() const { return near && apart; }
 };
 
-void look(const CollisionModel& model, const std::vector<Pose>& poses, double margin,
+void look(const CollisionModel& model, const std::vector<Transform>& poses, double margin,
           Candidate& candidate) {
   double distance = margin;
   for (const ShapePair& pair : candidate.pairs) {
@@ -189,7 +186,7 @@ void find_meeting_pairs(CollisionModel& model, const std::vector<int>& joints) {
   constexpr int kFew = 64, kMany = 2000;  // configurations: to find contacts; to exclude overlaps
   constexpr double kTouching = 1e-6;      // m
   std::vector<Contacts> seen(model.pairs.size());
-  std::vector<Pose> poses(model.shapes.size());
+  std::vector<Transform> poses(model.shapes.size());
   Frames frames;
   MovingValues room;
   for (int i = 0; i < kMany; ++i) {
@@ -215,7 +212,7 @@ void find_meeting_pairs(CollisionModel& model, const std::vector<int>& joints) {
 void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
                   const PairOptions& options) {
   std::vector<Candidate> open = candidates(model, neighbour);
-  std::vector<Pose> poses;
+  std::vector<Transform> poses;
   std::vector<int> joints;
   for (const BodyShape& shape : model.shapes) {
     poses.push_back(shape.T_frame_shape);
@@ -257,8 +254,8 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
   // Links beside or above the base in the tree do not move either.
   const auto joints_of = [&](std::size_t link) { return links[link].joints; };
   const auto in_frame = [&](std::size_t link) {
-    const Pose T_base_link = compose(inverse(links[first].T_root_link), links[link].T_root_link);
-    return compose(inverse(frames[static_cast<std::size_t>(joints_of(link))]), T_base_link);
+    const Transform T_base_link = inverse(links[first].T_root_link) * links[link].T_root_link;
+    return inverse(frames[static_cast<std::size_t>(joints_of(link))]) * T_base_link;
   };
   std::vector<int> body_of_link(robot.links.size(), -1);
   std::size_t hull_index = 0;
@@ -268,7 +265,7 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
     body_of_link[i] = static_cast<int>(model.bodies.size());
     model.bodies.push_back({link.name, joints_of(i)});
     for (const urdf::Geometry& collision : link.collisions) {
-      const Pose pose = compose(in_frame(i), to_pose(collision.T_link_shape));
+      const Transform pose = in_frame(i) * collision.T_link_shape;
       if (collision.type == urdf::GeometryType::kMesh)
         add_hull(model, hulls[hull_index++], pose);
       else
@@ -283,7 +280,7 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
     neighbour.push_back(body_of_link[last] >= 0 ? body_of_link[last] : above[last]);
     model.bodies.push_back({"attached", joints_of(last)});
     for (const PlacedShape& held : attached)
-      add_shape(model, held.convex, compose(in_frame(last), held.pose));
+      add_shape(model, held.convex, in_frame(last) * held.pose);
   }
   choose_pairs(model, neighbour, options);
   return model;

@@ -10,23 +10,15 @@
 
 namespace leadthrough::collision {
 
-inline Pose compose(const Pose& a, const Pose& b) {
-  return {a.rotation * b.rotation, a.rotation * b.position + a.position};
-}
-
-inline Pose inverse(const Pose& pose) {
-  return {pose.rotation.transpose(), -(pose.rotation.transpose() * pose.position)};
-}
-
 // The base frame, then the frame that each moving joint carries.
-using Frames = std::array<Pose, kMaxJoints + 1>;
+using Frames = std::array<Transform, kMaxJoints + 1>;
 
 // values: of the moving joints.
 inline void joint_frames(const Chain& chain, const double* values, Frames& frames) {
-  frames[0] = {Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()};
+  frames[0] = {};
   for (std::size_t k = 0; k < moving_count(chain); ++k) {
-    const Pose line = compose(frames[k], {chain.fixed[k].rotation, chain.fixed[k].position});
-    Pose& frame = frames[k + 1];
+    const Transform line = frames[k] * chain.fixed[k];
+    Transform& frame = frames[k + 1];
     frame = line;
     if (chain.prismatic[k]) {
       frame.position += values[k] * line.rotation.col(2);
@@ -41,28 +33,29 @@ inline void joint_frames(const Chain& chain, const double* values, Frames& frame
 
 // Poses of the shapes that are moved by at least one joint; the others stay as they are.
 inline void place(const std::vector<BodyShape>& shapes, const std::vector<int>& joints,
-                  const Frames& frames, std::vector<Pose>& poses) {
+                  const Frames& frames, std::vector<Transform>& poses) {
   for (std::size_t i = 0; i < shapes.size(); ++i)
     if (joints[i] > 0)
-      poses[i] = compose(frames[static_cast<std::size_t>(joints[i])], shapes[i].T_frame_shape);
+      poses[i] = frames[static_cast<std::size_t>(joints[i])] * shapes[i].T_frame_shape;
 }
 
 // As of their convex bodies; only the first may be a cloud, as only obstacles are.
-inline Separation separation(const BodyShape& a, const Pose& A, const BodyShape& b, const Pose& B,
-                             double cutoff) {
+inline Separation separation(const BodyShape& a, const Transform& A, const BodyShape& b,
+                             const Transform& B, double cutoff) {
   return a.cloud ? a.cloud->separation(A, b.convex, B, b.radius, cutoff)
                  : leadthrough::separation(a.convex, A, b.convex, B, cutoff);
 }
 
 // normal: of convex bodies only, see `apart` of those.
-inline bool apart(const BodyShape& a, const Pose& A, const BodyShape& b, const Pose& B,
+inline bool apart(const BodyShape& a, const Transform& A, const BodyShape& b, const Transform& B,
                   double least, Eigen::Vector3d& normal) {
   return a.cloud ? a.cloud->apart(A, b.convex, B, b.radius, least)
                  : leadthrough::apart(a.convex, A, b.convex, B, least, normal);
 }
 
 // The distance of the balls around two shapes.
-inline double ball_distance(const BodyShape& a, const Pose& A, const BodyShape& b, const Pose& B) {
+inline double ball_distance(const BodyShape& a, const Transform& A, const BodyShape& b,
+                            const Transform& B) {
   return (A.position - B.position).norm() - a.radius - b.radius;
 }
 

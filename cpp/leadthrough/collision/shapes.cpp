@@ -39,7 +39,7 @@ Overloaded(Answers...) -> Overloaded<Answers...>;
 
 // To a point in the frame of the body.
 Separation by_iteration(const Convex& body, const Eigen::Vector3d& point, double cutoff) {
-  const Pose here{Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()};
+  const Transform here;
   return separation(body, here, sphere(0.0), {Eigen::Matrix3d::Identity(), point}, cutoff);
 }
 
@@ -161,7 +161,7 @@ double reach_of(const Shape& shape, const Eigen::Vector3d& direction) {
 PlacedShapes placed_shapes(const std::vector<Shape>& shapes) {
   PlacedShapes placed;
   for (const Shape& shape : shapes) {
-    const Pose pose{shape.rotation, shape.position};
+    const Transform pose{shape.rotation, shape.position};
     const auto add_hulls = [&](const HullsPointer& hulls) {
       bool piece = false;
       for (const auto& [convex, middle, radius] : *hulls) {

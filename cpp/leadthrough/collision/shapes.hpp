@@ -54,7 +54,7 @@ double reach_of(const Shape& shape, const Eigen::Vector3d& direction);
 // the first.
 struct PlacedShape {
   Convex convex;
-  Pose pose;
+  Transform pose;
   std::shared_ptr<const Cloud> cloud = nullptr;
   bool piece = false;
 };

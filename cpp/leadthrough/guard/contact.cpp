@@ -89,8 +89,8 @@ class Certifier {
     const ShapePair& pair = scene_.pairs[p];
     const BodyShape& a = scene_.shapes[index(pair.a)];
     const BodyShape& b = scene_.shapes[index(pair.b)];
-    const Pose& A = poses_[index(pair.a)];
-    const Pose& B = poses_[index(pair.b)];
+    const Transform& A = poses_[index(pair.a)];
+    const Transform& B = poses_[index(pair.b)];
     return collision::ball_distance(a, A, b, B) >= least ||
            collision::apart(a, A, b, B, least, normals_[p]);
   }
@@ -171,7 +171,7 @@ class Certifier {
   std::vector<MovingValues> travel_;  // total variation of each moving joint after each sample
   std::vector<MovingValues> reach_;
   std::vector<Eigen::Vector3d> normals_;
-  std::vector<Pose> poses_;
+  std::vector<Transform> poses_;
   collision::Frames frames_;
   std::vector<std::size_t> open_;  // a stack of pairs that are not certified yet
   std::optional<Contact> contact_;

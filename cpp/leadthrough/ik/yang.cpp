@@ -27,7 +27,7 @@ struct Offset {
   double position_error = 0.0, orientation_error = 0.0;
 };
 
-Offset offset_to(const IkTarget& target, const Pose& pose) {
+Offset offset_to(const IkTarget& target, const Transform& pose) {
   Offset offset;
   offset.twist.head<3>() = target.position - pose.position;
   if (target.rotation)

@@ -19,7 +19,7 @@ int main(int count, char** words) try {
   const leadthrough::Arm arm(document, words[2], words[3]);
 
   const leadthrough::JointVector q0 = leadthrough::middle(arm.chain());
-  const leadthrough::Pose tip = arm.forward_kinematics(q0);
+  const leadthrough::Transform tip = arm.forward_kinematics(q0);
   const leadthrough::IkTarget target{tip.position + Eigen::Vector3d(0.0, 0.0, 0.05), tip.rotation};
   const leadthrough::IkResult result = arm.inverse_kinematics(target, q0);
   if (result.status != leadthrough::IkStatus::kConverged) return 1;

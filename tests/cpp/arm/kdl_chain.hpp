@@ -8,7 +8,7 @@
 
 namespace leadthrough::test {
 
-inline KDL::Frame to_kdl(const urdf::Transform& transform) {
+inline KDL::Frame to_kdl(const Transform& transform) {
   const auto& r = transform.rotation;
   const auto& p = transform.position;
   return {KDL::Rotation(r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1),

@@ -11,7 +11,7 @@ TEST(Arm, AnswersAsTheFoldersDo) {
   const Chain& chain = arm.chain();
   const JointVector q0 = middle(chain), rest = JointVector::Zero(chain.joints());
   EXPECT_TRUE(arm.within_limits(q0));
-  const Pose tip = arm.forward_kinematics(q0);
+  const Transform tip = arm.forward_kinematics(q0);
   EXPECT_EQ(tip.position, forward_kinematics(chain, q0.data()).position);
 
   const Eigen::MatrixXd jacobian = arm.jacobian(q0);

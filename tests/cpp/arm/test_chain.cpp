@@ -151,11 +151,11 @@ TEST(Chain, AHeldJointStandsWhereItIsHeld) {
 
 TEST(Chain, AToolMovesTheTip) {
   const Chain chain = std::get<Chain>(make_chain(crooked_robot(), "l0", "l9"));
-  const urdf::Transform tool{Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()).toRotationMatrix(),
-                             {0.1, 0.2, 0.3}};
+  const Transform tool{Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()).toRotationMatrix(),
+                       {0.1, 0.2, 0.3}};
   const JointVector q = JointVector::Constant(chain.joints(), 0.3);
-  const Pose before = forward_kinematics(chain, q.data());
-  const Pose after = forward_kinematics(with_tool(chain, tool), q.data());
+  const Transform before = forward_kinematics(chain, q.data());
+  const Transform after = forward_kinematics(with_tool(chain, tool), q.data());
   EXPECT_LE((after.position - before.position - before.rotation * tool.position).norm(), 1e-15);
   EXPECT_LE((after.rotation - before.rotation * tool.rotation).norm(), 1e-15);
 }

@@ -108,7 +108,7 @@ TEST(Threads, ReportsOfCollisionsHaveTheSameBits) {
     text.insert(text.find(name) + name.size(), bar);
   const auto robot = std::get<urdf::Robot>(urdf::parse(text));
   const auto model = make_collision_model(robot, test::crooked_chain(), "l0", "l9", {}, {});
-  const Pose ahead{Eigen::Matrix3d::Identity(), {0.4, 0.2, 0.6}};
+  const Transform ahead{Eigen::Matrix3d::Identity(), {0.4, 0.2, 0.6}};
   const auto scene = against(model, {{box({0.2, 0.2, 0.2}), ahead}});
   const Rows q = waving(400, 7);
   const MotionReport one = check_motion(scene, q, {0.01, 1e-3, 1});
@@ -157,7 +157,7 @@ TEST(Threads, ShareADifferentialIk) {
   solver.limits = limits_of(solver.chain);
   solver.posture = middle(solver.chain);
   const JointVector start = JointVector::Constant(7, 0.3), goal = JointVector::Constant(7, 0.1);
-  const Pose pose = forward_kinematics(solver.chain, goal.data());
+  const Transform pose = forward_kinematics(solver.chain, goal.data());
   expect_equal_results([&] {
     DifferentialStep now{start, JointVector::Zero(7)};
     for (int k = 0; k < 300; ++k)
@@ -170,7 +170,7 @@ TEST(Threads, ShareADifferentialIk) {
 TEST(Threads, ShareATaskStack) {
   const Chain chain = test::crooked_chain();
   const JointVector start = JointVector::Constant(7, 0.1), rest = JointVector::Zero(7);
-  const Pose pose = forward_kinematics(chain, rest.data());
+  const Transform pose = forward_kinematics(chain, rest.data());
   TaskStack stack{chain, {}, {}, PriorityScheme::kReverse, 10.0};
   stack.tasks = {
       {JointLimitGoal{0.2}, {}, 5.0, 1.0},

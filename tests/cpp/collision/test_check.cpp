@@ -47,9 +47,9 @@ Rows rows(std::initializer_list<std::array<double, 2>> values) {
   return q;
 }
 
-const Pose kOrigin{Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()};
+const Transform kOrigin;
 
-Pose at(double x, double y, double z) { return {Eigen::Matrix3d::Identity(), {x, y, z}}; }
+Transform at(double x, double y, double z) { return {Eigen::Matrix3d::Identity(), {x, y, z}}; }
 
 }  // namespace
 

@@ -23,7 +23,7 @@ class Random {
     std::uniform_real_distribution<double> uniform(-most, most);
     return {uniform(engine_), uniform(engine_), uniform(engine_)};
   }
-  Pose pose(double most) {
+  Transform pose(double most) {
     return {Eigen::Quaterniond::UnitRandom().toRotationMatrix(), vector(most)};
   }
 
@@ -60,11 +60,11 @@ TEST(Cloud, IsAsFarAsItsNearestBall) {
     for (const Convex& body : bodies()) {
       const double radius = bounding_radius(body);
       for (int i = 0; i < 20; ++i) {
-        const Pose own = random.pose(0.2), other = random.pose(0.7);
+        const Transform own = random.pose(0.2), other = random.pose(0.7);
         double least = kInfinity;
         for (int k = 0; k < count; ++k) {
           const Vector3d local = points.row(k).transpose() - cloud.middle();
-          const Pose at{Eigen::Matrix3d::Identity(), own.rotation * local + own.position};
+          const Transform at{Eigen::Matrix3d::Identity(), own.rotation * local + own.position};
           least = std::min(least, separation(sphere(kRadius), at, body, other).distance);
         }
         const Separation found = cloud.separation(own, body, other, radius, kInfinity);
@@ -85,7 +85,7 @@ TEST(Cloud, AllocatesNothing) {
   const Rows3 points = scattered(random, 300);
   const Cloud cloud(points, kRadius);
   const std::vector<Convex> all = bodies();
-  const Pose own = random.pose(0.2), other = random.pose(0.3);
+  const Transform own = random.pose(0.2), other = random.pose(0.3);
   const std::size_t before = test::allocations();
   for (const Convex& body : all) {
     cloud.separation(own, body, other, 0.5, kInfinity);

@@ -26,7 +26,7 @@ class Random {
   Vector3d vector(double reach) {
     return {between(-reach, reach), between(-reach, reach), between(-reach, reach)};
   }
-  Pose pose(double reach) {
+  Transform pose(double reach) {
     const Eigen::Quaterniond turn(between(-1, 1), between(-1, 1), between(-1, 1), between(-1, 1));
     return {turn.normalized().toRotationMatrix(), vector(reach)};
   }
@@ -56,13 +56,13 @@ class Random {
   std::mt19937 generator_{5};
 };
 
-Pose at(double x, double y, double z) { return {Matrix3d::Identity(), {x, y, z}}; }
+Transform at(double x, double y, double z) { return {Matrix3d::Identity(), {x, y, z}}; }
 
-Pose compose(const Pose& a, const Pose& b) {
+Transform compose(const Transform& a, const Transform& b) {
   return {a.rotation * b.rotation, a.rotation * b.position + a.position};
 }
 
-Pose turned(const Vector3d& axis, double angle, const Vector3d& position) {
+Transform turned(const Vector3d& axis, double angle, const Vector3d& position) {
   return {Eigen::AngleAxisd(angle, axis).toRotationMatrix(), position};
 }
 
@@ -77,7 +77,7 @@ std::shared_ptr<fcl::CollisionGeometryd> to_fcl(const Convex& body) {
   return std::make_shared<fcl::Cylinderd>(cylinder.radius, 2.0 * cylinder.half);
 }
 
-fcl::CollisionObjectd to_fcl(const Convex& body, const Pose& pose) {
+fcl::CollisionObjectd to_fcl(const Convex& body, const Transform& pose) {
   return {to_fcl(body), pose.rotation, pose.position};
 }
 
@@ -103,19 +103,21 @@ struct ReachByDefinition {
   }
 };
 
-double reach(const Convex& body, const Pose& pose, const Vector3d& direction) {
+double reach(const Convex& body, const Transform& pose, const Vector3d& direction) {
   const ReachByDefinition definition{pose.rotation.transpose() * direction};
   return std::visit(definition, body.core) + body.rounding + direction.dot(pose.position);
 }
 
 // The width of the gap that a direction sees between the bodies, below zero where they overlap.
 // The largest over all directions is the signed distance.
-double gap(const Convex& a, const Pose& A, const Convex& b, const Pose& B, const Vector3d& d) {
+double gap(const Convex& a, const Transform& A, const Convex& b, const Transform& B,
+           const Vector3d& d) {
   return -reach(b, B, -d) - reach(a, A, d);
 }
 
 // Climbs from the best of many random directions by ever smaller random steps.
-double widest_gap(const Convex& a, const Pose& A, const Convex& b, const Pose& B, Random& random) {
+double widest_gap(const Convex& a, const Transform& A, const Convex& b, const Transform& B,
+                  Random& random) {
   Vector3d start = Vector3d::UnitX();
   double best = gap(a, A, b, B, start);
   for (int i = 0; i < 100; ++i) {
@@ -146,8 +148,8 @@ TEST(ConvexDistance, AgreesWithFclWherePrimitivesAreApart) {
   for (int i = 0; i < 40'000; ++i) {
     const Convex a = random.body(i % 4);
     const Convex b = random.body(i / 4 % 4);
-    const Pose A = random.pose(0.4);
-    const Pose B = random.pose(0.4);
+    const Transform A = random.pose(0.4);
+    const Transform B = random.pose(0.4);
     const Separation ours = separation(a, A, b, B);
     if (ours.distance <= 1e-4) continue;  // FCL's own tolerance is too coarse
     ++apart;
@@ -171,8 +173,8 @@ TEST(ConvexDistance, DepthIsThatOfTheShallowestDirection) {
   for (int i = 0; i < count; ++i) {
     const Convex a = random.body(i % 5);
     const Convex b = random.body(i / 5 % 5);
-    const Pose A = random.pose(0.1);
-    const Pose B = random.pose(0.1);
+    const Transform A = random.pose(0.1);
+    const Transform B = random.pose(0.1);
     const Separation ours = separation(a, A, b, B);
     if (ours.distance >= 0.0) continue;
     ++deep;
@@ -182,7 +184,7 @@ TEST(ConvexDistance, DepthIsThatOfTheShallowestDirection) {
     for (int climb = 0; climb < 2; ++climb)
       EXPECT_LE(widest_gap(a, A, b, B, random), ours.distance + 1e-6) << i;
     // Moved apart by the depth along its direction, the bodies touch.
-    Pose moved = B;
+    Transform moved = B;
     moved.position -= ours.distance * way;
     EXPECT_NEAR(separation(a, A, b, moved).distance, 0.0, 1e-6) << i;
   }
@@ -195,7 +197,7 @@ TEST(ConvexDistance, TouchingBodiesAreAtZero) {
   const Convex can = cylinder(0.1, 0.3);
   const Convex ball = sphere(0.1);
   const Convex pill = capsule(0.1, 0.3);
-  const Pose origin = at(0, 0, 0);
+  const Transform origin = at(0, 0, 0);
   EXPECT_NEAR(separation(cube, origin, cube, at(0.2, 0, 0)).distance, 0.0, tolerance);
   EXPECT_NEAR(separation(cube, origin, cube, at(0.2, 0.2, 0.2)).distance, 0.0, tolerance);
   EXPECT_NEAR(separation(cube, origin, can, at(0.05, 0, 0.25)).distance, 0.0, tolerance);
@@ -215,7 +217,7 @@ TEST(ConvexDistance, NestedAndCoincidentBodiesHaveTheirDepth) {
   const Convex can = cylinder(0.1, 0.3);
   const Convex ball = sphere(0.1);
   const Convex pill = capsule(0.1, 0.3);
-  const Pose origin = at(0, 0, 0);
+  const Transform origin = at(0, 0, 0);
   EXPECT_NEAR(separation(cube, origin, cube, origin).distance, -0.2, tolerance);
   EXPECT_NEAR(separation(cube, origin, ball, origin).distance, -0.2, tolerance);
   EXPECT_NEAR(separation(ball, origin, ball, origin).distance, -0.2, tolerance);
@@ -232,8 +234,8 @@ TEST(ConvexDistance, NestedAndCoincidentBodiesHaveTheirDepth) {
 TEST(ConvexDistance, ParallelAndCrossingBodiesAreMeasured) {
   const Convex pill = capsule(0.05, 0.4);
   const Convex can = cylinder(0.05, 0.4);
-  const Pose origin = at(0, 0, 0);
-  const Pose across = turned(Vector3d::UnitX(), kPi / 2, {0.3, 0, 0.1});
+  const Transform origin = at(0, 0, 0);
+  const Transform across = turned(Vector3d::UnitX(), kPi / 2, {0.3, 0, 0.1});
   EXPECT_NEAR(separation(pill, origin, pill, at(0.3, 0, 0.1)).distance, 0.2, 1e-12);
   EXPECT_NEAR(separation(pill, origin, pill, at(0, 0, 0.9)).distance, 0.4, 1e-12);
   EXPECT_NEAR(separation(pill, origin, pill, across).distance, 0.2, 1e-12);
@@ -247,9 +249,9 @@ TEST(ConvexDistance, IsSymmetricAndTheSameInEveryFrame) {
   for (int i = 0; i < 5'000; ++i) {
     const Convex a = random.body(i % 5);
     const Convex b = random.body(i / 5 % 5);
-    const Pose A = random.pose(0.3);
-    const Pose B = random.pose(0.3);
-    const Pose frame = random.pose(2.0);
+    const Transform A = random.pose(0.3);
+    const Transform B = random.pose(0.3);
+    const Transform frame = random.pose(2.0);
     const double distance = separation(a, A, b, B).distance;
     EXPECT_NEAR(separation(b, B, a, A).distance, distance, 2e-8) << i;
     EXPECT_NEAR(separation(a, compose(frame, A), b, compose(frame, B)).distance, distance, 2e-8)
@@ -262,8 +264,8 @@ TEST(ConvexDistance, NeverGrowsWithTheBodies) {
   for (int i = 0; i < 3'000; ++i) {
     Convex a = random.body(i % 4);
     const Convex b = random.body(i / 4 % 4);
-    const Pose A = random.pose(0.3);
-    const Pose B = random.pose(0.3);
+    const Transform A = random.pose(0.3);
+    const Transform B = random.pose(0.3);
     const double before = separation(a, A, b, B).distance;
     std::visit(
         [](auto& core) {
@@ -283,8 +285,8 @@ TEST(ConvexDistance, ChangesByNoMoreThanTheBodiesMove) {
   for (int i = 0; i < test::cases(50, 25); ++i) {
     const Convex a = random.body(i % 5);
     const Convex b = random.body(i / 5 % 5);
-    const Pose A = random.pose(0.05);
-    Pose B = random.pose(0.05);
+    const Transform A = random.pose(0.05);
+    Transform B = random.pose(0.05);
     const Vector3d way = step * random.vector(1.0).normalized();
     double before = separation(a, A, b, B).distance;
     for (int k = 0; k < 3'000 && before < 0.01; ++k) {  // from deep inside to outside
@@ -302,8 +304,8 @@ TEST(ConvexDistance, StopsAtACutoffThatTheBodiesKeep) {
     const Convex a = random.body(i % 5);
     const Convex b = random.body(i / 5 % 5);
     const double cutoff = i % 2 ? 0.1 : -0.05;  // apart, and deep in each other
-    const Pose A = random.pose(i % 2 ? 0.5 : 0.15);
-    const Pose B = random.pose(i % 2 ? 0.5 : 0.15);
+    const Transform A = random.pose(i % 2 ? 0.5 : 0.15);
+    const Transform B = random.pose(i % 2 ? 0.5 : 0.15);
     const double whole = separation(a, A, b, B).distance;
     const double cut = separation(a, A, b, B, cutoff).distance;
     if (whole < cutoff)
@@ -320,8 +322,8 @@ TEST(ConvexDistance, MeasuresThinBesideHugeBodies) {
     const Convex thin[] = {box({0.3, 1e-4, 1e-4}), cylinder(1e-4, 0.4), cylinder(0.2, 1e-4),
                            capsule(1e-4, 0.5), sphere(1e-4)};
     const Convex& b = thin[i / 2 % 5];
-    const Pose A = random.pose(1.0);
-    const Pose B = random.pose(4.0);
+    const Transform A = random.pose(1.0);
+    const Transform B = random.pose(4.0);
     const Separation ours = separation(a, A, b, B);
     if (std::abs(ours.distance) < 1e-6) continue;
     const Vector3d way = (ours.on_b - ours.on_a).normalized() * std::copysign(1.0, ours.distance);

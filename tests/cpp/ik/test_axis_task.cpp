@@ -70,7 +70,7 @@ TEST(AxisTask, ASpinAboutTheFreeAxisIsNoError) {
     axes.free[static_cast<std::size_t>(3 + k)] = true;
     for (const double spin : {0.0, 1.0, 3.0, -3.1}) {
       const Case c = random_case(generator, chain);
-      const Pose pose = forward_kinematics(chain, c.q.data());
+      const Transform pose = forward_kinematics(chain, c.q.data());
       const Eigen::Matrix3d turn = so3::to_matrix(so3::exp(spin * Eigen::Vector3d::Unit(k)));
       const IkTarget target{pose.position, pose.rotation * turn};
       Task<6> task;

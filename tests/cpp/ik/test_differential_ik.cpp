@@ -27,7 +27,7 @@ DifferentialIk crooked_solver() {
 }
 
 IkTarget pose_at(const Chain& chain, const JointVector& q) {
-  const Pose pose = forward_kinematics(chain, q.data());
+  const Transform pose = forward_kinematics(chain, q.data());
   return {pose.position, pose.rotation};
 }
 

@@ -18,7 +18,7 @@ std::size_t count(const Work& work) {
 }
 
 IkTarget target_of(const Chain& chain, const Eigen::VectorXd& q) {
-  const Pose pose = forward_kinematics(chain, q.data());
+  const Transform pose = forward_kinematics(chain, q.data());
   return {pose.position, pose.rotation};
 }
 
@@ -30,7 +30,7 @@ struct Path {
 
 Path still(const Chain& chain, int samples) {
   const Eigen::VectorXd q = middle(chain);
-  const Pose pose = forward_kinematics(chain, q.data());
+  const Transform pose = forward_kinematics(chain, q.data());
   return {pose.position.transpose().replicate(samples, 1),
           so3::from_matrix(pose.rotation).transpose().replicate(samples, 1),
           Rows::Constant(samples, chain.joints(), 0.3)};

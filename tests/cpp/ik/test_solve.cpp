@@ -41,7 +41,7 @@ TEST(Ik, ReachesEveryReachableTargetInsideTheLimits) {
       const IkResult& result = results[static_cast<std::size_t>(i)];
       ASSERT_EQ(result.status, IkStatus::kConverged) << i;
       EXPECT_TRUE(inside(chain, result.q));
-      const Pose pose = forward_kinematics(chain, result.q.data());
+      const Transform pose = forward_kinematics(chain, result.q.data());
       EXPECT_LE((pose.position - targets.positions.row(i).transpose()).norm(), 1.001e-6);
       EXPECT_LE(so3::distance(so3::from_matrix(pose.rotation), targets.orientations.row(i)),
                 1.001e-6);
@@ -52,7 +52,7 @@ TEST(Ik, ReachesEveryReachableTargetInsideTheLimits) {
 TEST(Ik, SizesOfAnotherChainAreRefused) {
   const Chain chain = test::crooked_chain();
   const JointVector q0 = middle(chain), three = JointVector::Zero(3);
-  const Pose tip = forward_kinematics(chain, q0.data());
+  const Transform tip = forward_kinematics(chain, q0.data());
   const IkTarget target{tip.position, tip.rotation};
   IkOptions with_posture, with_reference;
   with_posture.posture = with_reference.reference = three;
@@ -85,7 +85,7 @@ TEST(Ik, ATargetBeyondTheArmIsUnreachable) {
 TEST(Ik, ASeedOutsideTheLimitsIsMovedInside) {
   const Chain chain = test::crooked_chain();
   const Rows q = random_configurations(chain, 1, 7);
-  const Pose pose = forward_kinematics(chain, q.data());
+  const Transform pose = forward_kinematics(chain, q.data());
   const Eigen::VectorXd q0 = Eigen::VectorXd::Constant(chain.joints(), 100.0);
   const IkResult result = solve_ik(chain, {pose.position, pose.rotation}, q0);
   EXPECT_EQ(result.status, IkStatus::kConverged);
@@ -113,7 +113,7 @@ TEST(Ik, LimitsThatBarTheWayAreNamed) {
   const Eigen::VectorXd q = middle(chain);
   JointVector lifted = middle(chain);
   lifted[0] = 0.35;
-  const Pose pose = forward_kinematics(chain, lifted.data());
+  const Transform pose = forward_kinematics(chain, lifted.data());
   for (int i = 1; i < chain.joints(); ++i) chain.lower[i] = chain.upper[i] = q[i];
   chain.upper[0] = 0.2;
   const IkResult result = solve_ik(chain, {pose.position, pose.rotation}, q);

@@ -77,7 +77,7 @@ Eigen::VectorXd by_pseudo_inverses(const std::vector<Level>& levels, int joints)
 
 TaskStack every_task(const Chain& chain, PriorityScheme scheme) {
   const JointVector q = JointVector::Constant(chain.joints(), 0.2);
-  const Pose pose = forward_kinematics(chain, q.data());
+  const Transform pose = forward_kinematics(chain, q.data());
   const Frame tip = tip_frame(chain);
   const Frame elbow{4, {}};
   const Shape ball{Eigen::Matrix3d::Identity(), pose.position + Eigen::Vector3d(0.0, 0.15, 0.0),

@@ -92,7 +92,7 @@ TEST(Yang, APathIsFollowedOneStepASample) {
   const Chain chain = test::crooked_chain();
   std::mt19937 generator(3);
   const Eigen::VectorXd start = random_configuration(generator, chain);
-  const Pose pose = forward_kinematics(chain, start.data());
+  const Transform pose = forward_kinematics(chain, start.data());
   constexpr int kSamples = 200;
   Rows3 positions(kSamples, 3);
   Rows4 orientations(kSamples, 4);

@@ -69,7 +69,7 @@ TEST(ClearPath, LeadsTheElbowAroundABallAndKeepsTheTip) {
   ASSERT_EQ(found.q.rows(), 41);
   EXPECT_FALSE(check_motion(against(arm.model, there), found.q, {0.01, 1e-4, 1}).first.has_value());
   for (Eigen::Index i = 0; i < 41; ++i) {
-    const Pose tip = forward_kinematics(arm.chain, found.q.row(i).data());
+    const Transform tip = forward_kinematics(arm.chain, found.q.row(i).data());
     EXPECT_LT((tip.position - arm.positions.row(i).transpose()).norm(), 1e-6);
   }
   for (Eigen::Index i = 1; i < 41; ++i)
@@ -101,7 +101,7 @@ TEST(ClearPath, LeavesThePathWithinATubeWhereThereIsNoRoom) {
   EXPECT_FALSE(check_motion(against(arm.model, there), found.q, {0.01, 1e-4, 1}).first.has_value());
   double most = 0.0;
   for (Eigen::Index i = 0; i < 41; ++i) {
-    const Pose tip = forward_kinematics(arm.chain, found.q.row(i).data());
+    const Transform tip = forward_kinematics(arm.chain, found.q.row(i).data());
     const Eigen::Vector3d off = tip.position - arm.positions.row(i).transpose();
     const double used = std::hypot(off[0] / 0.2, off[1] / 0.03);
     EXPECT_LE(used, 1.0) << i;
