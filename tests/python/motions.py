@@ -1,17 +1,24 @@
 """Motions and arms that tests share; none is built before a test asks for it."""
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
 import leadthrough as lt
 from leadthrough import rotations
+from leadthrough.motion import with_derivatives  # noqa: F401
 
 
 def minimum_jerk(phase):
     """The quintic that rises from 0 to 1 with phases in [0, 1], at rest at both ends."""
     u = np.clip(phase, 0.0, 1.0)
     return u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+
+
+def urdf(name):
+    """The path of a robot's URDF."""
+    return Path(__file__).parents[2] / "robots" / name / f"{name}.urdf"
 
 
 @cache

@@ -4,6 +4,7 @@ import re
 import warnings
 from pathlib import Path
 
+import kinds
 import numpy as np
 import pytest
 from motions import minimum_jerk, motion_of
@@ -11,7 +12,6 @@ from motions import minimum_jerk, motion_of
 from leadthrough import models
 from leadthrough.errors import InvalidInput
 from leadthrough.models import model_entry, model_names
-from leadthrough.models.registry import entry_of_class
 
 PAGE = Path(__file__).parents[2] / "docs" / "guide" / "which-model.md"
 COLUMNS = ["model", "of", "start", "goal", "obstacles", "via points", "uncertainty", "online"]
@@ -43,7 +43,7 @@ def fitted(name, kind):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", models.MisalignmentWarning)
         try:
-            model = entry_of_class(name).load()(**SMALL.get(name, {}))
+            model = kinds.kind(name, **SMALL.get(name, {})).build()
             return model.fit([demonstrated(kind, number) for number in range(3)])
         except InvalidInput:
             return None

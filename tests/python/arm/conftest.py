@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from foreign_arms import urdf_in_package
+from motions import urdf
 
 import leadthrough as lt
-from leadthrough.arm.robot_files import find_robot
 
 # name: file, base, tip, a comfortable posture
 ROBOTS = {
@@ -41,7 +41,7 @@ def posture(robot):
 @pytest.fixture(scope="session")
 def robots_by_name():
     """The bundled robots' arms with the paths of their URDFs."""
-    return [(lt.Arm.load(name), find_robot(name).urdf) for name in ROBOTS]
+    return [(lt.Arm.load(name), urdf(name)) for name in ROBOTS]
 
 
 @pytest.fixture(scope="session")

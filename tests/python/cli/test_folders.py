@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 from cli.command_line import facts, run
+from motions import with_derivatives
 
 import leadthrough as lt
-from leadthrough.motion import with_derivatives
 
 REACHES = ["reach1", "reach2", "reach3"]
 

@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kinds import kind
-from motions import arm, minimum_jerk, motion_of
+from motions import arm, minimum_jerk, motion_of, with_derivatives
 
 import leadthrough as lt
-from leadthrough.motion import with_derivatives
 from leadthrough.preprocess import align_by_arc_length, align_by_time_warping, segment
 
 CLOSED, OPENED = lt.Event(1.3, "closed"), lt.Event(2.0, "opened")

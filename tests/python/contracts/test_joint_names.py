@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from cli.command_line import facts, run
 from contracts.public import public_callables
+from kinds import kind
 from motions import arm, minimum_jerk
 
 import leadthrough as lt
@@ -134,8 +135,7 @@ ENTRIES = {
 
 def fitted(family, **settings):
     def generated(one, other):
-        model = models.registry.entry_of_class(family).load()(**settings)
-        return model.fit([one, other]).generate(dt=0.05)
+        return kind(family, **settings).build().fit([one, other]).generate(dt=0.05)
 
     return generated
 

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from leadthrough import rotations
-from leadthrough.motion import PoseTrajectory
+from leadthrough import PoseTrajectory, rotations
 
 
 def extent(motion):

@@ -2,10 +2,10 @@
 
 from itertools import pairwise
 
+import motions
 import numpy as np
 import pinocchio as pin
 
-from leadthrough.arm.robot_files import find_robot
 from leadthrough_studies.coal_arm import CoalArm
 
 EXCESS = 1e-6
@@ -37,7 +37,7 @@ class CoalScene:
     """An arm among obstacles, in coal by Pinocchio, with the URDF's own shapes."""
 
     def __init__(self, arm, name, obstacles, meet):
-        urdf = str(find_robot(name).urdf)
+        urdf = str(motions.urdf(name))
         self.model = pin.buildModelFromUrdf(urdf)
         self.geometry = pin.buildGeomFromUrdf(self.model, urdf, pin.GeometryType.COLLISION)
         own = [(g.name.rpartition("_")[0], i) for i, g in enumerate(self.geometry.geometryObjects)]

@@ -1,14 +1,15 @@
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+from motions import with_derivatives
 from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.io import csv, joint_trajectory
-from leadthrough.motion import with_derivatives
+from leadthrough.io import joint_trajectory
 
 NAMES = ("shoulder_pan_joint", "wrist_1_joint")
 TIMES = 7.0 + np.linspace(0.0, 2.0, 41) ** 1.5
@@ -24,11 +25,11 @@ def seconds(stamp):
 
 
 def test_csv_has_the_derivatives_that_the_trajectory_has(tmp_path):
-    csv.write(FULL, tmp_path / "arm.csv")
+    lt.write_motion(FULL, tmp_path / "arm.csv")
     columns = {"joints": [f"{name}_velocity" for name in NAMES]}
     motion = lt.read_motion(tmp_path / "arm.csv", columns=columns)
     assert np.array_equal(motion.positions, FULL.velocities)
-    csv.write(PLAIN, tmp_path / "arm.csv")
+    lt.write_motion(PLAIN, tmp_path / "arm.csv")
     with pytest.raises(InvalidInput, match="no column 'shoulder_pan_joint_velocity'"):
         lt.read_demonstrations(tmp_path / "arm.csv", columns=columns)
 
@@ -82,7 +83,9 @@ def test_json_refuses_what_no_robot_could_execute(tmp_path, trajectory, message)
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("write", [csv.write, joint_trajectory.write_json])
+@pytest.mark.parametrize(
+    "write", [partial(lt.write_motion, format="csv"), joint_trajectory.write_json]
+)
 def test_a_path_that_cannot_be_written_is_refused(tmp_path, write):
     refused("path: no such folder", write, FULL, tmp_path / "missing" / "arm.out")
     refused(r"path: .* cannot be written", write, FULL, tmp_path)

@@ -10,7 +10,6 @@ import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.models import TaskGMR
-from leadthrough.models.coordinates import mean_orientations
 from leadthrough.preprocess import align_by_time_warping
 
 U = np.linspace(0.0, 1.0, 120)
@@ -138,17 +137,6 @@ def test_a_spread_beyond_a_quarter_turn_has_no_mean_but_a_middle_for_frames():
         for order in (angles, angles[::-1])
     ]
     assert rotations.distance(*ends)[0] < 1e-6
-
-
-def test_the_mean_never_jumps_between_samples_that_have_one():
-    """Both sides come within a quarter turn of the mean again, beyond the half turn."""
-    layers = [turned_to(angle).orientations for angle in (170.0, -170.0)]
-    for i in (0, -1):
-        rotations.mean(np.stack([each[[i]] for each in layers]))
-    coarse = [each[[0, 40, -1]] for each in layers]
-    assert rotations.distance(coarse[0], coarse[1]).max() < np.pi
-    with pytest.raises(FitError, match="no mean orientation"):
-        mean_orientations([each[::7] for each in layers])
 
 
 def test_the_same_turning_at_other_times_is_told_with_its_cure():

@@ -11,7 +11,6 @@ from refusals import refused
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.models import Framed
-from leadthrough.models.posture import Posture, agreed, demonstrated_posture
 from leadthrough.preprocess import (
     align_by_arc_length,
     align_by_time_warping,
@@ -112,33 +111,27 @@ def test_a_library_blends_the_joints_of_the_targets_around():
     np.testing.assert_allclose(between.joints.positions[0], HOME + 0.1, atol=1e-3)
 
 
-def test_whole_turns_between_demonstrations_make_no_difference():
-    turned = shown(HOME + np.array([0, 0, 0, 0, 2.0 * np.pi, 0, 0]))
-    given = [lt.Trajectory(2.0 * U, np.outer(U, [1, 0, 0]), joints=j) for j in (shown(), turned)]
-    stood = demonstrated_posture(given, [U, U])
-    np.testing.assert_allclose(stood.rows[0], HOME, atol=1e-12)
+TURN, ELBOW = np.eye(7)[4] * 2.0 * np.pi, np.eye(7)[2] * 2.5
 
 
-def test_another_elbow_is_not_averaged_and_the_usual_one_is_kept():
-    other = shown(HOME + np.array([0, 0, 2.5, 0, 0, 0, 0]))
+@pytest.mark.parametrize("offsets", [(0.0, TURN), (ELBOW, 0.0, 0.0)], ids=["turn", "elbow"])
+def test_whole_turns_make_no_difference_and_another_elbow_is_not_averaged(offsets):
     given = [
-        lt.Trajectory(2.0 * U, np.outer(U, [1, 0, 0]), joints=j) for j in (other, shown(), shown())
+        lt.Trajectory(2.0 * U, np.outer(U, [1, 0, 0]), joints=shown(HOME + offset))
+        for offset in offsets
     ]
-    np.testing.assert_allclose(demonstrated_posture(given, [U] * 3).rows[0], HOME, atol=1e-12)
+    joints = kind("DMP").build().fit(given).generate().joints
+    np.testing.assert_allclose(joints.positions[0], HOME, atol=1e-9)
 
 
 def test_a_rhythm_goes_on_turning_where_it_was_shown_to():
-    rows = np.column_stack([2.0 * np.pi * np.linspace(0, 1, 201), np.linspace(0.0, 0.1, 201)])
-    times = np.linspace(0.0, 3.0, 301)
-    joints = Posture(("a", "b"), rows).every_round(times, times / 1.0).positions
-    np.testing.assert_allclose(joints[:, 0], 2.0 * np.pi * times, atol=1e-9)
-    assert np.abs(np.diff(joints, axis=0)).max() < 0.1  # joint b's gap is closed
-
-
-def test_joints_of_different_arms_are_refused():
-    a, b = Posture(("a",), np.zeros((201, 1))), Posture(("b",), np.zeros((201, 1)))
-    refused("joints: expected the joints a, got b", agreed, [a, None, b])
-    assert agreed([None, None]) is None
+    rows = np.column_stack([2.0 * np.pi * U, 0.1 * U])
+    ring = np.column_stack([np.cos(2.0 * np.pi * U), np.sin(2.0 * np.pi * U)])
+    stood = lt.JointTrajectory(U, rows, joint_names=("a", "b"))
+    skill = kind("RhythmicDMP").build().fit([lt.Trajectory(U, ring, joints=stood)])
+    joints = skill.generate(duration=3.0, dt=0.01).joints
+    np.testing.assert_allclose(joints.positions[:, 0], 2.0 * np.pi * joints.times, atol=1e-6)
+    assert np.abs(np.diff(joints.positions, axis=0)).max() < 0.1  # joint b's gap is closed
 
 
 def fits(motion):

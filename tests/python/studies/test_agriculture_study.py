@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from motions import minimum_jerk
 
-from leadthrough import rotations
+from leadthrough import PoseTrajectory, rotations
 from leadthrough.models import DMP, SkillLibrary
-from leadthrough.motion import PoseTrajectory
 from leadthrough_studies.agriculture.measures import judged
 from leadthrough_studies.agriculture.planners import PLANNERS
 from leadthrough_studies.agriculture.recordings import replay

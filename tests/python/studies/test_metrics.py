@@ -8,8 +8,7 @@ from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.preprocess import dtw_distance, frechet_distance
-from leadthrough.preprocess.resample import arc_length
+from leadthrough.preprocess import arc_length, dtw_distance, frechet_distance
 from leadthrough_studies import metrics
 
 DISTANCES = [dtw_distance, frechet_distance]

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
-from motions import minimum_jerk
+from motions import minimum_jerk, with_derivatives
 from scipy.interpolate import BPoly, CubicSpline
 
 import leadthrough as lt
 from leadthrough import timing
 from leadthrough.arm import JointLimits
 from leadthrough.errors import InvalidInput
-from leadthrough.motion import with_derivatives
 
 LIMITS = JointLimits(
     joint_names=("elbow", "wrist"),

@@ -6,7 +6,6 @@ from scipy.integrate import quad
 from scipy.interpolate import BPoly, CubicSpline, make_lsq_spline
 
 from leadthrough import trajectories as tr
-from leadthrough.timing.sections import through
 from leadthrough.trajectories import Nurbs, bspline_near, nurbs_through
 
 RNG = np.random.default_rng(3)
@@ -106,17 +105,6 @@ def test_cubics_are_scipy_s():
             for each in (t, t[::-1], TIMES):
                 expected = theirs(each, order, extrapolate=False)
                 np.testing.assert_array_equal(same.evaluate(each, order), expected)
-
-
-@pytest.mark.parametrize("count", [2, 3, 4, 12, 100])
-def test_cubics_through_all_samples_are_scipy_s(count):
-    times, q = np.cumsum(RNG.uniform(0.01, 1.0, count)), RNG.normal(size=(count, 3))
-    theirs = CubicSpline(times, q, bc_type="not-a-knot" if count > 2 else "natural")
-    ours = through(times, q).coefficients
-    expected = theirs.c[::-1].transpose(1, 0, 2)
-    if count > 3:  # to the bit: motions along them are the same as before
-        np.testing.assert_array_equal(ours, expected)
-    np.testing.assert_allclose(ours, expected, atol=1e-10 * np.abs(expected).max())
 
 
 def test_accelerations_given_at_the_ends_are_met():

@@ -6,7 +6,6 @@ from refusals import refused
 
 from leadthrough import PoseTrajectory, rotations, trajectories as tr
 from leadthrough.errors import InvalidInput
-from leadthrough.trajectories import rotation
 
 TIMES = np.array([0.0, 0.7, 1.5, 1.9, 3.0, 4.0])
 Q = rotations.exp(np.cumsum(np.random.default_rng(0).normal(size=(6, 3)) * 0.5, axis=0))
@@ -55,16 +54,6 @@ def test_angular_rates_are_those_of_the_rotations(make):
     np.testing.assert_allclose(curve.evaluate(t, 1), velocities, atol=1e-9)
     accelerations = eighth_order(lambda s: curve.evaluate(s, 1), t, 4e-3)
     np.testing.assert_allclose(curve.evaluate(t, 2), accelerations, atol=1e-8)
-
-
-@pytest.mark.parametrize("angle", [0.0, 1e-8, 1e-3, 0.3, 0.999999, 1.000001, 2.0, 3.1])
-def test_the_drift_of_the_jacobian_is_its_derivative_at_any_angle(angle):
-    rng = np.random.default_rng(3)
-    phi, slope = rng.normal(size=(2, 5, 3))
-    phi *= angle / np.linalg.norm(phi, axis=1, keepdims=True)
-    change = eighth_order(lambda t: rotations.left_jacobian(phi + t * slope), 0.0, 5e-3)
-    expected = np.einsum("nij,nj->ni", change, slope)
-    np.testing.assert_allclose(rotation.drift(phi, slope), expected, atol=2e-12)
 
 
 def test_turning_all_rotations_turns_the_curve(make):

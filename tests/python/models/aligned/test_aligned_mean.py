@@ -6,8 +6,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput, NoPath
-from leadthrough.preprocess import frechet_distance
-from leadthrough.preprocess.resample import by_arc_length
+from leadthrough.preprocess import by_arc_length, frechet_distance
 
 TIMES = np.linspace(0.0, 2.0, 201)
 U = TIMES / 2.0

@@ -3,8 +3,7 @@
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.preprocess import frechet_distance
-from leadthrough.preprocess.resample import by_arc_length
+from leadthrough.preprocess import by_arc_length, frechet_distance
 
 SHARE = np.linspace(0.0, 1.0, 150)
 

@@ -9,7 +9,7 @@ from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import NoPath
-from leadthrough.preprocess.resample import by_arc_length
+from leadthrough.preprocess import by_arc_length
 from leadthrough_studies import metrics
 
 

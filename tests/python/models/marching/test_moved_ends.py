@@ -7,7 +7,7 @@ from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough.errors import NoPath
-from leadthrough.preprocess.resample import by_arc_length
+from leadthrough.preprocess import by_arc_length
 
 OFFSETS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)  # of the demonstrations' size
 DIRECTIONS = np.deg2rad([20.0, 140.0, 260.0])

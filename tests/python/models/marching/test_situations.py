@@ -6,7 +6,7 @@ from models.marching.paths import apart, arcs, gaps_to
 from motions import minimum_jerk
 
 import leadthrough as lt
-from leadthrough.preprocess.resample import arc_length, by_arc_length
+from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.ur3.setups import SETUPS, demonstrations
 

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 from refusals import refused
-from scipy.stats import truncnorm
 
 import leadthrough as lt
-from leadthrough import _core
 from leadthrough.errors import InvalidInput
 
 TIMES = np.linspace(0.0, 2.0, 200)
@@ -221,21 +219,6 @@ def test_mean_covariance_and_samples_are_those_of_motions_that_keep_the_limits(s
     for values in (mean, drawn):
         assert (values >= limits[0]).all()
         assert (values <= limits[1]).all()
-
-
-def test_one_wall_gives_the_truncated_normal_distribution():
-    rng = np.random.default_rng(0)
-    velocities = rng.standard_normal((100_000, 3))
-    for limit in (-1.5, 0.0, 2.0):
-        wall = np.array([[0.6, 0.0, 0.8]])
-        start = (limit - 0.1) * wall[0]
-        along = (
-            _core.sample_truncated_gaussian(wall, np.array([limit]), start, velocities) @ wall[0]
-        )
-        exact = truncnorm(-INF, limit)
-        assert along.max() <= limit + 1e-12
-        assert along.mean() == pytest.approx(exact.mean(), abs=0.02)
-        assert along.std() == pytest.approx(exact.std(), rel=0.02)
 
 
 def test_limits_far_below_the_mean_are_kept_too(skill):

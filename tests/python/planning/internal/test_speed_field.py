@@ -18,8 +18,7 @@ from leadthrough.planning.speed_map import (
     quickest,
     speeds_at,
 )
-from leadthrough.preprocess import frechet_distance
-from leadthrough.preprocess.resample import by_arc_length
+from leadthrough.preprocess import by_arc_length, frechet_distance
 
 SATURATION, RADIUS, REACH = 0.05, 0.063, 0.087
 

@@ -4,13 +4,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cli.command_line import facts, run
-from motions import minimum_jerk
+from motions import minimum_jerk, with_derivatives
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.io import rosbag
 from leadthrough.io.table import Request
-from leadthrough.motion import with_derivatives
 from leadthrough.show.info import describe
 
 TIMES = np.arange(51) / 50.0

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import leadthrough as lt
-from leadthrough.arm.limits import JointLimits
+from leadthrough.arm import JointLimits
 from leadthrough.errors import LimitsInfeasible
 from leadthrough.timing import retiming
 from leadthrough.timing.samples import Samples
-from leadthrough.timing.sections import Section
+from leadthrough.timing.sections import Section, through
 from leadthrough.trajectories import Spline
 
 
@@ -27,3 +28,15 @@ def test_a_violation_raises_instead_of_being_returned(monkeypatch):
     limits = JointLimits(("j0", "j1"), [-9, -9], [9, 9], [0.1, 0.1], [2, 2], [20, 20])
     with pytest.raises(LimitsInfeasible, match="no motion was found that satisfies the limits: j"):
         lt.retime([[0.0, 0.0], [1.0, 1.0]], limits)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 12, 100])
+def test_cubics_through_all_samples_are_scipy_s(count):
+    rng = np.random.default_rng(3)
+    times, q = np.cumsum(rng.uniform(0.01, 1.0, count)), rng.normal(size=(count, 3))
+    theirs = CubicSpline(times, q, bc_type="not-a-knot" if count > 2 else "natural")
+    ours = through(times, q).coefficients
+    expected = theirs.c[::-1].transpose(1, 0, 2)
+    if count > 3:  # to the bit: motions along them are the same as before
+        np.testing.assert_array_equal(ours, expected)
+    np.testing.assert_allclose(ours, expected, atol=1e-10 * np.abs(expected).max())
