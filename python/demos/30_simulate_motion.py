@@ -1,4 +1,4 @@
-"""Simulation under gravity, friction and four controllers, without and with faults.
+"""Simulation under gravity, with real drives and four controllers, without and with faults.
 
 Writes simulated.html: python python/demos/30_simulate_motion.py [FOLDER]   (extra `simulation`)
 """
@@ -26,9 +26,8 @@ motion = lt.retime(start + np.outer(way, reach), arm.limits)
 tip, _ = arm.forward_kinematics(start + 0.6 * reach)
 post = lt.Cylinder(0.03, 0.8, (tip[0], tip[1], 0.4))
 
-disturbed = Disturbances(friction=0.2, delay=0.001)
 for controller in (ComputedTorque(), PositionServo(), JointImpedance(), CartesianImpedance(2000.0)):
-    report = lt.simulate(arm, motion, controller=controller, disturbances=disturbed)
+    report = lt.simulate(arm, motion, controller=controller)
     theory = 1e3 * np.abs(report.expected).max()
     print(
         f"{type(controller).__name__}: joints off by {1e3 * np.abs(report.errors).max():.1f} mrad "

@@ -15,10 +15,9 @@ class Simulated:
     rate = 1000.0
 
     def __init__(self, arm, q, obstacles=()):
-        from leadthrough.simulation import Disturbances, SimulatedArm
+        from leadthrough.simulation import SimulatedArm
 
-        rough = Disturbances(friction=0.02)
-        self._arm = SimulatedArm(arm, q, obstacles, disturbances=rough, rate=self.rate)
+        self._arm = SimulatedArm(arm, q, obstacles, rate=self.rate)
         self.largest_error = 0.0
 
     @property

@@ -7,6 +7,7 @@ from leadthrough.simulation.controllers import (
     JointImpedance as JointImpedance,
     PositionServo as PositionServo,
 )
+from leadthrough.simulation.drives import Disturbances as Disturbances, Push as Push
 from leadthrough.simulation.report import (
     Contact as Contact,
     Finding as Finding,
@@ -14,8 +15,6 @@ from leadthrough.simulation.report import (
 )
 from leadthrough.simulation.simulate import simulate as simulate
 from leadthrough.simulation.simulated_arm import (
-    Disturbances as Disturbances,
-    Push as Push,
     SimulatedArm as SimulatedArm,
     Touch as Touch,
 )

@@ -21,9 +21,7 @@ from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard import CommandedState
 from leadthrough.models import stiffness_profile
 from leadthrough.models.protocol import Distributed, Skill
-
-# Fraction of the heaviest joint's inertia, of turning and of sliding joints apart.
-_LIGHTEST = 0.05
+from leadthrough.simulation.drives import heavy_enough, per_joint
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +46,10 @@ class Gains(ShortRepr):
 class Law(ABC):
     """A controller of one arm."""
 
-    def __init__(self, arm: Arm, gravity: Float64Array) -> None:
+    def __init__(self, arm: Arm, gravity: Float64Array, rotors: Float64Array) -> None:
         self.arm = arm
         self.gravity = gravity
+        self.rotors = rotors
         self._chain = arm._chain
         # N m s/rad (N s/m) per joint, of dampers in the drives: these know their joint's velocity
         # at once, at a far higher rate.
@@ -67,7 +66,11 @@ class Law(ABC):
     def needed(self, q: Float64Array, qd: Float64Array, qdd: Float64Array) -> Float64Array:
         """Torques (joints,) that a motion needs, without any check of the arguments."""
         rows = core.inverse_dynamics(self._chain, q[None], qd[None], qdd[None], self.gravity)
-        return np.asarray(rows[0])
+        return np.asarray(rows[0] + self.rotors * qdd)
+
+    def mass(self, q: Float64Array) -> Float64Array:
+        """Mass matrices of configurations (joints,) or (n, joints), rotors included."""
+        return np.asarray(self.arm.mass_matrix(q) + np.diag(self.rotors))
 
     def held(self, q: Float64Array) -> Float64Array:
         """Torques (joints,) that hold the arm against gravity, likewise."""
@@ -80,7 +83,7 @@ class Motion:
     """Samples (n, joints) of a motion of which a law's linear model is wanted."""
 
     q: Float64Array  # positions
-    mass: Float64Array  # mass matrices (n, joints, joints)
+    mass: Float64Array  # mass matrices (n, joints, joints), rotors included
     torques: Float64Array  # that the motion needs
     weight: Float64Array  # of these, those that hold the arm against gravity
     progress: Float64Array  # (n,) fractions of the tip's path
@@ -90,13 +93,14 @@ class Controller(ShortRepr, ABC):
     """A controller of simulated arms."""
 
     @abstractmethod
-    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
+    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array, rotors: Float64Array) -> Law:
         """The controller at work.
 
         Args:
             arm: as the controller knows it.
             q: first configuration (joints,), for gains that follow from the arm's inertia.
             gravity: (3,), m/s^2 in the base frame.
+            rotors: inertias (joints,) of the motors behind their gears, kg m^2 (kg).
 
         Raises:
             InvalidInput: if gains do not fit the arm.
@@ -123,16 +127,22 @@ class ComputedTorque(Controller):
     def __post_init__(self) -> None:
         _require_positive(self, "frequency", "damping_ratio")
 
-    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
-        lacking = _inertias(arm, q) - np.diag(arm.mass_matrix(q))
-        return _Linearised(arm, gravity, self, lacking)
+    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array, rotors: Float64Array) -> Law:
+        lacking = _inertias(arm, q, rotors) - np.diag(arm.mass_matrix(q)) - rotors
+        return _Linearised(arm, gravity, rotors, made=self, lacking=lacking)
 
 
 class _Linearised(Law):
-    def __init__(
-        self, arm: Arm, gravity: Float64Array, made: ComputedTorque, lacking: Float64Array
+    def __init__(  # the law's own parts
+        self,
+        arm: Arm,
+        gravity: Float64Array,
+        rotors: Float64Array,
+        *,
+        made: ComputedTorque,
+        lacking: Float64Array,
     ) -> None:
-        super().__init__(arm, gravity)
+        super().__init__(arm, gravity, rotors)
         self._k = made.frequency**2
         self._d = 2.0 * made.damping_ratio * made.frequency
         self._springs = self._k * lacking
@@ -161,11 +171,14 @@ class _JointSprings(Controller):
     def __post_init__(self) -> None:
         _require_positive(self, "frequency", "damping_ratio")
 
-    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array) -> Law:
-        springs, dampers = joint_gains(
-            arm, q, self.stiffness, frequency=self.frequency, damping_ratio=self.damping_ratio
-        )
-        return _Springs(arm, gravity, springs, dampers, weightless=self._weightless)
+    def law(self, arm: Arm, q: Float64Array, *, gravity: Float64Array, rotors: Float64Array) -> Law:
+        inertia = _inertias(arm, q, rotors)
+        if self.stiffness is None:
+            springs = self.frequency**2 * inertia
+        else:
+            springs = per_joint(self.stiffness, "stiffness", arm, above=0.0)
+        dampers = 2.0 * self.damping_ratio * np.sqrt(springs * inertia)
+        return _Springs(arm, gravity, rotors, gains=(springs, dampers), weightless=self._weightless)
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,14 +221,14 @@ class _Springs(Law):
         self,
         arm: Arm,
         gravity: Float64Array,
-        springs: Float64Array,
-        dampers: Float64Array,
+        rotors: Float64Array,
         *,
+        gains: tuple[Float64Array, Float64Array],
         weightless: bool,
     ) -> None:
-        super().__init__(arm, gravity)
-        self._springs, self._weightless = springs, weightless
-        self.drive_damping = dampers
+        super().__init__(arm, gravity, rotors)
+        self._springs, self.drive_damping = gains
+        self._weightless = weightless
 
     def torques(self, now: Moment) -> Float64Array:
         pull = self._springs * (now.target.q - now.q)
@@ -229,50 +242,9 @@ class _Springs(Law):
         return Gains(springs, np.zeros_like(springs), left)
 
 
-def joint_gains(
-    arm: Arm,
-    q: Float64Array,
-    stiffness: ArrayLike | None,
-    *,
-    frequency: float,
-    damping_ratio: float,
-) -> tuple[Float64Array, Float64Array]:
-    """Springs and dampers (joints,) of an arm's joints."""
-    inertia = _inertias(arm, q)
-    if stiffness is None:
-        springs = frequency**2 * inertia
-    else:
-        springs = per_joint(stiffness, "stiffness", arm, above=0.0)
-    return springs, 2.0 * damping_ratio * np.sqrt(springs * inertia)
-
-
-def _inertias(arm: Arm, q: Float64Array) -> Float64Array:
+def _inertias(arm: Arm, q: Float64Array, rotors: Float64Array) -> Float64Array:
     """Inertia of each joint (joints,), kg m^2 (kg); of light joints a part of the heaviest."""
-    inertia = np.diag(arm.mass_matrix(q)).copy()
-    path = arm.robot.path(arm.base, arm.tip)
-    slides = {joint.name for joint in path if joint.kind == "prismatic"}
-    kinds = np.array([name in slides for name in arm.joint_names])
-    for kind in (kinds, ~kinds):
-        inertia[kind] = np.maximum(inertia[kind], _LIGHTEST * inertia[kind].max(initial=0.0))
-    return inertia
-
-
-def per_joint(
-    value: ArrayLike,
-    name: str,
-    arm: Arm,
-    *,
-    above: float | None = None,
-    at_least: float | None = None,
-) -> Float64Array:
-    """A number for each joint (joints,), from as many or from one for all."""
-    count = len(arm.joint_names)
-    if np.ndim(value) == 0:
-        value = np.full(count, value)
-    numbers = check.array(value, name, shape=(count,))
-    for number in numbers:
-        check.number(number, name, above=above, at_least=at_least)
-    return numbers
+    return heavy_enough(arm, np.diag(arm.mass_matrix(q)) + rotors)
 
 
 def _require_positive(made: object, *names: str) -> None:
@@ -353,13 +325,16 @@ class CartesianImpedance(Controller):
         q: Float64Array,  # noqa: ARG002  # its gains follow the arm
         *,
         gravity: Float64Array,
+        rotors: Float64Array,
     ) -> Law:
-        return _AtTip(arm, gravity, self)
+        return _AtTip(arm, gravity, rotors, self)
 
 
 class _AtTip(Law):
-    def __init__(self, arm: Arm, gravity: Float64Array, made: CartesianImpedance) -> None:
-        super().__init__(arm, gravity)
+    def __init__(
+        self, arm: Arm, gravity: Float64Array, rotors: Float64Array, made: CartesianImpedance
+    ) -> None:
+        super().__init__(arm, gravity, rotors)
         self._made = made
         self._profile = np.asarray(made.stiffness)
         self._spare = (made.posture**2, 2.0 * made.damping_ratio * made.posture)
@@ -371,7 +346,7 @@ class _AtTip(Law):
         jacobian = self.arm.jacobian(q)
         if self._age % _REFRESH == 0:
             spring = self._springs_at(np.array([now.progress]))
-            mass = self.arm.mass_matrix(q)[None]
+            mass = self.mass(q)[None]
             damper, free = self._damping(jacobian[None], mass, spring)
             self._kept = spring[0], damper[0], free[0] @ mass[0]
         self._age += 1

@@ -18,12 +18,15 @@ from leadthrough.arm.link_poses import link_poses
 from leadthrough.check import Float64Array, InvalidRobot
 from leadthrough.shapes import Shape
 from leadthrough.shapes.shape import ConvexPart
+from leadthrough.simulation.drives import Drives, stricter
 
 ATTACHED = "attached"  # as collision reports call it
 LINK = "link "  # before the names of links, of which one may be "world", as MuJoCo calls its own
 # MuJoCo refuses moving bodies without a mass, kg and kg m^2: too little to be felt.
 _MIN_INERTIA = 1e-13
 _TOUCHING = 1e-6  # m: bodies that overlap by less touch, as collision checks count it
+# Of the heaviest joint's inertia, below which rounding drives a joint; too little to be felt.
+_LIGHTEST = 1e-6
 _BALANCED = 1e-9  # of the largest moment, by which the sum of the others exceeds it
 
 
@@ -35,11 +38,8 @@ class Plant:
     joints: NDArray[np.int64]
     drives: tuple[tuple[int, float, float], ...]
     tip: int  # index of the body of the tip link
-    effort: Float64Array
-    velocity: Float64Array  # (joints,), rad/s (m/s), likewise
+    velocity: Float64Array  # (joints,), rad/s (m/s), infinite where no limit is known
     stated_velocity: Float64Array  # (joints,), rad/s (m/s), of the URDF alone
-    friction: Float64Array  # (joints,), N m (N), whichever way the joint moves
-    damping: Float64Array  # (joints,), N m s/rad (N s/m)
 
     def coordinates(self, q: Float64Array) -> Float64Array:
         """Positions of all joints of the model, from the arm's own (joints,)."""
@@ -50,9 +50,7 @@ def plant(
     arm: Arm,
     obstacles: Sequence[Shape],
     *,
-    payload: float,
-    friction: Float64Array,
-    damping: Float64Array,
+    motors: Drives,
     drive_damping: Float64Array,
     gravity: Float64Array,
     period: float,
@@ -61,27 +59,15 @@ def plant(
     mujoco = check.package("mujoco", extra="simulation")
     if arm._chain.mass == 0.0:
         raise InvalidRobot("robot", "no link that the arm moves has a mass, so nothing resists")
-    stated = {joint.name: joint for joint in arm.robot.tree}
-    dry = friction + [stated[name].friction for name in arm.joint_names]
-    viscous = damping + [stated[name].damping for name in arm.joint_names]
     spec = mujoco.MjSpec()
     _set_options(mujoco, spec, gravity, period)
-    _add_links(mujoco, spec, arm, link_inertias(arm, payload=payload))
+    _add_links(mujoco, spec, arm, link_inertias(arm, payload=motors.payload))
     for i, shape in enumerate(obstacles):
         _add_parts(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
     for a, b in _unchecked_pairs(arm):
         spec.add_exclude(bodyname1=_body_name(a), bodyname2=_body_name(b))
     own = core.Chain(arm._robot, arm.base, arm.tip)
-    effort = _stricter(own.effort, arm.limits.effort)
-    drives = _add_joints(
-        mujoco,
-        spec,
-        arm,
-        effort=effort,
-        friction=dry,
-        damping=viscous,
-        drive_damping=drive_damping,
-    )
+    drives = _add_joints(mujoco, spec, arm, motors, drive_damping)
     try:
         model = spec.compile()
     except ValueError as error:
@@ -94,18 +80,9 @@ def plant(
         np.array(joints, dtype=np.int64),
         tuple(placed[i] for i in range(len(placed))),
         model.body(LINK + arm.tip).id,
-        effort,
-        _stricter(own.velocity, arm.limits.velocity),
-        _stricter(own.velocity, None),
-        dry,
-        viscous,
+        stricter(own.velocity, arm.limits.velocity),
+        stricter(own.velocity, None),
     )
-
-
-def _stricter(urdf: Float64Array, limits: Float64Array | None) -> Float64Array:
-    """The lower of what a URDF and a limits file state; 0 in a URDF states nothing."""
-    stated = np.where(urdf > 0.0, urdf, np.inf)
-    return stated if limits is None else np.minimum(stated, np.where(limits > 0.0, limits, np.inf))
 
 
 def _set_options(mujoco: Any, spec: Any, gravity: Float64Array, period: float) -> None:
@@ -114,6 +91,8 @@ def _set_options(mujoco: Any, spec: Any, gravity: Float64Array, period: float) -
     # With this one, positions go on by the new velocities: their differences are the velocities.
     # Dampers act at the end of a step, so that strong ones on light joints are stable.
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    # A joint that runs away stays where it is, and is reported.
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
     spec.compiler.degree = False
 
@@ -212,17 +191,12 @@ def _shrunk(vertices: Float64Array) -> Float64Array:
 
 
 def _add_joints(
-    mujoco: Any,
-    spec: Any,
-    arm: Arm,
-    *,
-    effort: Float64Array,
-    friction: Float64Array,
-    damping: Float64Array,
-    drive_damping: Float64Array,
+    mujoco: Any, spec: Any, arm: Arm, motors: Drives, drive_damping: Float64Array
 ) -> dict[str, tuple[int, float, float]]:
     """Limits, friction and motors of the joints; what drives each, by its name."""
     index = {name: i for i, name in enumerate(arm.joint_names)}
+    inertia = np.diag(arm.mass_matrix(arm._chain.middle)) + motors.rotors
+    least = _LIGHTEST * inertia.max()
     drives = {}
     for joint in arm.robot.path(arm.base, arm.tip):
         if joint.kind == "fixed":
@@ -242,11 +216,12 @@ def _add_joints(
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
         motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
         motor.biasprm[2] = -drive_damping[i]
-        if np.isfinite(effort[i]):
+        if np.isfinite(motors.effort[i]):
             motor.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
-            motor.forcerange = -effort[i], effort[i]
-        made.frictionloss = friction[i]
-        made.damping[0] = damping[i]
+            motor.forcerange = -motors.effort[i], motors.effort[i]
+        made.frictionloss = motors.friction[i]
+        made.damping[0] = motors.damping[i]
+        made.armature = motors.rotors[i] if inertia[i] > least else least
         low, high = arm.limits.lower[i], arm.limits.upper[i]
         if np.isfinite(low) and np.isfinite(high):
             made.limited = mujoco.mjtLimited.mjLIMITED_TRUE

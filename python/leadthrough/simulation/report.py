@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -17,7 +17,15 @@ from leadthrough.shapes import Shape
 from leadthrough.simulation.simulated_arm import SimulatedArm, Touch
 
 Kind = Literal[
-    "limits", "torque", "velocity", "tracking", "contact", "tip", "no approach motion", "unstable"
+    "limits",
+    "torque",
+    "velocity",
+    "tracking",
+    "contact",
+    "tip",
+    "margin",
+    "no approach motion",
+    "unstable",
 ]
 _DRAWN = 400  # points of a curve
 
@@ -52,9 +60,10 @@ class Finding(ShortRepr):
             URDF states, as a file in another unit does; "torque" where the controller asks for more
             than a joint has; "velocity" where the motion is faster than the URDF's or the arm's
             limit; "tracking" where the error is larger than the controller's gains allow by theory;
-            "contact"; "tip" where the tip's error exceeds the tolerance; "no approach motion" where
-            no motion inside the limits leads onto the motion, or from its end to rest; "unstable"
-            where the arm runs away, or by theory would.
+            "contact"; "tip" where the tip's error exceeds the tolerance, "margin" where it exceeds
+            the margin to obstacles; "no approach motion" where no motion inside the limits leads
+            onto the motion, or from its end to rest; "unstable" where a joint runs away, or by
+            theory would: the errors, torques and contacts that follow from it are left out.
         time: s, when it begins.
         joint: name of the joint, or None.
         bodies: of a contact, or None.
@@ -80,8 +89,10 @@ class Finding(ShortRepr):
             "velocity": f"{self.joint} is to move at {times} its highest velocity, {since}",
             "tracking": f"{self.joint} is off by {times} what the gains allow, {since}",
             "tip": f"the tip is off by {times} the tolerance, {since}",
+            "margin": f"the tip is off by {times} the margin to obstacles, {since}",
             "no approach motion": "no motion inside the limits leads onto the motion, or to rest",
-            "unstable": "the controller is unstable; lower gains or delay, or raise the rate",
+            "unstable": f"unstable: {self.joint} runs away under its controller, {since}; "
+            "lower gains or delay, or raise the rate",
         }
         return told.get(self.kind, f"{self.kind} {when}")
 
@@ -200,7 +211,7 @@ class Run:
     demanded: Float64Array  # what the controller asked of them
     work: Float64Array  # of the motors during the period, J
     touches: list[tuple[int, list[Touch]]]  # with the index of their sample
-    whole: bool  # whether the arm went through to the end
+    runaway: int | None  # the joint that ran away, by its number
 
 
 def findings(
@@ -210,7 +221,8 @@ def findings(
     *,
     allowed: Float64Array,
     contacts: Sequence[Contact],
-    tip: tuple[Float64Array, float | None],
+    tip_errors: Float64Array,
+    tolerances: Mapping[Kind, float],
 ) -> tuple[Finding, ...]:
     """Faults of a motion, one of each kind: the start and the worst value."""
     names, plant = real.arm.joint_names, real.plant
@@ -228,18 +240,28 @@ def findings(
             yield Finding("no approach motion", 0.0)
         yield from _wrong_limits(real)
         yield from worst("velocity", np.abs(plan.qd) / plant.velocity)
-        yield from worst("torque", np.abs(run.demanded) / plant.effort)
+        joint = _unstable_joint(run, allowed)
+        if joint is not None:
+            yield Finding("unstable", period * (len(run.q) - 1), names[joint])
+            return
+        yield from worst("torque", np.abs(run.demanded) / real.drives.effort)
         for each in contacts:
             yield Finding("contact", each.start, bodies=each.bodies, ratio=each.force)
         yield from worst("tracking", np.abs(plan.q - run.q) / allowed)
-        errors, most = tip
-        if most is not None and errors.max() > most:
-            first = int(np.argmax(errors > most))
-            yield Finding("tip", period * first, ratio=float(errors.max() / most))
-        if not run.whole or not np.isfinite(allowed).all():
-            yield Finding("unstable", period * (len(run.q) - 1))
+        for kind, most in tolerances.items():
+            if tip_errors.max() > most:
+                first = int(np.argmax(tip_errors > most))
+                ratio = float(tip_errors.max() / most) if most else np.inf
+                yield Finding(kind, period * first, ratio=ratio)
 
     return tuple(found())
+
+
+def _unstable_joint(run: Run, allowed: Float64Array) -> int | None:
+    """The joint that ran away, or by theory would."""
+    if run.runaway is not None:
+        return run.runaway
+    return None if np.isfinite(allowed).all() else int(np.argmax(np.isinf(allowed)))
 
 
 def _wrong_limits(real: SimulatedArm) -> Iterator[Finding]:

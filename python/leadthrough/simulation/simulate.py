@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.arm import Arm, check_arm
+from leadthrough.arm.attachment import Load
 from leadthrough.arm.limits import known_acceleration
 from leadthrough.arm.model import GRAVITY
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath
@@ -17,8 +18,16 @@ from leadthrough.guard.connect import connect
 from leadthrough.motion import Event, JointTrajectory, in_order, lerp
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import Controller, Motion
-from leadthrough.simulation.report import Plan, Run, SimulationReport, findings, summed_contacts
-from leadthrough.simulation.simulated_arm import Disturbances, SimulatedArm
+from leadthrough.simulation.drives import Disturbances
+from leadthrough.simulation.report import (
+    Kind,
+    Plan,
+    Run,
+    SimulationReport,
+    findings,
+    summed_contacts,
+)
+from leadthrough.simulation.simulated_arm import RunawayError, SimulatedArm
 
 _SETTLING = 0.2  # s that the arm is held after the end
 _AFTER_TOUCH = 0.1  # s after the first contact, by when real controllers have stopped
@@ -71,10 +80,10 @@ def simulate(
     """
     check_arm(arm)
     period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
-    most = tip_tolerance
-    if most is not None:
-        most = check.number(most, "tip_tolerance", above=0.0)
     around = as_scene(scene)
+    tolerances: dict[Kind, float] = {"margin": around.margin} if around.shapes else {}
+    if tip_tolerance is not None:
+        tolerances["tip"] = check.number(tip_tolerance, "tip_tolerance", above=0.0)
     plan = _plan(arm, trajectory, state, period)
     real = SimulatedArm(
         arm,
@@ -87,8 +96,8 @@ def simulate(
     )
     run = _run(real, plan)
     plan = plan.first(len(run.q))
-    expected, dry = expected_errors(real, plan)
-    allowed = allowed_errors(expected, dry, encoder=real.disturbances.encoder)
+    expected, smooth, dry = expected_errors(real, plan)
+    allowed = allowed_errors(smooth, dry, encoder=real.drives.encoder)
     (at, turned), (there, done) = (arm.forward_kinematics(q) for q in (plan.q, run.q))
     tip_errors = np.linalg.norm(at - there, axis=1)
     contacts = summed_contacts(run.touches, period)
@@ -99,7 +108,7 @@ def simulate(
         simulated=JointTrajectory(times, run.q, run.qd, run.qdd, arm.joint_names),
         span=plan.span,
         torques=run.torques,
-        torque_limits=real.plant.effort,
+        torque_limits=real.drives.effort,
         expected=expected,
         allowed=allowed,
         tip_errors=tip_errors,
@@ -108,7 +117,13 @@ def simulate(
         energy=np.maximum(run.work, 0.0).sum(axis=0),
         work=run.work.sum(axis=0),
         findings=findings(
-            real, run, plan, allowed=allowed, contacts=contacts, tip=(tip_errors, most)
+            real,
+            run,
+            plan,
+            allowed=allowed,
+            contacts=contacts,
+            tip_errors=tip_errors,
+            tolerances=tolerances,
         ),
         obstacles=around.shapes,
     )
@@ -181,7 +196,7 @@ def _run(real: SimulatedArm, plan: Plan) -> Run:
     count, joints = plan.q.shape
     rows = {name: np.zeros((count, joints)) for name in ("q", "qd", "qdd", "torques", "work")}
     rows["demanded"] = np.zeros((count, joints))
-    touches, done, whole = [], count, True
+    touches, done, runaway = [], count, None
     q, dofs = real.q, real.plant.joints
     for k in range(count):
         after = min(k + 1, count - 1)
@@ -191,8 +206,8 @@ def _run(real: SimulatedArm, plan: Plan) -> Run:
         rows["q"][k], rows["qd"][k] = q, real.data.qvel[dofs]
         try:
             q = real.step(command, progress=plan.progress[k])
-        except FloatingPointError:
-            done, whole = k + 1, False
+        except RunawayError as error:
+            done, runaway = k + 1, error.joint
             break
         rows["qdd"][k] = (real.data.qvel[dofs] - rows["qd"][k]) / real.period
         rows["torques"][k], rows["demanded"][k] = real.torques, real.demanded
@@ -203,7 +218,7 @@ def _run(real: SimulatedArm, plan: Plan) -> Run:
             done = k + 1
             break
     kept = {name: row[:done] for name, row in rows.items()}
-    return Run(**kept, touches=touches, whole=whole)
+    return Run(**kept, touches=touches, runaway=runaway)
 
 
 _EVERY = 10  # samples that share a mass matrix and gains
@@ -216,20 +231,26 @@ _MOVING = 1e-6  # rad/s (m/s): slower, dry friction is that of the last way
 _DIVERGED = 1e3  # rad (m)
 
 
-def expected_errors(real: SimulatedArm, plan: Plan) -> tuple[Float64Array, Float64Array]:
-    """Tracking errors that the linear model gives, and the part of them that is by dry friction."""
-    law, plant, late = real.law, real.plant, real.late
+def expected_errors(
+    real: SimulatedArm, plan: Plan
+) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """Tracking errors (n, joints) by the linear model, with and without dry friction.
+
+    Third, the largest errors (joints,) that dry friction makes.
+    """
+    law, drives, late = real.law, real.drives, real.drives.late
     q, qd = plan.q, plan.qd
-    left = plant.damping * qd + _pushed(real, q)
+    left = drives.damping * qd + _pushed(real, q) + _unknown_load(real, plan)
     torques = law.arm.inverse_dynamics(q, qd, plan.qdd, gravity=law.gravity)
+    torques += drives.rotors * plan.qdd
     weight = law.arm.gravity_torques(q, gravity=law.gravity)
     coarse = slice(None, None, _EVERY)
-    mass = law.arm.mass_matrix(q[coarse])
+    mass = law.mass(q[coarse])
     gains = law.gains(
         Motion(q[coarse], mass, torques[coarse], weight[coarse], plan.progress[coarse])
     )
     # Dampers in the joints and their drives act at once, and at the end of a period.
-    dampers = plant.damping + law.drive_damping
+    dampers = drives.damping + law.drive_damping
     ease = np.asarray(np.linalg.inv(mass + real.period * np.diag(dampers)))
     answer = np.concatenate([ease @ gains.stiffness, ease @ gains.damping], axis=2)
     left += _between(gains.unmodelled, len(q))
@@ -240,18 +261,22 @@ def expected_errors(real: SimulatedArm, plan: Plan) -> tuple[Float64Array, Float
         moved = np.concatenate([q - q[before], qd - qd[before]], axis=1)
         pull -= _products(_repeated(answer, len(q)), moved)
     smooth = _integrated(answer, ease * dampers, pull, real.period, late=late)
-    if not plant.friction.any():
-        return smooth, np.zeros_like(smooth)
-    pull = _products(eased, plant.friction * _directions(qd))
+    if not drives.friction.any():
+        return smooth, smooth, np.zeros(q.shape[1])
+    pull = _products(eased, drives.friction * _directions(qd))
     dry = _integrated(answer, ease * dampers, pull, real.period, late=late)
-    return smooth + dry, dry
+    # A joint may be held either way, and so deflect the others.
+    held = np.abs(np.linalg.pinv(gains.stiffness)) @ drives.friction
+    return smooth + dry, smooth, np.maximum(np.abs(dry).max(axis=0), held.max(axis=0))
 
 
-def allowed_errors(expected: Float64Array, dry: Float64Array, *, encoder: float) -> Float64Array:
+def allowed_errors(
+    smooth: Float64Array, dry: Float64Array, *, encoder: Float64Array
+) -> Float64Array:
     """The largest error (joints,) that the gains allow."""
-    if not np.isfinite(expected).all():
-        return np.full(expected.shape[1], np.inf)
-    most = np.abs(expected - dry).max(axis=0) + np.abs(dry).max(axis=0)
+    most = np.abs(smooth).max(axis=0) + dry
+    if not np.isfinite(most).all():
+        return np.asarray(most)
     largest = float(most.max())
     second_order = (_COUPLED + _CURVED * largest) * largest
     return np.asarray(_SLACK * most + second_order + _MIN_ALLOWED + _ENCODER_STEPS * encoder)
@@ -271,7 +296,8 @@ def _integrated(
         now[joints:] = speed
         now[:joints] = states[k, :joints] + period * speed
         if k % _EVERY == 0 and not np.abs(now).max() < _DIVERGED:
-            return np.full((count, joints), np.inf)
+            first = np.arange(joints) == np.abs(now).argmax() % joints
+            return np.where(first, np.inf, np.full((count, joints), _DIVERGED))
     return np.asarray(states[:count, :joints])
 
 
@@ -286,12 +312,32 @@ def _pushed(real: SimulatedArm, q: Float64Array) -> Float64Array:
     """Torques (n, joints) against the pushes."""
     result = np.zeros_like(q)
     times = real.period * np.arange(len(q))
-    for push in real.disturbances.pushes:
+    for push in real.drives.pushes:
         during = (times >= push.time) & (times < push.time + push.duration)
         if during.any():
             jacobian = real.arm.jacobian(q[during])[:, :3]
             result[during] -= np.asarray(push.force) @ jacobian
     return result
+
+
+def _unknown_load(real: SimulatedArm, plan: Plan) -> Float64Array:
+    """Torques (n, joints) of the part of the load that nobody can be expected to know."""
+    drives, arm = real.drives, real.arm
+    known_to = drives.payload_known_to
+    part = float(np.clip(drives.payload - 1.0, -known_to, known_to))
+    if part == 0.0:
+        return np.zeros_like(plan.q)
+    more = [
+        Load(abs(part) * each.mass, each.center, abs(part) * each.inertia)
+        for each in arm.attachment.loads
+    ]
+    loads = (*arm.attachment.loads, *more)
+    heavier = replace(arm, attachment=replace(arm.attachment, loads=loads))
+    with_it, without = (
+        each.inverse_dynamics(plan.q, plan.qd, plan.qdd, gravity=real.law.gravity)
+        for each in (heavier, arm)
+    )
+    return np.asarray(np.copysign(1.0, part) * (with_it - without))
 
 
 def _products(matrices: Float64Array, vectors: Float64Array) -> Float64Array:

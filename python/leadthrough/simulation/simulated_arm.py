@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,67 +12,16 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.arm.model import GRAVITY
-from leadthrough.check import Float64Array, InvalidInput, ShortRepr
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.guard import CommandedState
 from leadthrough.shapes import SceneLike, as_scene
-from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment, per_joint
+from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment
+from leadthrough.simulation.drives import Disturbances, drives_of
 from leadthrough.simulation.model import LINK, plant
 
-_MAX_DELAY = 1.0  # s
 # No arm moves so fast, rad/s (m/s), or has such motors, N m (N); MuJoCo would soon give up and
 # write a file about it.
 _RUNAWAY, _STRONGEST = 1e3, 2e4
-
-
-@dataclass(frozen=True, eq=False)
-class Push(ShortRepr):
-    """A force on the tip, unknown to the controller.
-
-    Attributes:
-        time: when it begins, s after the start of the motion.
-        force: (3,), N in the base frame.
-        duration: s, > 0.
-    """
-
-    time: float
-    force: ArrayLike
-    duration: float = 0.1
-
-    def __post_init__(self) -> None:
-        check.number(self.time, "time", at_least=0.0)
-        check.number(self.duration, "duration", above=0.0)
-        object.__setattr__(self, "force", check.frozen(self.force, "force", shape=(3,)))
-
-
-@dataclass(frozen=True, eq=False)
-class Disturbances(ShortRepr):
-    """Differences of a simulated arm from the one that its controller knows.
-
-    Attributes:
-        payload: factor by which the load at the tip is heavier than known, >= 0.
-        friction: of the joints, N m (N), >= 0, (joints,) or one number; besides the URDF's.
-        damping: of the joints, N m s/rad (N s/m), >= 0, likewise.
-        delay: of measurements, s, 0 to 1, in whole periods.
-        encoder: steps in which positions are measured, rad (m), >= 0; velocities are their
-            differences.
-        pushes: forces on the tip.
-    """
-
-    payload: float = 1.0
-    friction: ArrayLike = 0.0
-    damping: ArrayLike = 0.0
-    delay: float = 0.0
-    encoder: float = 0.0
-    pushes: Sequence[Push] = ()
-
-    def __post_init__(self) -> None:
-        check.number(self.payload, "payload", at_least=0.0)
-        check.number(self.delay, "delay", at_least=0.0, at_most=_MAX_DELAY)
-        check.number(self.encoder, "encoder", at_least=0.0)
-        object.__setattr__(self, "pushes", tuple(self.pushes))
-        for each in self.pushes:
-            if not isinstance(each, Push):
-                raise InvalidInput(f"pushes: expected Push objects, got {type(each).__name__}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +37,18 @@ class Touch(ShortRepr):
     force: float
 
 
+class RunawayError(FloatingPointError):
+    """A simulated arm that runs away.
+
+    Attributes:
+        joint: number of the joint that did first.
+    """
+
+    def __init__(self, name: str, time: float, joint: int) -> None:
+        super().__init__(f"{name} runs away after {time:.3f} s; lower the gains or raise the rate")
+        self.joint = joint
+
+
 class SimulatedArm(ShortRepr):
     """An arm under gravity and a controller that takes a command every period.
 
@@ -101,16 +61,16 @@ class SimulatedArm(ShortRepr):
     shapes and the highest torques. The controller knows the same arm, but nothing of the
     disturbances. Equal calls have equal answers.
 
-    `torques` are those of the motors during the last period (joints,), N m (N), and `demanded`
-    those that the controller asked them for.
+    `torques` are those behind the gears during the last period (joints,), N m (N), and `demanded`
+    those that the controller asked for.
 
     Args:
         arm: the arm.
         state: its first: positions (joints,) at rest, or a `CommandedState`.
         scene: obstacles in the base frame; the margins are not used.
         controller: makes torques of the commands.
-        disturbances: load, friction, delay, encoder and pushes that the controller does not know;
-            by default none.
+        disturbances: rotors, and the load, friction, delay, encoders and pushes that the controller
+            does not know; by default those of a real arm.
         gravity: acceleration (3,) of gravity in the base frame, m/s^2.
         rate: commands per second, 100 to 1e4.
 
@@ -136,46 +96,35 @@ class SimulatedArm(ShortRepr):
         self.period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
         pull = check.array(gravity, "gravity", shape=(3,))
         unknown = Disturbances() if disturbances is None else disturbances
-        if unknown.payload != 1.0 and not arm.attachment.loads:
-            raise InvalidInput(
-                f"payload: expected 1 for an arm that carries nothing, got {unknown.payload:g}; "
-                "state its load first; in Python, by arm.with_payload or arm.with_attached"
-            )
+        self.drives = drives_of(arm, unknown, self.period)
         start = _started(state, len(arm.joint_names))
         self.law = (ComputedTorque() if controller is None else controller).law(
-            arm, start.q, gravity=pull
+            arm, start.q, gravity=pull, rotors=self.drives.rotors
         )
         self.plant = plant(
             arm,
             as_scene(scene).shapes,
-            payload=unknown.payload,
-            friction=per_joint(unknown.friction, "friction", arm, at_least=0.0),
-            damping=per_joint(unknown.damping, "damping", arm, at_least=0.0),
+            motors=self.drives,
             drive_damping=self.law.drive_damping,
             gravity=pull,
             period=self.period,
         )
-        self.disturbances = unknown
-        self._begin(start, self.late)
+        self._begin(start)
 
-    def _begin(self, start: CommandedState, late: int) -> None:
+    def _begin(self, start: CommandedState) -> None:
+        late = self.drives.late
         self.data: Any = self._mujoco.MjData(self.plant.model)
         self.data.qpos[:] = self.plant.coordinates(start.q)
         for i, (joint, factor, _) in enumerate(self.plant.drives):
             self.data.qvel[i] = factor * start.qd[joint]
         self._target = start
         self._ticks = 0
-        before = self._encoded(start.q - self.period * start.qd)
-        self._seen = deque([self._encoded(start.q)] * (late + 1), maxlen=late + 1)
+        before = self.drives.encoded(start.q - self.period * start.qd)
+        self._seen = deque([self.drives.encoded(start.q)] * (late + 1), maxlen=late + 1)
         self._seen_qd = deque([start.qd] * (late + 1), maxlen=late + 1)
         self._last_seen = before
         self.demanded = self.torques = np.zeros(len(start.q))
         self._mujoco.mj_forward(self.plant.model, self.data)
-
-    @property
-    def late(self) -> int:
-        """Periods by which measurements are delayed."""
-        return round(self.disturbances.delay / self.period)
 
     @property
     def time(self) -> float:
@@ -211,7 +160,7 @@ class SimulatedArm(ShortRepr):
             Where the joints are then (joints,), rad (m).
 
         Raises:
-            FloatingPointError: if the arm runs away: the gains are too high for the rate.
+            FloatingPointError: if a joint runs away: the gains are too high for the rate.
         """
         q, qd = self._measured()
         target = check.computed(
@@ -222,52 +171,55 @@ class SimulatedArm(ShortRepr):
         # The drives subtract what their own dampers give; these compare velocities at the end of
         # the period, when the target's is another.
         self.data.ctrl[:] = asked + self.law.drive_damping * (qd + self.period * command.qdd)
-        self.demanded = asked + self.law.drive_damping * (qd - before)
-        if self.disturbances.pushes:
+        # Torque limits hold behind the gears, where the rotors' own acceleration has no part.
+        spin = self.drives.rotors * command.qdd
+        self.demanded = asked + self.law.drive_damping * (qd - before) - spin
+        self._shift_limits(spin)
+        if self.drives.pushes:
             self._push()
-        strongest = np.minimum(np.abs(self.demanded), self.plant.effort).max()
-        if strongest < _STRONGEST:
-            self._mujoco.mj_step(self.plant.model, self.data)
-        if not (strongest < _STRONGEST and np.abs(self.data.qvel).max() < _RUNAWAY):
-            raise FloatingPointError(
-                f"the arm runs away after {self.time:.3f} s; lower the gains or raise the rate"
-            )
-        self.torques = self._given(before)
+        asked_most = np.minimum(np.abs(self.demanded), self.drives.effort)
+        self._stop_runaway(asked_most, _STRONGEST)
+        self._mujoco.mj_step(self.plant.model, self.data)
+        self._stop_runaway(np.abs(self.data.qvel[self.plant.joints]), _RUNAWAY)
+        self.torques = self._given(before, spin)
         self._target = command
         self._ticks += 1
         return self.q
 
-    def _given(self, before: Float64Array) -> Float64Array:
-        """Torques of the motors during the period; the drives' dampers act at its end."""
-        force = np.array(self.data.actuator_force)
-        limit = self.plant.effort
+    def _stop_runaway(self, values: Float64Array, most: float) -> None:
+        """Raises an error if a value of a joint (joints,) is too large, or no number."""
+        if not values.max() < most:
+            joint = int(values.argmax())
+            raise RunawayError(self.arm.joint_names[joint], self.time, joint)
+
+    def _shift_limits(self, spin: Float64Array) -> None:
+        """Adds the torques (joints,) of the rotors to the motors' limits for a period."""
+        limited = np.isfinite(self.drives.effort)
+        ranges = spin[:, None] + self.drives.effort[:, None] * (-1.0, 1.0)
+        self.plant.model.actuator_forcerange[limited] = ranges[limited]
+
+    def _given(self, before: Float64Array, spin: Float64Array) -> Float64Array:
+        """Torques behind the gears during the period; the drives' dampers act at its end."""
+        force = np.array(self.data.actuator_force) - spin
+        limit = self.drives.effort
         free = np.abs(force) < limit
         given = force - free * self.law.drive_damping * (self.qd - before)
         return np.asarray(np.clip(given, -limit, limit))
 
     def _measured(self) -> tuple[Float64Array, Float64Array]:
         """Positions and velocities as the controller sees them."""
-        now = self._encoded(self.q)
-        if self.disturbances.encoder > 0.0:
-            speed = (now - self._last_seen) / self.period
-            self._last_seen = now
-        else:
-            speed = self.qd
+        now = self.drives.encoded(self.q)
+        differences = (now - self._last_seen) / self.period
+        self._last_seen = now
+        speed = np.where(self.drives.encoder > 0.0, differences, self.qd)
         self._seen.append(now)
         self._seen_qd.append(speed)
         return self._seen[0], self._seen_qd[0]
 
-    def _encoded(self, q: Float64Array) -> Float64Array:
-        return (
-            np.asarray(np.round(q / self.disturbances.encoder) * self.disturbances.encoder)
-            if self.disturbances.encoder
-            else q
-        )
-
     def _push(self) -> None:
         body = self.plant.tip
         force = np.zeros(3)
-        for push in self.disturbances.pushes:
+        for push in self.drives.pushes:
             if push.time <= self.time < push.time + push.duration:
                 force += np.asarray(push.force)
         turned = self.data.xmat[body].reshape(3, 3)

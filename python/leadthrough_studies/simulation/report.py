@@ -10,7 +10,7 @@ from scipy.stats import mannwhitneyu, spearmanr
 
 from leadthrough.drawing import palette
 from leadthrough.show import simulation_parts
-from leadthrough.simulation import Disturbances, PositionServo, simulate
+from leadthrough.simulation import PositionServo, simulate
 from leadthrough_studies.simulation.motions import given
 from leadthrough_studies.simulation.stability import MEASURES
 from leadthrough_studies.study import Report, Row, selected
@@ -49,9 +49,7 @@ def _pages(config: Any) -> dict[str, list[str]]:
     made = given(next(iter(config.motions)), 0, config.seed)
     if isinstance(made, str):
         return {}
-    shown = simulate(
-        made.arm, made.joints, controller=PositionServo(), disturbances=Disturbances(friction=0.2)
-    )
+    shown = simulate(made.arm, made.joints, controller=PositionServo())
     return {"simulated": simulation_parts(shown)}
 
 

@@ -2,7 +2,7 @@
 
 `conditioning`: a Panda follows paths past singularities (the singularity study) by damped least
 squares, with several dampings, with and without the task in the null space. The joints are
-simulated with soft springs, friction and a delay, and compared with the largest condition number.
+simulated with soft springs and real drives, and compared with the largest condition number.
 `naturalness`: one reach by simulated people and by damped least squares (the human study), as
 recorded and as a ProMP learns it, all stretched to the same duration.
 """
@@ -15,14 +15,13 @@ from leadthrough.arm import Arm, DampedLeastSquares
 from leadthrough.arm.damped_least_squares import follow_path
 from leadthrough.models import ProMP
 from leadthrough.motion import Demonstration, JointTrajectory
-from leadthrough.simulation import Disturbances, JointImpedance, SimulationReport, simulate
+from leadthrough.simulation import JointImpedance, SimulationReport, simulate
 from leadthrough_studies.human.demonstrations import ROBOT, damped, human
 from leadthrough_studies.singularity.paths import APPROACHES, ROTATION_WEIGHT, motion, start
 from leadthrough_studies.study import Row
 
 MEASURES = ("joint_error_mrad", "tip_error_mm", "torque_percent", "torque_rate", "energy_j")
 _SOFT = JointImpedance(frequency=15.0)
-_ROUGH, _LATE = Disturbances(friction=0.2), Disturbances(friction=0.2, delay=0.001)
 _DURATION = 5.0  # s
 _WEIGHTS = 20
 
@@ -39,7 +38,7 @@ def conditioning(*, number: int, damping: float, nullspace_gain: float) -> list[
         {"study": "conditioning", "approach": number, "damping": damping}
         | {"nullspace_gain": nullspace_gain, "largest_condition": float(condition.max())}
         | {"mean_log_condition": float(np.log10(condition).mean())}
-        | _measured(simulate(arm, joints, controller=_SOFT, disturbances=_LATE))
+        | _measured(simulate(arm, joints, controller=_SOFT))
     ]
 
 
@@ -55,7 +54,6 @@ def naturalness(*, index: int, seed: int) -> list[Row]:
                 arm,
                 _stretched(shown, learned),
                 controller=_SOFT,
-                disturbances=_ROUGH,
             )
         )
         for source, shown in (("human", by_hand), ("DLS-IK", computed))

@@ -1,8 +1,8 @@
 """The simulation study: motions of the other studies under gravity, friction and controllers.
 
 Each motion is timed as fast as its arm's limits of velocity, acceleration, jerk and nine tenths of
-the torques allow, with a payload, and simulated with four settings: computed torque with nothing
-amiss, and computed torque, a position servo and joint impedance with friction and a delay. The
+the torques allow, with a payload, and simulated with four settings: computed torque on an ideal
+arm, and computed torque, a position servo and joint impedance on an arm with real drives. The
 errors are compared with those that the controllers' gains allow by linear theory. Then each motion
 is given the faults of `faults`, which the simulation should find. `stability` measures what is said
 of conditioning and of human demonstrations. Needs the extra `simulation`; handwriting needs `lasa`.
@@ -29,13 +29,13 @@ from leadthrough_studies.simulation.report import report
 from leadthrough_studies.simulation.stability import conditioning, naturalness
 from leadthrough_studies.study import Row, Study, Task, cpu_time
 
-_AMISS = Disturbances(friction=0.2, delay=0.001)
+_REAL = Disturbances()
 # Controllers and disturbances.
 SETTINGS: dict[str, tuple[Any, Disturbances]] = {
-    "computed torque, nothing amiss": (ComputedTorque(), Disturbances()),
-    "computed torque": (ComputedTorque(), _AMISS),
-    "position servo": (PositionServo(), _AMISS),
-    "joint impedance": (JointImpedance(), _AMISS),
+    "computed torque, ideal arm": (ComputedTorque(), Disturbances.ideal()),
+    "computed torque": (ComputedTorque(), _REAL),
+    "position servo": (PositionServo(), _REAL),
+    "joint impedance": (JointImpedance(), _REAL),
 }
 
 

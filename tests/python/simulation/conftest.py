@@ -1,11 +1,14 @@
 """A short motion of a Panda with a payload, and what it is in simulation."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import leadthrough as lt
 
 HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
+IDEAL = lt.simulation.Disturbances.ideal()
 AWAY = np.array([0.6, -0.1, -0.3, -1.6, 0.3, 1.3, 1.2])
 
 
@@ -24,5 +27,10 @@ def swing(loaded):
 
 @pytest.fixture(scope="session")
 def simulated(loaded, swing):
-    """The motion with the default controller."""
-    return lt.simulate(loaded, swing)
+    """The motion of an ideal arm with the default controller."""
+    return lt.simulate(loaded, swing, disturbances=IDEAL)
+
+
+def disturbed(**only):
+    """Disturbances of an arm that is ideal otherwise."""
+    return replace(IDEAL, **only)

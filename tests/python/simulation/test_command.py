@@ -40,6 +40,17 @@ def test_a_heavier_payload_is_found():
     assert "next: state the right --mass" in run("simulate", *words, code=1).stdout
 
 
+def test_the_arm_is_a_real_one_unless_an_ideal_one_is_asked_for():
+    words = ["simulate", "swing.npz", "--robot", "panda", "--json"]
+    real, ideal, given = (
+        json.loads(run(*words, *more).stdout)["tip_error"]
+        for more in ([], ["--ideal"], ["--ideal", "--friction", "0.5"])
+    )
+    assert ideal < 1e-9
+    assert 1e-4 < real < 5e-3
+    assert given > 1e-4
+
+
 def test_controllers_and_disturbances_are_taken():
     run(
         *("simulate", "swing.npz", "--robot", "panda", "--controller", "cartesian-impedance"),

@@ -4,11 +4,12 @@ import mujoco
 import numpy as np
 import pinocchio
 import pytest
-from simulation.conftest import HOME
+from simulation.conftest import HOME, IDEAL, disturbed
 
 import leadthrough as lt
 from leadthrough.errors import InvalidRobot
 from leadthrough.sanity import ImplausibleInputWarning
+from leadthrough.simulation.drives import drives_of
 from leadthrough.simulation.model import plant
 
 _FREE = (
@@ -30,14 +31,11 @@ MIMICKED = """<robot name="two">
 
 
 def model_of(arm, obstacles=()):
-    none = np.zeros(len(arm.joint_names))
     return plant(
         arm,
         obstacles,
-        payload=1.0,
-        friction=none,
-        damping=none,
-        drive_damping=none,
+        motors=drives_of(arm, IDEAL, 0.001),
+        drive_damping=np.zeros(len(arm.joint_names)),
         gravity=np.array([0.0, 0.0, -9.81]),
         period=0.001,
     )
@@ -94,20 +92,21 @@ def test_an_arm_whose_joints_mimic_others_holds_still():
 
 def test_friction_and_damping_are_the_urdfs():
     arm = lt.Arm.from_urdf(MIMICKED.format(mimic=""))
-    made = model_of(arm)
-    assert np.array_equal(made.friction, [0.2, 0.0])
-    assert np.array_equal(made.damping, [0.3, 0.0])
+    model = model_of(arm).model
+    assert np.array_equal(model.dof_frictionloss, [0.2, 0.0])
+    assert np.array_equal(model.dof_damping, [0.3, 0.0])
 
 
 def test_the_lower_of_two_torque_limits_counts():
     arm = lt.Arm.load("panda")
     values = vars(arm.limits) | {"effort": arm.limits.effort * [10, 0.5, 1, 1, 1, 1, 1]}
     changed = lt.Arm.load("panda", limits=lt.arm.JointLimits(**values))
-    assert np.array_equal(model_of(changed).effort, [87, 43.5, 87, 87, 12, 12, 12])
+    limits = model_of(changed).model.actuator_forcerange[:, 1]
+    assert np.array_equal(limits, [87, 43.5, 87, 87, 12, 12, 12])
 
 
-def test_the_motors_work_is_what_lifts_and_moves_the_arm(loaded, swing):
-    report = lt.simulate(loaded, swing)
+def test_the_motors_work_is_what_lifts_and_moves_the_arm(loaded, simulated):
+    report = simulated
     q = report.simulated.positions
     weight = loaded.gravity_torques(0.5 * (q[1:] + q[:-1]))
     lifted = (weight * np.diff(q, axis=0)).sum()
@@ -117,7 +116,7 @@ def test_the_motors_work_is_what_lifts_and_moves_the_arm(loaded, swing):
 
 
 def test_friction_takes_energy(loaded, swing, simulated):
-    report = lt.simulate(loaded, swing, disturbances=lt.simulation.Disturbances(friction=0.5))
+    report = lt.simulate(loaded, swing, disturbances=disturbed(friction=0.5))
     way = np.abs(np.diff(report.simulated.positions, axis=0)).sum(axis=0)
     assert report.work.sum() - simulated.work.sum() == pytest.approx(0.5 * way.sum(), rel=0.05)
 

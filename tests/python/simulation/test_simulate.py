@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from refusals import refused
-from simulation.conftest import AWAY, HOME
+from simulation.conftest import AWAY, HOME, IDEAL, disturbed
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, MissingDependency
@@ -36,7 +36,7 @@ def test_a_motion_that_the_arm_can_run_is_fit_to_run(simulated, swing):
 
 
 def test_equal_calls_have_equal_answers(loaded, swing, simulated):
-    again = lt.simulate(loaded, swing)
+    again = lt.simulate(loaded, swing, disturbances=IDEAL)
     for name in ("torques", "expected", "tip_errors"):
         assert np.array_equal(getattr(again, name), getattr(simulated, name))
     assert np.array_equal(again.simulated.positions, simulated.simulated.positions)
@@ -47,23 +47,21 @@ def test_equal_calls_have_equal_answers(loaded, swing, simulated):
     [PositionServo(), JointImpedance(), JointImpedance(300.0), CartesianImpedance(3000.0)],
     ids=lambda made: type(made).__name__,
 )
-@pytest.mark.parametrize("disturbed", [{}, {"friction": 0.3, "damping": 0.2, "delay": 0.002}])
-def test_the_error_is_that_of_the_linear_theory(loaded, swing, controller, disturbed):
+@pytest.mark.parametrize("only", [{}, {"friction": 0.3, "damping": 0.2, "delay": 0.002}])
+def test_the_error_is_that_of_the_linear_theory(loaded, swing, controller, only):
     gentle = lt.JointTrajectory(2.0 * swing.times[::4], swing.positions[::4])
-    report = lt.simulate(
-        loaded, gentle, controller=controller, disturbances=Disturbances(**disturbed)
-    )
+    report = lt.simulate(loaded, gentle, controller=controller, disturbances=disturbed(**only))
     assert report.ok, str(report)
     expected = np.abs(report.expected).max()
     assert expected > 1e-3
-    if disturbed:  # a joint held by friction may rest anywhere within its band
+    if only:  # a joint held by friction may rest anywhere within its band
         assert np.abs(report.errors).max() == pytest.approx(expected, rel=0.25)
     else:
         assert np.abs(report.errors - report.expected).max() < 0.25 * expected
 
 
 @pytest.mark.parametrize(
-    ("disturbed", "least"),
+    ("only", "least"),
     [
         ({"friction": 0.5}, 1e-3),
         ({"damping": 1.0}, 1e-3),
@@ -73,15 +71,15 @@ def test_the_error_is_that_of_the_linear_theory(loaded, swing, controller, distu
     ],
     ids=["friction", "damping", "delay", "encoder", "push"],
 )
-def test_disturbances_that_are_stated_are_allowed_for(loaded, swing, disturbed, least):
-    report = lt.simulate(loaded, swing, disturbances=Disturbances(**disturbed))
+def test_disturbances_that_are_stated_are_allowed_for(loaded, swing, only, least):
+    report = lt.simulate(loaded, swing, disturbances=disturbed(**only))
     assert np.abs(report.errors).max() > least
     assert report.ok, str(report)
 
 
 def pushed_where_it_stands(arm, controller, push):
     still = lt.JointTrajectory([0.0, 1.5], np.tile(HOME, (2, 1)))
-    return lt.simulate(arm, still, controller=controller, disturbances=Disturbances(pushes=[push]))
+    return lt.simulate(arm, still, controller=controller, disturbances=disturbed(pushes=[push]))
 
 
 def test_a_held_arm_gives_way_to_a_push_by_its_compliance(loaded):
@@ -159,13 +157,13 @@ def test_gains_too_high_for_the_rate_are_found(loaded, swing, controller, tmp_pa
 
 def test_the_arm_comes_from_where_it_is_and_ends_at_rest(loaded, swing):
     part = swing[100:300]
-    report = lt.simulate(loaded, part, state=HOME - 0.05)
+    report = lt.simulate(loaded, part, state=HOME - 0.05, disturbances=IDEAL)
     assert report.ok
     assert np.array_equal(report.planned.positions[0], HOME - 0.05)
     first, last = (round(1000.0 * each) for each in report.span)
     assert np.abs(report.planned.positions[first : last + 1] - part.positions).max() < 1e-9
     assert np.abs(report.planned.velocities[-1]).max() == 0.0
-    cut = lt.simulate(loaded, part)
+    cut = lt.simulate(loaded, part, disturbances=IDEAL)
     assert cut.ok and cut.span[0] > 0.0
     assert np.abs(cut.simulated.velocities[-1]).max() < 1e-6
 
@@ -213,6 +211,7 @@ def test_wrong_arguments_are_named(loaded, swing):
         {"damping": -1.0},
         {"delay": 2.0},
         {"encoder": -1.0},
+        {"rotor_inertia": -1.0},
         {"pushes": [1.0]},
     ):
         with pytest.raises(InvalidInput, match=f"^{next(iter(wrong))}"):

@@ -29,7 +29,7 @@ def test_sound_motions_are_fit_to_run_and_off_by_what_theory_says(rows):
         assert row["fit_to_run"], row["findings"]
         assert row["torque_percent"] <= 100.0
         assert row["of_allowed"] <= 1.0
-        if row["setting"] != "computed torque, nothing amiss":
+        if row["setting"] != "computed torque, ideal arm":
             assert 0.7 < row["joint_error_mrad"] / row["expected_mrad"] < 1.3
 
 
