@@ -13,13 +13,12 @@ from frame import Benchmark
 import leadthrough as lt
 from leadthrough.check import Float64Array
 from leadthrough.planning import Grid, arrival_times, descend
-from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
     ObstacleField,
     TubeField,
+    Walls,
     add_obstacles,
     quickest,
-    tube_map,
 )
 from leadthrough.preprocess import frechet_distance
 from leadthrough.preprocess.resample import by_arc_length
@@ -43,6 +42,7 @@ def _past_a_box(dimensions: int, spacing: float, room: float) -> Benchmark:
     middle[:dimensions] = way[100]
     obstacles = [lt.Box((0.06, 0.06, 0.3), middle)]
     grid = Grid.covering(way, margin=room, spacing=spacing)
+    cells = np.arange(np.prod(grid.shape))
     tube = {"area_of_influence": RADIUS, "saturation": SATURATION}
 
     def in_band() -> Float64Array:
@@ -51,7 +51,7 @@ def _past_a_box(dimensions: int, spacing: float, room: float) -> Benchmark:
         return quickest(field, way[0], way[-1])
 
     def in_all_cells() -> Float64Array:
-        free = tube_map(grid, [way], [1.0], **tube)
+        free = TubeField(grid, [way], [1.0], **tube).at(cells).reshape(grid.shape)
         speed = add_obstacles(free, grid, obstacles, area_of_influence=CLEARANCE)
         start, goal = grid.cells_of(way[[0, -1]])
         arrival = arrival_times(speed, goal, spacing=grid.spacing, order=2, stop=start)

@@ -29,13 +29,13 @@ import numpy as np
 import leadthrough as lt
 from leadthrough.check import Float64Array
 from leadthrough.planning import Grid, arrival_times, descend
-from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
     DetourField,
     ExperienceField,
     ObstacleField,
     SpeedField,
     TubeField,
+    Walls,
     quickest,
 )
 from leadthrough.preprocess import dtw_distance, frechet_distance

@@ -15,7 +15,7 @@ import numpy as np
 
 import leadthrough as lt
 from leadthrough import planning, preprocess
-from leadthrough.arm.damped_least_squares import damped_inverse_kinematics
+from leadthrough_studies.damped_least_squares import damped_inverse_kinematics
 
 AFTER = 0.3  # s; each call takes several
 HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])

@@ -7,9 +7,10 @@ import pytest
 
 import leadthrough as lt
 from leadthrough import planning, trajectories
-from leadthrough.arm import JointState, PoseTask, PostureTask, TaskStack, damped_least_squares
+from leadthrough.arm import JointState, PoseTask, PostureTask, TaskStack
 from leadthrough.check import ShortRepr
 from leadthrough.models import Frame, choose_components, infer, kmeans
+from leadthrough_studies.damped_least_squares import follow_path
 
 T = np.linspace(0.0, 2.0, 100)
 S = lt.trajectories.minimum_jerk_time_scaling(T / 2.0)
@@ -38,7 +39,7 @@ def results():
         arm.collision_pairs, lt.check_limits(joints, arm.limits),
         lt.check_limits(joints, arm.limits).velocity, JointState(HOME, 0 * HOME, 0 * HOME),
         PoseTask(position, orientation), stack,
-        damped_least_squares.follow_path(arm, poses, q0=HOME), lt.DifferentialIk(arm),
+        follow_path(arm, poses, q0=HOME), lt.DifferentialIk(arm),
         kmeans(poses.positions, 3, seed=0), choose_components(poses.positions, at_most=2),
         lt.GMR(components=2).fit(shown).mixture, Frame.of_sample(poses, 0),
         infer(poses[:20], [promp]),

@@ -7,7 +7,6 @@ from leadthrough.arm.collision import (
     CollisionPairs as CollisionPairs,
     CollisionReport as CollisionReport,
 )
-from leadthrough.arm.damped_least_squares import DampedLeastSquares as DampedLeastSquares
 from leadthrough.arm.differential_ik import (
     DifferentialIk as DifferentialIk,
     JointState as JointState,

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from leadthrough.arm.limits import zeros
-from leadthrough.arm.link_poses import link_poses
+from leadthrough.arm.link_geometry import link_poses
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.robot_files import find_mesh
 from leadthrough.check import Float64Array

@@ -15,7 +15,7 @@ import leadthrough._core as core
 from leadthrough import rotations
 from leadthrough.arm.inverse_kinematics import STATUSES, Axis, IkOptions, compiled
 from leadthrough.arm.limits import JointLimits
-from leadthrough.arm.link_poses import link_poses
+from leadthrough.arm.link_geometry import link_poses
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.tip_path import TipPath, Track
 from leadthrough.check import Float64Array, IkFailure

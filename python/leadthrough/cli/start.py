@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 import leadthrough as lt
-from leadthrough.arm import ends, robot_files
+from leadthrough.arm import robot_files
 from leadthrough.cli import completion, options, output, questions, reading, robot as robots
 from leadthrough.cli.command import PROFILE, read_profile
 from leadthrough.io.headers import joint
@@ -71,7 +71,7 @@ def _with_ends(
     """The details with the arm's base and tip, proposed around the joints that were recorded."""
     with output.naming(path_or_xml="ARM", name="ARM"):
         document = robot_files.read(robots.urdf_of(arm))
-    base, tip = ends.proposed_ends(document, [joint(name) for name in table.names])
+    base, tip = robot_files.proposed_ends(document, [joint(name) for name in table.names])
     return replace(
         details,
         base=details.base or ask("first link of the arm (--base)", base),

@@ -20,8 +20,7 @@ from leadthrough import check
 from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr, UnsupportedQuery
 from leadthrough.io.files import StrPath
 from leadthrough.models import archive
-from leadthrough.models.coordinates import mean_orientations
-from leadthrough.models.posture import demonstrated_posture
+from leadthrough.models.coordinates import demonstrated_posture, mean_orientations
 from leadthrough.models.protocol import Relearned, Skill
 from leadthrough.motion import (
     JointTrajectory,

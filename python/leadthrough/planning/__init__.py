@@ -7,15 +7,16 @@ from leadthrough.planning.arrival import (
     arrival_times_batch as arrival_times_batch,
     nearest_sources as nearest_sources,
 )
-from leadthrough.planning.descent import descend as descend, direction as direction
 from leadthrough.planning.fm2 import (
     Plan as Plan,
+    descend as descend,
+    direction as direction,
     fm2_speed as fm2_speed,
     plan as plan,
     plan_many as plan_many,
 )
 from leadthrough.planning.grid import Grid as Grid
-from leadthrough.planning.obstacles import (
+from leadthrough.planning.speed_map import (
     distance_transform as distance_transform,
     occupied as occupied,
     occupied_by_points as occupied_by_points,

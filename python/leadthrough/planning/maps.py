@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
     DetourField,
     FreeField,
@@ -20,6 +19,7 @@ from leadthrough.planning.speed_map import (
     SpeedField,
     Speeds,
     TubeField,
+    Walls,
     add_obstacles,
     add_passable_obstacles,
     add_saturated_obstacles,

@@ -11,7 +11,7 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.arm import Arm
-from leadthrough.arm.link_poses import link_poses
+from leadthrough.arm.link_geometry import link_poses
 from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.drawing.palette import Colour
 from leadthrough.motion import JointTrajectory, in_order

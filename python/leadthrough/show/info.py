@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import leadthrough._core as core
-from leadthrough.arm import Arm, ends, robot_files
+from leadthrough.arm import Arm, robot_files
+from leadthrough.arm.robot_files import link_tree, moves, proposed_tip
 from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, reader_process, rosbag
 from leadthrough.io.columns import recording
@@ -81,7 +82,7 @@ def describe(
     where = Path(path)
     if where.suffix.lower() in _ROBOTS and where.is_file():
         robot = core.Robot(robot_files.read(where))
-        if tip is None and (len(robot.leaves) > 1 or not ends.moves(robot)):
+        if tip is None and (len(robot.leaves) > 1 or not moves(robot)):
             return _branched(where, robot)
         arm = Arm.from_urdf(where, base=base, tip=tip, limits=limits, mesh_folders=mesh_folders)
         return _robot(where, arm)
@@ -132,14 +133,17 @@ def _skill(path: Path) -> FileInfo | None:
 
 def _branched(path: Path, robot: core.Robot) -> FileInfo:
     """The links of a robot with several ends, and the lines that choose one."""
-    base, tip = robot.links[0], ends.proposed_tip(robot) if ends.moves(robot) else None
+    base, tip = (
+        robot.links[0],
+        proposed_tip(robot) if moves(robot) else None,
+    )
     facts = {"base": base, "tip": tip, "ends": list(robot.leaves)}
     if tip is None:
-        text = f"{ends.link_tree(robot)}\nno joint moves, so this robot has no arm"
+        text = f"{link_tree(robot)}\nno joint moves, so this robot has no arm"
         return FileInfo(str(path), "URDF", "robot", facts, text=text)
     lines = f'base = "{base}"\ntip = "{tip}"'
     text = (
-        f"{ends.link_tree(robot)}\nit ends in several links; proposed, for leadthrough.toml:\n"
+        f"{link_tree(robot)}\nit ends in several links; proposed, for leadthrough.toml:\n"
         f"{lines}\nor type --base {base} --tip {tip}"
     )
     return FileInfo(str(path), "URDF", "robot", facts, text=text)

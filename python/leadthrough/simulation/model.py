@@ -13,8 +13,7 @@ import leadthrough._core as core
 from leadthrough import check, rotations, sanity
 from leadthrough.arm import Arm
 from leadthrough.arm.attachment import Load
-from leadthrough.arm.link_geometry import convex_parts
-from leadthrough.arm.link_poses import link_poses
+from leadthrough.arm.link_geometry import convex_parts, link_poses
 from leadthrough.check import Float64Array, InvalidRobot
 from leadthrough.shapes import Shape
 from leadthrough.shapes.shape import ConvexPart

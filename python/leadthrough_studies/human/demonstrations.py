@@ -16,10 +16,10 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.arm import Arm
-from leadthrough.arm.damped_least_squares import DampedLeastSquares, follow_path
 from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
 from leadthrough.trajectories import minimum_jerk_time_scaling
+from leadthrough_studies.damped_least_squares import DampedLeastSquares, follow_path
 from leadthrough_studies.demonstrator import JointTeaching, guide_joints
 
 ROBOT = "panda"

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from leadthrough.arm import Arm, DampedLeastSquares
-from leadthrough.arm.damped_least_squares import follow_path
+from leadthrough.arm import Arm
 from leadthrough.models import ProMP
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.simulation import JointImpedance, SimulationReport, simulate
+from leadthrough_studies.damped_least_squares import DampedLeastSquares, follow_path
 from leadthrough_studies.human.demonstrations import ROBOT, damped, human
 from leadthrough_studies.singularity.paths import APPROACHES, ROTATION_WEIGHT, motion, start
 from leadthrough_studies.study import Row

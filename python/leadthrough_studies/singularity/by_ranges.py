@@ -1,7 +1,7 @@
 """Equations 3 to 7 of Yang, Liu and Pears with a secondary task that counts in joint ranges.
 
 The paper minimises "the deviation of each joint's angle from the midpoint of its motion range". In
-radians, as in `leadthrough.arm.damped_least_squares`, a joint with a wide range pulls as hard as
+radians, as in the module `damped_least_squares`, a joint with a wide range pulls as hard as
 one with a narrow range. Here the deviations are fractions of the ranges: the pull is
 
     qdot_i = gain (middle_i - q_i) mean(range^2) / range_i^2,
@@ -15,9 +15,9 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.arm import Arm
-from leadthrough.arm.damped_least_squares import DampedLeastSquares
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, PoseTrajectory
+from leadthrough_studies.damped_least_squares import DampedLeastSquares
 
 
 def follow_by_ranges(
@@ -28,7 +28,7 @@ def follow_by_ranges(
     *,
     scaled: bool = True,
 ) -> JointTrajectory:
-    """One step per sample along a motion, as `leadthrough.arm.damped_least_squares.follow_path`.
+    """One step per sample along a motion, as `damped_least_squares.follow_path`.
 
     Args:
         arm: the arm; its Jacobian keeps all its directions along the motion.

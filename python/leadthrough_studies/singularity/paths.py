@@ -20,10 +20,10 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.arm import Arm, FollowOptions
-from leadthrough.arm.damped_least_squares import DampedLeastSquares, follow_path
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, PoseTrajectory
 from leadthrough.trajectories import minimum_jerk_time_scaling
+from leadthrough_studies.damped_least_squares import DampedLeastSquares, follow_path
 from leadthrough_studies.singularity.by_ranges import follow_by_ranges
 
 ROTATION_WEIGHT = 0.3  # m per rad

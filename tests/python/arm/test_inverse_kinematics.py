@@ -11,8 +11,8 @@ from refusals import refused
 
 import leadthrough as lt
 from leadthrough.arm import IkOptions
-from leadthrough.arm.damped_least_squares import damped_inverse_kinematics
 from leadthrough.errors import InvalidInput
+from leadthrough_studies.damped_least_squares import damped_inverse_kinematics
 
 
 def errors(arm, q, positions, orientations):

@@ -22,7 +22,7 @@ from leadthrough.arm import (
     TaskStack,
     resolve,
 )
-from leadthrough.arm.damped_least_squares import damped_inverse_kinematics, follow_path
+from leadthrough_studies.damped_least_squares import damped_inverse_kinematics, follow_path
 
 HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
 U = np.linspace(0.0, 1.0, 40)

@@ -10,7 +10,7 @@ from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough import cli
-from leadthrough.arm import ends, robot_files
+from leadthrough.arm import robot_files
 from leadthrough.cli import questions, reading
 from leadthrough.cli.options import ReadOptions
 from leadthrough.io.table import Request
@@ -121,5 +121,5 @@ ARM = """<link name="{0}0"/><link name="{0}1"/><link name="{0}2"/><link name="{0
 def test_the_arm_that_was_recorded_is_proposed():
     document = TWO_ARMS.format(links="".join(ARM.format(side) for side in ("left", "right")))
     recorded = ["time", "right_a", "right_b"]
-    assert ends.proposed_ends(document, recorded) == ("right0", "right_tool0")
-    assert ends.proposed_ends(document, ["time"]) == ("root", "left_tool0")
+    assert robot_files.proposed_ends(document, recorded) == ("right0", "right_tool0")
+    assert robot_files.proposed_ends(document, ["time"]) == ("root", "left_tool0")

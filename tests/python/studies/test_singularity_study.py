@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from leadthrough.arm import Arm
-from leadthrough.arm.damped_least_squares import DampedLeastSquares, follow_path
+from leadthrough_studies.damped_least_squares import DampedLeastSquares, follow_path
 from leadthrough_studies.singularity.by_ranges import follow_by_ranges
 from leadthrough_studies.singularity.paths import (
     APPROACHES,

@@ -20,9 +20,14 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.models.archive import Arrays, SteppedSkill
 from leadthrough.models.dmp.channels import PointChannels
-from leadthrough.models.dmp.learning import check_choices, check_weights, learn_motion
+from leadthrough.models.dmp.learning import (
+    Primitive,
+    check_choices,
+    check_weights,
+    learn_motion,
+    take_parts,
+)
 from leadthrough.models.dmp.poses import PoseChannels
-from leadthrough.models.dmp.primitive import Primitive, take_parts
 from leadthrough.models.dmp.query import check_final_velocity, check_state, check_step
 from leadthrough.models.protocol import Demonstrations, Skill, Unfitted
 from leadthrough.models.queries import CheckedQuery, even_phases

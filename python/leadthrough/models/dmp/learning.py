@@ -1,14 +1,29 @@
-"""Learned parts of primitives from demonstrations, discrete and rhythmic."""
+"""Learned parts of primitives from demonstrations, discrete and rhythmic: weights by regression.
+
+- "replay" (the default) minimises the squared distance between the replayed motion and the samples:
+  the springs are linear in the weights and in the slopes at both ends, so the responses to each of
+  them are the regressors. Nothing is differentiated, so noise is not amplified.
+- "ridge" fits the force that the samples' finite differences require, all weights together.
+- "lwr" fits each weight by itself, weighted by its kernel: w_i = s^T Psi_i f / s^T Psi_i s.
+  Source: Schaal and Atkeson 1998; Ijspeert et al. 2013, eq. 2.14.
+
+The last two are the literature's; second differences amplify the noise of the samples.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
+import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import InvalidInput
+from leadthrough.check import FitError, Float64Array, InvalidInput
+from leadthrough.models.archive import Arrays, FittedSkill
+from leadthrough.models.coordinates import Posture, arrays_of, settings_of
 from leadthrough.models.dmp.mean_motion import MeanMotion, mean_cycle, mean_motion
 from leadthrough.models.dmp.orientation import (
     REPRESENTATIONS,
@@ -17,17 +32,324 @@ from leadthrough.models.dmp.orientation import (
     learn_closed,
 )
 from leadthrough.models.dmp.poses import PoseChannels
-from leadthrough.models.dmp.primitive import Parts
-from leadthrough.models.dmp.regression import REGRESSIONS, fit, fit_rhythm, fit_with_enough
 from leadthrough.models.dmp.transformation import (
     FORMS,
     MAX_WEIGHTS,
+    RATE,
+    RHYTHMIC,
+    Ends,
+    Kernels,
     TransformationSystem,
+    course,
+    each_alone,
+    kernels_of,
+    minimum_jerk,
+    tabulated,
 )
 from leadthrough.models.protocol import Demonstrations
-from leadthrough.motion import Motion
+from leadthrough.motion import Event, Motion, MotionT_co, events_of_plain, plain_events
+from leadthrough.preprocess.noise import noise_of
 
+REGRESSIONS = ("replay", "ridge", "lwr")
+
+# Ridge penalty, as a fraction of the regressors' mean square: enough where samples are fewer than
+# weights, and far below what changes a fit.
+_RIDGE = 1e-8
+# A motion as short as this beside its range cannot scale a force.
+_MIN_DISTANCE = 1e-3
+# A channel that moves less than this fraction of its group's largest range needs no force.
+_STILL = 1e-6
+# The weights that follow from the data begin with this number, and end where the replay is within
+# so many standard deviations of the noise, or this fraction of the extent.
+_MIN_WEIGHTS, _NOISE, _DETAIL = 50, 3.0, 1e-3
+_SWUNG_IN = 4.0  # periods
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)  # channels of poses
+
+
+@dataclass(frozen=True, eq=False)
+class _Target:
+    """Samples that a transformation system is fitted to."""
+
+    form: str  # one of FORMS
+    phases: Float64Array  # (n,) from 0 to 1
+    values: Float64Array  # (n, channels)
+    kernels: Kernels  # of the force
+    ends: Ends  # first and last values, at rest
+    groups: Sequence[slice]  # channels that have a unit in common, each
+
+    @property
+    def scale(self) -> Float64Array:
+        """Factor of the force, (channels,); 1 for channels that need none."""
+        if self.form != "ijspeert":
+            return np.ones(len(self.ends.goal))
+        return np.where(self._unmoved, 1.0, self.ends.goal - self.ends.start)
+
+    def check_scale(self) -> None:
+        """Refuses a goal that cannot scale a force."""
+        if self.form != "ijspeert":
+            return
+        short = ~self._unmoved & (np.abs(self.scale) < _MIN_DISTANCE * self._reach)
+        if short.any():
+            raise FitError(
+                f"demonstrations: channel {int(np.argmax(short))} ends where it began, so the goal "
+                'cannot scale its force; use the form "blended" or "hoffmann"'
+            )
+
+    @property
+    def _reach(self) -> Float64Array:
+        """The range of the channel of each one's group that moves most, (channels,)."""
+        ranges = np.ptp(self.values, axis=0)
+        for group in self.groups:
+            ranges[group] = ranges[group].max()
+        return np.asarray(ranges)
+
+    @property
+    def _unmoved(self) -> NDArray[np.bool_]:
+        """Mask (channels,) of those that move so little that they need no force."""
+        return np.asarray(np.ptp(self.values, axis=0) <= _STILL * self._reach)
+
+
+def fit(
+    phases: Float64Array,
+    values: Float64Array,
+    *,
+    weights: int,
+    form: str,
+    regression: str,
+    groups: Sequence[slice] = (slice(None),),
+) -> TransformationSystem:
+    """A system that moves through values at phases."""
+    rest = np.zeros(values.shape[1])
+    ends = Ends(values[0].copy(), values[-1].copy(), rest, rest)
+    target = _Target(form, phases, values, kernels_of(form, weights), ends, groups)
+    target.check_scale()
+    with np.errstate(all="ignore"):  # values that are not finite are refused below
+        solution, slopes = (
+            _by_replay(target) if regression == "replay" else _by_force(target, regression)
+        )
+    if not (np.isfinite(solution).all() and np.isfinite(slopes).all()):
+        raise FitError("demonstrations: numbers too large to fit; use another unit")
+    return TransformationSystem(
+        form, solution, replace(ends, start_slope=slopes[0], goal_slope=slopes[1])
+    )
+
+
+def fit_with_enough(
+    phases: Float64Array,
+    values: Float64Array,
+    *,
+    form: str,
+    regression: str,
+    groups: Sequence[slice] = (slice(None),),
+) -> TransformationSystem:
+    """A system with as few weights, doubled from 50 to 1000, as replay the values closely."""
+    weights = _MIN_WEIGHTS
+    while True:
+        system = fit(
+            phases, values, weights=weights, form=form, regression=regression, groups=groups
+        )
+        if weights == MAX_WEIGHTS or _replays(system, phases, values, groups):
+            return system
+        weights = min(2 * weights, MAX_WEIGHTS)
+
+
+def _replays(
+    system: TransformationSystem,
+    phases: Float64Array,
+    values: Float64Array,
+    groups: Sequence[slice],
+) -> bool:
+    """Whether values are replayed within their noise or a thousandth of their extent."""
+    ends = system.ends
+    made, _ = core.dmp_rollout(
+        system.forces, system.demonstrated_course, ends.start, ends.start_slope, phases
+    )
+    for group in groups:
+        own = values[:, group]
+        noise = _NOISE * noise_of(own) * np.sqrt(own.shape[1])
+        allowed = max(noise, _DETAIL * float(np.linalg.norm(np.ptp(own, axis=0))))
+        if np.linalg.norm(made[:, group] - own, axis=1).max() > allowed:
+            return False
+    return True
+
+
+def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> TransformationSystem:
+    """A system that repeats the values of one period, fitted by replay."""
+    from scipy.integrate import trapezoid
+
+    with np.errstate(all="ignore"):  # values that are not finite are refused below
+        centre = trapezoid(values, phases, axis=0)
+        kernels = kernels_of(RHYTHMIC, weights)
+        # The springs have swung in after this many periods, to 16 digits.
+        response, _ = _responses(kernels, np.concatenate([[0.0], _SWUNG_IN + phases]))
+        design = response[1:]
+        gram = design.T @ design
+        gram[np.diag_indices(len(gram))] += _RIDGE * np.trace(gram) / len(gram)
+        solution = np.asarray(np.linalg.solve(gram, design.T @ (values - centre)), np.float64)
+    if not np.isfinite(solution).all():
+        raise FitError("demonstrations: numbers too large to fit; use another unit")
+    rest = np.zeros(values.shape[1])
+    ends = Ends(centre, centre, rest, rest)
+    system = TransformationSystem(RHYTHMIC, np.ascontiguousarray(solution), ends)
+    swung_in = np.array([0.0, _SWUNG_IN])
+    asked = course(RHYTHMIC, system.ends)
+    y, slopes = core.dmp_rollout(system.forces, asked, centre, rest, swung_in)
+    return replace(system, ends=Ends(y[-1].copy(), centre, slopes[-1].copy(), rest))
+
+
+def _by_replay(target: _Target) -> tuple[Float64Array, Float64Array]:
+    """Weights, and slopes at both ends."""
+    response, last = _responses(target.kernels, target.phases)
+    known, slope_responses = _without_force(target)
+    design: Float64Array = np.hstack([response, slope_responses])
+    gram = design.T @ design
+    count, channels = response.shape[1], target.values.shape[1]
+    gram[np.diag_indices(len(gram))] += _RIDGE * np.trace(gram[:count, :count]) / count
+    wanted = design.T @ ((target.values - known) / target.scale)
+    constraints = np.zeros((len(gram), 2))
+    constraints[:count] = last.T
+    solved = np.asarray(np.linalg.solve(gram, np.hstack([wanted, constraints])), np.float64)
+    solution = solved[:, :channels]
+    if target.form == "blended":
+        solution = _settled(solution, constraints, solved[:, channels:])
+    slopes = np.zeros((2, channels))
+    slopes[: len(gram) - count] = solution[count:] * target.scale
+    return np.ascontiguousarray(solution[:count]), slopes
+
+
+def _by_force(target: _Target, regression: str) -> tuple[Float64Array, Float64Array]:
+    """Weights, and slopes at both ends."""
+    edge: Any = min(2, len(target.phases) - 1)
+    rates = np.asarray(np.gradient(target.values, target.phases, axis=0, edge_order=edge))
+    bends = np.asarray(np.gradient(rates, target.phases, axis=0, edge_order=edge))
+    ends = replace(target.ends, start_slope=rates[0], goal_slope=rates[-1])
+    r, r_rates, r_bends = _reference(target.form, ends, target.phases)
+    force = bends - r_bends + 2.0 * RATE * (rates - r_rates) + RATE**2 * (target.values - r)
+    fade = _at(target.kernels.fade[:, None], target.kernels, target.phases)
+    force = (force - fade * course(target.form, ends).drive) / target.scale
+    solve = _ridge if regression == "ridge" else _locally_weighted
+    solution = solve(target.kernels, target.phases, force)
+    if target.form == "blended":
+        _, last = _responses(target.kernels, np.array([0.0, 1.0]))
+        solution = _settled(solution, last.T, last.T)
+    return np.ascontiguousarray(solution), rates[[0, -1]]
+
+
+def _ridge(kernels: Kernels, phases: Float64Array, force: Float64Array) -> Float64Array:
+    design = _at(kernels.features, kernels, phases)
+    gram = design.T @ design
+    gram[np.diag_indices(len(gram))] += _RIDGE * np.trace(gram) / len(gram)
+    return np.asarray(np.linalg.solve(gram, design.T @ force))
+
+
+def _locally_weighted(kernels: Kernels, phases: Float64Array, force: Float64Array) -> Float64Array:
+    values = _at(kernels.values, kernels, phases)
+    regressor = _at(kernels.regressor, kernels, phases)
+    above = (values * regressor).T @ force
+    below = np.einsum("nw,nw->w", values, regressor**2)[:, None]
+    return np.asarray(np.divide(above, below, out=np.zeros_like(above), where=below > 0.0))
+
+
+def _at(table: Float64Array, kernels: Kernels, phases: Float64Array) -> Float64Array:
+    """Rows of a table over the nodes, linear between them."""
+    place = phases * (len(kernels.phases) - 1)
+    left = np.clip(place.astype(np.intp), 0, len(kernels.phases) - 2)
+    fraction = (place - left)[:, None]
+    return np.asarray((1.0 - fraction) * table[left] + fraction * table[left + 1])
+
+
+def _responses(kernels: Kernels, phases: Float64Array) -> tuple[Float64Array, Float64Array]:
+    """Errors (n, weights) that each function alone makes, and the last value and slope of them."""
+    rest = np.zeros(kernels.values.shape[1])
+    still = course("hoffmann", Ends(rest, rest, rest, rest))
+    values, slopes = core.dmp_rollout(each_alone(kernels), still, rest, rest, phases)
+    return values, np.stack([values[-1], slopes[-1]])
+
+
+def _without_force(target: _Target) -> tuple[Float64Array, Float64Array]:
+    """Values (n, channels) from rest to rest without a learned force; responses to the slopes."""
+    phases, ends = target.phases, target.ends
+    if target.form == "blended":
+        nothing, one, two = np.zeros(2), np.array([1.0, 0.0]), np.array([0.0, 1.0])
+        powers = phases[:, None] ** np.arange(6.0)
+        slopes = minimum_jerk(Ends(nothing, nothing, one, two))
+        return powers @ minimum_jerk(ends), powers @ slopes
+    no_weights = np.zeros((target.kernels.values.shape[1], len(ends.start)))
+    forces = tabulated(target.kernels, no_weights)
+    known, _ = core.dmp_rollout(
+        forces, course(target.form, ends), ends.start, ends.start_slope, phases
+    )
+    return known, (phases * np.exp(-RATE * phases))[:, None]
+
+
+def _reference(
+    form: str, ends: Ends, phases: Float64Array
+) -> tuple[Float64Array, Float64Array, Float64Array]:
+    if form != "blended":
+        nothing = np.zeros((1, len(ends.goal)))
+        return ends.goal[None], nothing, nothing
+    polynomial: Any = np.polynomial.polynomial
+    coefficients = minimum_jerk(ends)
+    r, rates, bends = (
+        polynomial.polyval(phases, polynomial.polyder(coefficients, order)).T for order in range(3)
+    )
+    return np.asarray(r), np.asarray(rates), np.asarray(bends)
+
+
+def _settled(
+    solution: Float64Array, constraints: Float64Array, correction: Float64Array
+) -> Float64Array:
+    """The solution moved along the correction (n, 2) until constraints (n, 2) on it vanish."""
+    excess = constraints.T @ solution
+    return np.asarray(solution - correction @ np.linalg.solve(constraints.T @ correction, excess))
+
+
+class Parts(TypedDict):
+    """Attributes that all primitives have."""
+
+    system: TransformationSystem
+    events: tuple[Event, ...]
+    joint_names: tuple[str, ...] | None
+    orientation: OrientationCoordinates | None
+    posture: Posture | None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Primitive(FittedSkill[MotionT_co]):
+    """A learned primitive; its attributes are documented where they are public."""
+
+    system: TransformationSystem
+    events: tuple[Event, ...] = ()
+    joint_names: tuple[str, ...] | None = None
+    orientation: OrientationCoordinates | None = None
+    posture: Posture | None = None
+
+    def to_archive(self) -> tuple[dict[str, Any], Arrays]:
+        settings = {
+            "events": plain_events(self.events),
+            "joint_names": None if self.joint_names is None else list(self.joint_names),
+            **settings_of(self.posture),
+        }
+        orientation = {} if self.orientation is None else self.orientation.arrays()
+        return settings, {**self.system.arrays(), **arrays_of(self.posture), **orientation}
+
+
+def take_parts(
+    settings: dict[str, Any], arrays: Arrays, *, form: str, weights: int, representation: str
+) -> Parts:
+    """The parts in a file, taken out of its settings."""
+    names = settings.pop("joint_names", None)
+    orientation = None
+    if "controls" in arrays:
+        rhythmic = form == RHYTHMIC
+        orientation = OrientationCoordinates.from_arrays(representation, arrays, rhythmic=rhythmic)
+    return Parts(
+        system=TransformationSystem.from_arrays(form, weights, arrays),
+        events=events_of_plain(settings.pop("events", ())),
+        joint_names=None if names is None else tuple(names),
+        orientation=orientation,
+        posture=Posture.from_archive(settings, arrays),
+    )
 
 
 def check_weights(weights: int, *, at_least: int) -> None:

@@ -9,8 +9,7 @@ import numpy as np
 
 from leadthrough import rotations
 from leadthrough.check import FitError, Float64Array
-from leadthrough.models.coordinates import mean_orientations
-from leadthrough.models.posture import Posture, demonstrated_posture
+from leadthrough.models.coordinates import Posture, demonstrated_posture, mean_orientations
 from leadthrough.models.protocol import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.motion import (
     Event,

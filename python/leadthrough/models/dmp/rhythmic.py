@@ -20,8 +20,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays
 from leadthrough.models.dmp import transformation
-from leadthrough.models.dmp.learning import check_weights, learn_rhythm
-from leadthrough.models.dmp.primitive import Primitive, take_parts
+from leadthrough.models.dmp.learning import Primitive, check_weights, learn_rhythm, take_parts
 from leadthrough.models.dmp.query import (
     as_pose,
     check_channels,

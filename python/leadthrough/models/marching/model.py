@@ -17,8 +17,13 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.marching import orientation
-from leadthrough.models.marching.experience import Experience, experience_like, experience_of
+from leadthrough.models.marching.experience import (
+    Experience,
+    experience_like,
+    experience_of,
+    orientations_along,
+    refuse_opposed,
+)
 from leadthrough.models.marching.planner import planned
 from leadthrough.models.marching.policy import Policy, policy_to
 from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, split
@@ -123,7 +128,7 @@ class FastMarching(Unfitted):
         """
         demonstrated = experience_of(demonstrations)
         if len(demonstrated) > 1:
-            orientation.refuse_opposed(demonstrated)
+            refuse_opposed(demonstrated)
         return FastMarchingSkill(self, demonstrated)
 
 
@@ -211,7 +216,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             check.number(duration, "duration", above=0.0)
         orientations = None
         if self._has_orientations:
-            orientations = orientation.along(self._all, np.ones(len(self._all)), path=points)
+            orientations = orientations_along(self._all, np.ones(len(self._all)), path=points)
         new = experience_like(self._all, points, orientations, duration=duration)
         return replace(self, learned=(*self.learned, new))
 
@@ -267,7 +272,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         motion, covered = timed(route, timing=self.model.timing, duration=wanted, dt=dt)
         made: Trajectory | PoseTrajectory = motion
         if self._has_orientations:
-            orientations = orientation.along(
+            orientations = orientations_along(
                 route.used, route.weights, path=route.path, fractions=covered, **ends
             )
             made = PoseTrajectory(

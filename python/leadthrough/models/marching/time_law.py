@@ -9,9 +9,9 @@ import numpy as np
 
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models import phase
+from leadthrough.models.coordinates import agreed
 from leadthrough.models.marching.experience import Experience, nominal_duration
 from leadthrough.models.marching.route import Route
-from leadthrough.models.posture import agreed
 from leadthrough.models.queries import even_times
 from leadthrough.motion import Trajectory, agreed_events, moved_events
 from leadthrough.preprocess.resample import arc_length, by_arc_length

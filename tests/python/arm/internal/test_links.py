@@ -9,7 +9,7 @@ from urdfs import CUBE
 import leadthrough as lt
 from leadthrough import _core
 from leadthrough.arm import link_geometry
-from leadthrough.arm.link_poses import link_poses
+from leadthrough.arm.link_geometry import link_poses
 from leadthrough.arm.robot_files import find_mesh
 from leadthrough.errors import InvalidInput, InvalidRobot
 

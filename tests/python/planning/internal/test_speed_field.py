@@ -4,10 +4,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import leadthrough as lt
 from leadthrough.planning import Grid, arrival_times, descend, speed_map
-from leadthrough.planning.obstacles import Walls
 from leadthrough.planning.speed_map import (
     DetourField,
     ExperienceField,
@@ -15,6 +15,7 @@ from leadthrough.planning.speed_map import (
     ObstacleField,
     SaturatedField,
     TubeField,
+    Walls,
     quickest,
     speeds_at,
 )
@@ -34,6 +35,17 @@ def grid_and_paths(dimensions):
     return Grid.covering(np.concatenate(paths), margin=0.1, spacing=spacing), paths
 
 
+def tube_map(grid, paths, weights, *, area_of_influence, saturation):
+    """The whole map of a `TubeField`: in the overlap of tubes the faster one counts."""
+    speed = np.full(grid.shape, saturation)
+    centres = grid.centres()
+    for path, weight in zip(paths, weights, strict=True):
+        distance, _ = cKDTree(speed_map.fine_samples(path, grid)).query(centres)
+        closeness = weight * np.maximum(1.0 - distance / area_of_influence, 0.0)
+        speed = np.maximum(speed, saturation + (1.0 - saturation) * closeness)
+    return speed
+
+
 def obstacles_on(path):
     places = np.zeros((3, 3))
     places[:, : path.shape[1]] = path[[10, 30, 45]]
@@ -49,7 +61,7 @@ def free_fields(grid, paths):
     weights = [1.0, 0.3, 0.8]
     yield ExperienceField(grid, paths, **sizes), speed_map.experience_map(grid, paths, **sizes)
     tubes = (grid, paths, weights)
-    yield TubeField(*tubes, **sizes), speed_map.tube_map(*tubes, **sizes)
+    yield TubeField(*tubes, **sizes), tube_map(*tubes, **sizes)
 
 
 def fields(dimensions):

@@ -22,18 +22,11 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.arm.inverse_kinematics import (
-    IkBatch,
-    batch_of_results,
-    many_poses,
-    many_starts,
-    tolerance,
-)
-from leadthrough.arm.model import ArmModel
-from leadthrough.arm.tip_path import TipPath
-from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.drawing import Drawn, Panel, over
+from leadthrough.arm import Arm, IkBatch
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.motion import JointTrajectory, PoseTrajectory, Trajectory, with_derivatives
+
+_STATUSES = np.array(("converged", "unreachable", "limits", "budget"))  # by the core's codes
 
 
 @dataclass(frozen=True)
@@ -78,7 +71,7 @@ class DampedLeastSquares:
 
 
 @dataclass(frozen=True, eq=False)
-class DampedPath(Drawn):
+class DampedPath(ShortRepr):
     """Joints along a motion, and what the step that led to each sample was like."""
 
     joints: JointTrajectory  # the joints, with the motion's times and events
@@ -87,17 +80,9 @@ class DampedPath(Drawn):
     position_error: Float64Array  # (n,) in m, of the tip after each step
     orientation_error: Float64Array  # (n,) in rad, of the tip after each step
 
-    def _panels(self) -> list[Panel]:
-        errors = np.column_stack([self.position_error, self.orientation_error])
-        names = ("position, m", "orientation, rad")
-        return [
-            *self.joints._panels()[:1],
-            over(self.joints.times, errors, names, title="errors of the tip"),
-        ]
-
 
 def damped_inverse_kinematics(
-    arm: ArmModel,
+    arm: Arm,
     positions: ArrayLike,
     orientations: ArrayLike | None = None,
     *,
@@ -129,21 +114,29 @@ def damped_inverse_kinematics(
 
     Source: Yang, Liu and Pears, equations 3 to 7.
     """
-    targets = many_poses(positions, orientations)
-    columns = core.solve_yang(
-        arm._chain,
-        *targets,
-        many_starts(arm._chain, q0, len(targets[0])),
-        tolerance(position_tolerance, orientation_tolerance),
+    chain = _chain(arm)
+    where = check.array(positions, "positions", shape=("m", 3))
+    turned = np.empty((0, 4))
+    if orientations is not None:
+        turned = check.quaternions(orientations, "orientations", shape=(len(where), 4))
+    q, codes, *errors, iterations, limiting = core.solve_yang(
+        chain,
+        where,
+        turned,
+        _starts(chain, q0, len(where)),
+        core.IkTolerance(
+            check.number(position_tolerance, "position_tolerance", above=0.0),
+            check.number(orientation_tolerance, "orientation_tolerance", above=0.0),
+        ),
         check.integer(max_iterations, "max_iterations", at_least=1, at_most=10**9),
         _checked(settings).compiled(),
         check.integer(threads, "threads", at_least=1, at_most=256),
     )
-    return batch_of_results(columns)
+    return IkBatch(q, codes == 0, _STATUSES[codes], errors[0], errors[1], iterations, limiting)
 
 
 def follow_path(
-    arm: ArmModel,
+    arm: Arm,
     motion: Trajectory | PoseTrajectory,
     *,
     q0: ArrayLike,
@@ -153,19 +146,39 @@ def follow_path(
 
     Source: Yang, Liu and Pears, equations 3 to 7.
     """
-    chain, path = arm._chain, TipPath.of(motion)
+    chain = _chain(arm)
     q, *columns = core.yang_path(
         chain,
-        path.positions,
-        path.orientations,
+        *_poses(motion),
         check.array(q0, "q0", shape=(chain.joints,)),
-        _steps(path.times),
+        _steps(motion.times),
         _checked(settings).compiled(),
     )
-    joints = JointTrajectory(
-        path.times, q, joint_names=tuple(chain.joint_names), events=motion.events
-    )
+    joints = JointTrajectory(motion.times, q, joint_names=arm.joint_names, events=motion.events)
     return DampedPath(with_derivatives(joints), *columns)
+
+
+def _chain(arm: Arm) -> core.Chain:
+    """The arm as the core takes it."""
+    chain = core.Chain(arm.robot, arm.base, arm.tip)
+    return arm.attachment.applied_to(chain.with_bounds(arm.limits.lower, arm.limits.upper))
+
+
+def _starts(chain: core.Chain, q0: ArrayLike | None, count: int) -> Float64Array:
+    """Configurations (count, joints) from as many rows of q0, or from one for all."""
+    if q0 is not None and np.ndim(q0) == 2:
+        return check.array(q0, "q0", shape=(count, chain.joints))
+    one = chain.middle if q0 is None else check.array(q0, "q0", shape=(chain.joints,))
+    return np.tile(one, (count, 1))
+
+
+def _poses(motion: Trajectory | PoseTrajectory) -> tuple[Float64Array, Float64Array]:
+    """Positions (n, 3) and orientations (n, 4), or no rows where they are free."""
+    if isinstance(motion, PoseTrajectory):
+        return motion.positions, motion.orientations
+    if not isinstance(motion, Trajectory) or motion.positions.shape[1] != 3:
+        raise InvalidInput("motion: expected a PoseTrajectory or a Trajectory in 3-D")
+    return motion.positions, np.empty((0, 4))
 
 
 def _steps(times: Float64Array) -> Float64Array:

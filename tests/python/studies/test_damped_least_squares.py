@@ -5,7 +5,7 @@ from motions import minimum_jerk
 from refusals import refused
 
 import leadthrough as lt
-from leadthrough.arm.damped_least_squares import (
+from leadthrough_studies.damped_least_squares import (
     DampedLeastSquares,
     damped_inverse_kinematics,
     follow_path,
