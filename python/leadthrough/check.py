@@ -29,6 +29,7 @@ Kind = TypeVar("Kind")
 UNIT_LENGTH_TOLERANCE = 1e-2
 MIN_STEP = 1e-60  # s; rates over shorter steps overflow in the third derivative
 MAX_NUMBERS = 10**8  # that one call makes, 0.75 GiB
+MAX_NUMBER = 1e100  # of a recording or query; products of larger ones overflow
 
 # Texts of values at the prompt.
 _WIDTH = 100  # characters of a line

@@ -1,6 +1,6 @@
 """The arm: from a URDF to kinematics, inverse kinematics and joint trajectories along a path."""
 
-from leadthrough.arm.arm import Arm as Arm
+from leadthrough.arm.arm import Arm as Arm, check_arm as check_arm
 from leadthrough.arm.collision import (
     Clearance as Clearance,
     ClosestPair as ClosestPair,
@@ -18,7 +18,7 @@ from leadthrough.arm.inverse_kinematics import (
     IkResult as IkResult,
 )
 from leadthrough.arm.limits import JointLimits as JointLimits, read_limits as read_limits
-from leadthrough.arm.model import ArmModel as ArmModel, check_arm as check_arm
+from leadthrough.arm.model import ArmModel as ArmModel
 from leadthrough.arm.path_report import PathReport as PathReport
 from leadthrough.arm.task_stack import (
     StackRun as StackRun,

@@ -27,7 +27,7 @@ from leadthrough.arm.limits import JointLimits, checked_values
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.path_report import PathReport, path_report
 from leadthrough.arm.tip_path import CollisionTest
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, in_order
 from leadthrough.shapes import SceneLike, as_scene
 
@@ -464,3 +464,9 @@ class Arm(ArmModel):
         """
         model = self._collision
         return CollisionPairs(tuple(model.pairs), {(a, b): why for a, b, why in model.left_out})
+
+
+def check_arm(arm: object) -> None:
+    """Raises InvalidInput unless `arm` is an Arm."""
+    if not isinstance(arm, Arm):
+        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")

@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import magnitudes
-from leadthrough.arm.arm import Arm
+from leadthrough.arm.arm import Arm, check_arm
 from leadthrough.arm.limits import known_acceleration
-from leadthrough.arm.model import check_arm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 _FREE = np.empty(0)

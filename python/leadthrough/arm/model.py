@@ -268,9 +268,3 @@ class ArmModel(Drawn):
             raise InvalidRobot(
                 "robot", "no link that the arm moves has a mass: its URDF states no <inertial>"
             )
-
-
-def check_arm(arm: object) -> None:
-    """Raises InvalidInput unless `arm` is an Arm."""
-    if not isinstance(arm, ArmModel):
-        raise InvalidInput(f"arm: expected an Arm, got {arm!r}; in Python, lt.Arm.load loads one")

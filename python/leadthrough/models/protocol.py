@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import sanity
-from leadthrough.check import FitError, Float64Array, InvalidInput, NotFitted, ShortRepr
+from leadthrough.check import MAX_NUMBER, FitError, Float64Array, InvalidInput, NotFitted, ShortRepr
 from leadthrough.io.files import StrPath
 from leadthrough.models.certificate import Certificate
 from leadthrough.motion import (
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 Demonstrations: TypeAlias = Sequence[Demonstration[MotionT] | MotionT]
 
 KINDS = (Trajectory, PoseTrajectory, JointTrajectory)
-# Products of numbers beyond this overflow.
-MAX_NUMBER = 1e100
 # Demonstrations that are late by this fraction of the latest one are named.
 _NAMED = 0.6
 # Names of skills that are asked of models by mistake.

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array, ShortRepr
-from leadthrough.errors import LeadthroughError
+from leadthrough.check import Float64Array, LeadthroughError, ShortRepr
 from leadthrough.models.protocol import Demonstrations, Skill, motions_of
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, in_order, lerp, target_of
 from leadthrough.preprocess import arc_length, by_arc_length, frechet_distance

@@ -9,8 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.check import Float64Array
-from leadthrough.errors import NoPath
+from leadthrough.check import Float64Array, NoPath
 from leadthrough.planning.grid import Grid
 from leadthrough.planning.maps import (
     CELLS_PER_KNOT,

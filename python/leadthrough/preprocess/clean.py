@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check, rotations
-from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array, InvalidInput
+from leadthrough.check import MAX_NUMBER, UNIT_LENGTH_TOLERANCE, Float64Array, InvalidInput
 from leadthrough.io.recording import Recording, recording_of
 from leadthrough.motion import (
     Demonstration,
@@ -36,7 +36,6 @@ from leadthrough.preprocess.smooth import smoothed_over
 from leadthrough.rest import rests, standstill, trim
 
 _GAP = 5.0  # median steps without a sample
-_MAX_NUMBER = 1e100  # no recorder measures more; squares of more overflow
 _MIN_LENGTH = 0.5  # anything shorter, or longer than its inverse, was never a rotation
 _SPIKE_WINDOW = 7  # samples of the median: up to three in a row may be wrong
 _USUAL_WINDOW = 51  # samples whose distances and steps are the usual ones
@@ -270,7 +269,7 @@ def _without_faults(recording: Recording, factor: float | None) -> tuple[Recordi
 
 def _valid(recording: Recording) -> NDArray[np.bool_]:
     numbers = np.column_stack([recording.times, *rows_of(recording).values()])
-    valid = np.asarray((np.abs(numbers) < _MAX_NUMBER).all(axis=1))  # false for NaN
+    valid = np.asarray((np.abs(numbers) < MAX_NUMBER).all(axis=1))  # false for NaN
     if recording.orientations is not None:
         lengths = np.linalg.norm(np.where(valid[:, None], recording.orientations, 0.0), axis=1)
         valid &= (lengths > _MIN_LENGTH) & (lengths < 1.0 / _MIN_LENGTH)

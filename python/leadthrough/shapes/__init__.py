@@ -1,7 +1,6 @@
 """Obstacles and carried objects, each with a signed distance: negative inside."""
 
-from leadthrough.shapes.cloud import PointCloud as PointCloud
-from leadthrough.shapes.mesh import Mesh as Mesh
+from leadthrough.shapes.mesh import Mesh as Mesh, PointCloud as PointCloud
 from leadthrough.shapes.primitives import (
     Box as Box,
     Capsule as Capsule,

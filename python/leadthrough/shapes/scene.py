@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.shapes.cloud import PointCloud
-from leadthrough.shapes.mesh import Mesh
+from leadthrough.shapes.mesh import Mesh, PointCloud
 from leadthrough.shapes.primitives import PRIMITIVES
 from leadthrough.shapes.shape import Shape
 

@@ -1,8 +1,4 @@
-"""Tasks in, outcomes out as they come; what is in the store is not done again.
-
-On a Dask cluster, each worker does jobs in processes of its own: a job that ends its process costs
-no worker, and one that takes too long can be ended.
-"""
+"""Tasks in, outcomes out as they come; what is in the store is not done again."""
 
 from __future__ import annotations
 
@@ -11,17 +7,12 @@ import pickle
 import re
 import tempfile
 import threading
-import time
-import warnings
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from queue import Empty, SimpleQueue
-from typing import Any, Protocol
-from weakref import WeakValueDictionary
+from queue import SimpleQueue
+from typing import Protocol
 
 import rich.progress
 from rich.console import Console
@@ -29,178 +20,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemaini
 
 from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
-from leadthrough.check import CodeMismatch, InvalidInput, SchedulerUnreachable, ShortRepr
+from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io.files import replacing
-from leadthrough.tasks import code
 from leadthrough.tasks.process import Process, attempt_with
 from leadthrough.tasks.task import Job, Report, Store, Task, check_importable, job
-
-_PATIENCE = 10.0  # s without an answer of the scheduler
-# Jobs go in batches of so many, or of one for each thread if that is more: a batch costs the
-# scheduler less than its jobs one by one, and it keeps a record of each for as long as it runs.
-_BATCH = 16
-_AHEAD = 2  # batches, so that no thread waits for the client
-_LOOK = 1.0  # s between looks at whether the scheduler is there
-_COUNT = 10.0  # s between looks at how many threads there are
-# By the threads of a worker: processes that wait for a job.
-_IDLE: deque[Process] = deque()
-
-
-class Cluster:
-    """The workers of a Dask scheduler."""
-
-    def __init__(self, where: str) -> None:
-        """Connects."""
-        distributed = check.package("distributed", extra="dask")
-        named = {"scheduler_file": where} if where.endswith(".json") else {"address": where}
-        if where.endswith(".json") and not Path(where).is_file():
-            raise InvalidInput(f"on: no such file: {where}")
-        try:
-            self._client = distributed.Client(
-                **named, timeout=_PATIENCE, set_as_default=False, name="leadthrough"
-            )
-        except (OSError, ValueError) as error:
-            raise InvalidInput(f"on: no Dask scheduler at {where} ({error})") from None
-        self._where = where
-        self._held: list[tuple[Job, dict[str, Any]]] = []  # for the next batch
-        self._futures: dict[str, Any] = {}
-        self._reports: SimpleQueue[Any] = SimpleQueue()
-        self._contents: WeakValueDictionary[str, Any] = WeakValueDictionary()
-        self._same: set[str] = set()
-        self._threads, self._counted = 0, -_COUNT
-
-    @property
-    def room(self) -> int:
-        return _AHEAD * self._batch
-
-    @property
-    def _batch(self) -> int:
-        if time.monotonic() - self._counted > _COUNT:
-            self._threads = sum(self._client.nthreads().values())
-            self._counted = time.monotonic()
-        return max(_BATCH, self._threads)
-
-    def submit(self, task: Task, job: Job) -> None:
-        check_importable(task.function)
-        self._check_code(job)
-        files = {name: self._sent(path, job.contents[name]) for name, path in job.files.items()}
-        self._held.append((job, files))
-        if len(self._held) >= self._batch:
-            self._send()
-
-    def _send(self) -> None:
-        """Sends what is held as one batch."""
-        held, self._held = self._held, []
-        if not held:
-            return
-        keys = [f"leadthrough-{job.key}" for job, _ in held]
-        # Not pure: its keys are known, and a digest of the arguments would cost as much again.
-        futures = self._client.map(_do, *zip(*held, strict=True), key=keys, pure=False)
-        for (sent, files), future in zip(held, futures, strict=True):
-            self._futures[sent.key] = (future, files)
-            future.add_done_callback(lambda done, key=sent.key: self._reports.put((key, done)))
-
-    def next(self) -> Report:
-        if len(self._futures) < self._batch:
-            self._send()  # no more come to fill it
-        while True:
-            try:
-                key, future = self._reports.get(timeout=_LOOK)
-            except Empty:
-                self._check_there()
-                continue
-            if future.cancelled():
-                raise self._lost()
-            try:
-                return self._reported(key, future)
-            except CancelledError:  # lost since then
-                raise self._lost() from None
-
-    def close(self) -> None:
-        if self._client.status == "running":
-            self._client.cancel([future for future, _ in self._futures.values()])
-        self._held.clear()
-        self._futures.clear()
-        self._client.close(timeout=_LOOK)
-
-    def _reported(self, key: str, future: Any) -> Report:
-        """The report of a future, which is released."""
-        del self._futures[key]
-        error = future.exception(timeout=_PATIENCE)
-        if error is None:
-            return future.result(timeout=_PATIENCE)  # type: ignore[no-any-return]
-        if isinstance(error, CodeMismatch):
-            raise error
-        # A worker that was killed again and again, or a report that could not be sent.
-        failure = {"error": type(error).__name__, "message": str(error), "traceback": ""}
-        return Report(key, self._where, 0.0, failure=failure)
-
-    def _sent(self, path: str, content: str) -> Any:
-        """A future of a file's content, which each worker asks for once."""
-        future = self._contents.get(content)
-        if future is None:
-            with warnings.catch_warnings():
-                warnings.filterwarnings("ignore", "Sending large graph")  # once, and by content
-                future = self._client.submit(
-                    bytes, Path(path).read_bytes(), key=f"leadthrough-file-{content}"
-                )
-            self._contents[content] = future
-        return future
-
-    def _check_code(self, job: Job) -> None:
-        if job.code in self._same:
-            return
-        digests = self._client.run(code.digest, job.module, on_error="return")
-        for worker, other in digests.items():
-            if other != job.code:
-                raise CodeMismatch(_other_code(worker, job.module))
-        self._same.add(job.code)
-
-    def _check_there(self) -> None:
-        if self._client.status != "running":
-            raise self._lost()
-
-    def _lost(self) -> SchedulerUnreachable:
-        return SchedulerUnreachable(
-            f"on: the Dask scheduler at {self._where} does not answer any more; run the same "
-            "command again, with a cluster or without, to do what is missing"
-        )
-
-
-def _other_code(worker: str, module: str) -> str:
-    return (
-        f"on: the worker {worker} has other code than this machine for {module}; install the same "
-        "leadthrough, NumPy, SciPy and Python there, and the module with the tasks, or leave the "
-        "worker out"
-    )
-
-
-def _do(job: Job, files: dict[str, bytes]) -> Report:
-    """The report on a job, on a worker."""
-    worker = check.package("distributed", extra="dask").get_worker()
-    if code.digest(job.module) != job.code:
-        raise CodeMismatch(_other_code(worker.address, job.module))
-    folder = Path(worker.local_directory) / "leadthrough"
-    folder.mkdir(exist_ok=True)
-    paths = {
-        name: _in_a_file(data, folder / (job.contents[name] + Path(job.files[name]).suffix))
-        for name, data in files.items()
-    }
-    try:
-        process = _IDLE.popleft()
-    except IndexError:
-        process = Process()
-    report = process.do(job, paths)
-    _IDLE.append(process)
-    return replace(report, host=worker.address)
-
-
-def _in_a_file(data: bytes, path: Path) -> str:
-    if not path.exists():
-        with replacing(path) as temporary:
-            temporary.write_bytes(data)
-    return str(path)
-
 
 NAME = "manifest.json"
 _LOCAL = re.compile(r"local:(?P<count>\d+)")
@@ -398,6 +221,8 @@ def _workers(on: str | None) -> Workers:
     if found := _LOCAL.fullmatch(on):
         return _Processes(check.integer(int(found["count"]), "on", at_least=1))
     if _CLUSTER.fullmatch(on):
+        from leadthrough.tasks.cluster import Cluster  # noqa: PLC0415  # takes a second to import
+
         return Cluster(on)
     raise InvalidInput(
         f"on: expected local:N, the address of a Dask scheduler (tcp://host:8786) or the .json "

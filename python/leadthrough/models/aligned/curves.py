@@ -16,7 +16,7 @@ from leadthrough.check import Float64Array
 from leadthrough.motion import lerp
 from leadthrough.preprocess.align import FREE, warp
 from leadthrough.preprocess.moved_ends import with_ends
-from leadthrough.preprocess.noise import without_noise
+from leadthrough.preprocess.resample import without_noise
 
 # Rows of a curve: as few as keep all samples within a fraction of the extent, doubled from the
 # first number up to the last.

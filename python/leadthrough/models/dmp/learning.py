@@ -48,7 +48,7 @@ from leadthrough.models.dmp.transformation import (
 )
 from leadthrough.models.protocol import Demonstrations
 from leadthrough.motion import Event, Motion, MotionT_co, events_of_plain, plain_events
-from leadthrough.preprocess.noise import noise_of
+from leadthrough.preprocess.resample import noise_of
 
 REGRESSIONS = ("replay", "ridge", "lwr")
 

@@ -10,10 +10,9 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
+from leadthrough.check import MAX_NUMBER, Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem
-from leadthrough.models.protocol import MAX_NUMBER
 from leadthrough.models.queries import CheckedQuery, Via
 from leadthrough.motion import Target
 

@@ -27,7 +27,6 @@ from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array, ShortRepr
-from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.linear_mixture import GaussianGates
 from leadthrough.models.dynamical.lyapunov import (
     AsymmetricQuadratics,
@@ -107,8 +106,8 @@ class CLFDM(DynamicalModel):
     slowest: float = 0.1
     seed: int = 0
 
-    system: ClassVar[type[Field]] = CorrectedMixture
-    slider: ClassVar[tuple[str, int, int]] = ("components", 1, 20)
+    system = CorrectedMixture
+    slider = ("components", 1, 20)
 
     def __post_init__(self) -> None:
         check.integer(self.components, "components", at_least=1, at_most=50)

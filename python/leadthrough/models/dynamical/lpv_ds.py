@@ -15,13 +15,11 @@ Bayesian information criterion. P is learned as the quadratic part of CLF-DM's e
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from leadthrough import check
 from leadthrough.check import FitError, Float64Array
-from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.linear_mixture import (
     GaussianGates,
     LinearMixture,
@@ -52,8 +50,8 @@ class LPVDS(DynamicalModel):
     components: int | None = None
     seed: int = 0
 
-    system: ClassVar[type[Field]] = LinearMixture
-    slider: ClassVar[tuple[str, int, int]] = ("components", 1, 15)
+    system = LinearMixture
+    slider = ("components", 1, 15)
 
     def __post_init__(self) -> None:
         if self.components is not None:

@@ -21,7 +21,7 @@ from scipy.special import expit
 
 from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.models.dynamical.field import Field, StoredArrays, squared_distances
+from leadthrough.models.dynamical.field import StoredArrays, squared_distances
 from leadthrough.models.dynamical.lyapunov import Corrected, Descent, Slopes, fitted_energy, trusted
 from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Samples
@@ -108,8 +108,8 @@ class ModifiedDS(DynamicalModel):
     slowest: float = 0.1
     seed: int = 0
 
-    system: ClassVar[type[Field]] = CorrectedNetwork
-    slider: ClassVar[tuple[str, int, int]] = ("units", 10, 300)
+    system = CorrectedNetwork
+    slider = ("units", 10, 300)
 
     def __post_init__(self) -> None:
         check.integer(self.units, "units", at_least=1, at_most=1000)

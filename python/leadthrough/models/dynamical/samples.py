@@ -14,7 +14,7 @@ from leadthrough.check import FitError, Float64Array, Frozen
 from leadthrough.models.coordinates import Coordinates, coordinates_of, mean_orientations
 from leadthrough.models.protocol import Demonstrations, motions_of
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, lerp, normalised_times
-from leadthrough.preprocess.noise import without_noise
+from leadthrough.preprocess.resample import without_noise
 
 # Evenly spaced samples of each demonstration, and the deviation over which they are smoothed.
 _SAMPLES, _SMOOTHING = 201, 2.0

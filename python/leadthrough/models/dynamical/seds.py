@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import minimize
@@ -22,7 +22,6 @@ from scipy.special import logsumexp, softmax
 
 from leadthrough import check
 from leadthrough.check import Float64Array, ShortRepr
-from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.linear_mixture import GaussianGates, LinearMixture
 from leadthrough.models.dynamical.model import DynamicalModel
 from leadthrough.models.dynamical.samples import Samples
@@ -59,8 +58,8 @@ class SEDS(DynamicalModel):
     objective: Literal["likelihood", "mse"] = "likelihood"
     seed: int = 0
 
-    system: ClassVar[type[Field]] = LinearMixture
-    slider: ClassVar[tuple[str, int, int]] = ("components", 1, 15)
+    system = LinearMixture
+    slider = ("components", 1, 15)
 
     def __post_init__(self) -> None:
         check.integer(self.components, "components", at_least=1, at_most=50)

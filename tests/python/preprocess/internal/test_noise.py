@@ -6,7 +6,7 @@ from motions import minimum_jerk
 
 from leadthrough.io import lasa
 from leadthrough.preprocess import arc_length
-from leadthrough.preprocess.noise import noise_of, without_noise
+from leadthrough.preprocess.resample import noise_of, without_noise
 from leadthrough.preprocess.smooth import smooth_path
 
 
