@@ -167,13 +167,6 @@ def test_what_is_too_large_is_refused_with_its_size(promp):
         refused(named, call)
 
 
-def test_held_joints_have_names():
-    with pytest.raises(InvalidInput, match="locked_joints: expected a joint's name, got 0"):
-        lt.Arm.load("ur3").lock_joints({0: 1e9})
-    with pytest.raises(InvalidInput, match="locked_joints: elbow_joint: expected a value inside"):
-        lt.Arm.load("ur3").lock_joints({"elbow_joint": 1e9})
-
-
 def test_a_skill_whose_head_nests_deep_is_refused(tmp_path):
     np.savez(tmp_path / "deep.npz", head=np.array("[" * 100_000))
     refused("path: expected a saved skill", lt.load_skill, tmp_path / "deep.npz")
