@@ -61,8 +61,13 @@ def draw_box(axes: Axes, box: Box) -> None:
 def joint_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
     """Positions and velocities of all joints over time, with dashed limits."""
     joints = trajectory.positions.shape[1]
-    figure = Figure(figsize=(9.0, 1.3 * joints + 0.8), layout="constrained")
-    grid = figure.subplots(joints, 2, sharex=True, squeeze=False)
+    height = 1.3 * joints + 0.8
+    figure = Figure(figsize=(9.0, height))
+    # Margins that fit every arm: matplotlib would take as long to find them as for all the rest.
+    margins = {"left": 0.08, "right": 0.99, "bottom": 0.5 / height, "top": 1.0 - 0.3 / height}
+    grid = figure.subplots(
+        joints, 2, sharex=True, squeeze=False, gridspec_kw={**margins, "wspace": 0.12}
+    )
     velocities = trajectory.velocities
     if velocities is None:
         velocities = np.gradient(trajectory.positions, trajectory.times, axis=0)
