@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from leadthrough import check
+from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import FitError, InvalidInput, LeadthroughError
 from leadthrough.models.contradictions import contradictions
 from leadthrough.models.protocol import (
@@ -28,6 +29,7 @@ CANDIDATES = ("aligned-mean", "fast-marching", "promp", "dmp")
 _MOST_LEFT_OUT = 8  # demonstrations, evenly chosen
 
 
+@one_blas_thread
 def learn(
     demonstrations: Demonstrations[MotionT],
     *,

@@ -21,7 +21,7 @@ from leadthrough.preprocess.resample import without_noise
 # Rows of a curve: as few as keep all samples within a fraction of the extent, doubled from the
 # first number up to the last.
 _ROWS, _MOST_ROWS, _DETAIL = 200, 3200, 1e-3
-_ALIGNED_ROWS = 400  # to which curves are aligned, as the pairs of rows grow with their square
+_ALIGNED_ROWS = 200  # to which curves are aligned, as the pairs of rows grow with their square
 # Fraction of a curve's length that time adds to it, so that phases rise during pauses.
 _PAUSE = 1e-4
 _TANGENT = 0.3  # weight of the unit tangent against the position in units of the extent

@@ -21,6 +21,8 @@ _TAKEN = -np.inf  # the variance left to a pivot that was used
 # Standard deviations below this fraction of the scale of what is observed count as zero: no
 # observation moves the distribution in such a direction.
 CERTAIN = 1e-7
+# Fraction of the trace above which all variances surely are no rounding.
+_VARYING = 1e-12
 # An observation may differ by this fraction of the scale, in a direction without variance.
 _CONTRADICTION = 1e-6
 
@@ -47,6 +49,12 @@ class Gaussian(ShortRepr):
     @cached_property
     def certain(self) -> Float64Array:
         """An orthonormal basis (n, m) of the directions that do not vary."""
+        floor = _VARYING * np.trace(self.covariance)
+        try:  # far quicker than eigenvalues
+            np.linalg.cholesky(self.covariance - floor * np.eye(len(self.mean)))
+            return np.empty((len(self.mean), 0))
+        except np.linalg.LinAlgError:
+            pass
         values, vectors = np.linalg.eigh(self.covariance)
         return np.asarray(vectors[:, values <= CERTAIN**2 * values[-1]])
 
