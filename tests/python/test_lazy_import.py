@@ -49,8 +49,8 @@ def test_commands_that_clean_learn_plan_time_check_guard_and_show_load_no_librar
     lines = [
         ["clean", shown, "-o", "cleaned.csv"],
         ["info", shown],
-        ["learn", posed, "-o", "poses.npz"],
-        ["learn", shown, "-o", "skill.npz"],
+        ["learn", "--model=dmp", posed, "-o", "poses.npz"],
+        ["learn", "--model=dmp", shown, "-o", "skill.npz"],
         ["plan", "skill.npz", "-o", "plan.csv"],
         ["check", joints, "--robot", "ur3"],
         ["guard", joints, "--robot", "ur3", "-o", "guarded.csv"],

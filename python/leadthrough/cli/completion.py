@@ -109,7 +109,7 @@ def parameters(ctx: typer.Context, incomplete: str) -> list[str]:
     from dataclasses import fields
 
     with suppress(lt.errors.LeadthroughError):
-        known = fields(lt.models.model_entry(ctx.params.get("model") or "dmp").load())
+        known = fields(lt.models.model_entry(ctx.params.get("model") or "").load())
         return _beginning((f"{field.name}={field.default}" for field in known), incomplete)
     return []
 

@@ -36,8 +36,7 @@ def learn(
         str | None,
         typer.Option(
             help=f"Model to fit: {', '.join(each.name for each in MODELS)}, or one that another "
-            "package adds; by default dmp, or aligned-mean where dmp misses a recording by "
-            "more than 1 % of its extent and aligned-mean is nearer.",
+            "package adds; by default the family that predicts left-out recordings best.",
             autocompletion=completion.models,
         ),
     ] = None,
@@ -76,7 +75,7 @@ def learn(
         samples: With --table, most samples that are kept of each recording.
     """
     from leadthrough import check
-    from leadthrough.cli import outliers, parse, reading, robot as robots
+    from leadthrough.cli import outliers, reading, robot as robots
 
     reading.check_suffix(out, reading.SKILL, "--out")
     if model is not None:
@@ -112,41 +111,49 @@ def learn(
         outliers.refuse_too_fast(ctx, arm, recorded)
     if align:
         demonstrations = lt.preprocess.align_by_time_warping(demonstrations)
-    kind = model or "dmp"
-    chosen = model_of(kind, parse.parameters(parameter or []))
-    _refuse_other_kinds(kind, demonstrations)
+    chosen = _asked_for(model, parameter, demonstrations)
     words = {f"demonstrations[{i}]": each.name for i, each in enumerate(demonstrations)}
-    words |= options.of_model(chosen) | {_ALIGN: "--align"}
+    words |= {_ALIGN: "--align"} | ({} if chosen is None else options.of_model(chosen))
     with output.busy("learning"), output.naming(**words, path="--out"):
         if "rhythmic" not in repr(chosen).lower():  # a rhythm may be any number of periods long
             outliers.refuse_contradictions(ctx, demonstrations)
         with _told(ctx, demonstrations):
-            skill = chosen.fit(demonstrations)
+            skill = lt.learn(demonstrations) if chosen is None else chosen.fit(demonstrations)
         near = lt.models.reproduction(skill, demonstrations)
-        if model is None and not parameter and near.fraction > _SOUND:
-            kind, skill, near = _nearer(kind, skill, near, demonstrations)
         skill.save(out)
-    names = [each.name for each in demonstrations]
-    found = {"skill": str(out), "model": kind, "demonstrations": names}
-    if as_json:
-        output.facts(found | {"reproduction": near.as_dict()}, as_json=True)
-        return
-    output.facts(found | {"reproduction": _nearness(near, demonstrations)}, as_json=False)
-    _hint(ctx, near, kind)
+    found: dict[str, Any] = {
+        "skill": str(out),
+        **_family(model, skill, as_json=as_json),
+        "demonstrations": [each.name for each in demonstrations],
+        "reproduction": near.as_dict() if as_json else _nearness(near, demonstrations),
+    }
+    output.facts(found, as_json=as_json)
+    if not as_json:
+        _hint(ctx, near, model)
 
 
-def _nearer(
-    kind: str,
-    skill: lt.models.Skill,
-    near: lt.models.Reproduction,
-    demonstrations: list[lt.Demonstration],
-) -> tuple[str, lt.models.Skill, lt.models.Reproduction]:
-    """The mean of aligned demonstrations, if that reproduces them better than a skill."""
-    other: lt.models.Skill = lt.AlignedMean().fit(demonstrations)
-    found = lt.models.reproduction(other, demonstrations)
-    if found.fraction < near.fraction:
-        return "aligned-mean", other, found
-    return kind, skill, near
+def _asked_for(
+    model: str | None, parameter: list[str] | None, demonstrations: list[lt.Demonstration]
+) -> lt.models.Model | None:
+    """The model of --model, if it learns such demonstrations; None without that option."""
+    from leadthrough.cli import parse, robot as robots
+
+    if model is None:
+        robots.refuse("--model", set=parameter)
+        return None
+    chosen = model_of(model, parse.parameters(parameter or []))
+    _refuse_other_kinds(model, demonstrations)
+    return chosen
+
+
+def _family(model: str | None, skill: lt.models.Skill, *, as_json: bool) -> dict[str, Any]:
+    """The model that was learned and, unless it was asked for, the errors that chose it."""
+    choice = getattr(skill, "choice", None)
+    if model is not None or choice is None:
+        return {"model": model}
+    finite = {name: x if math.isfinite(x) else None for name, x in choice.errors.items()}
+    errors = finite if as_json else choice.table
+    return {"model": choice.chosen} | ({"left_out_errors": errors} if choice.left_out else {})
 
 
 def _nearness(near: lt.models.Reproduction, demonstrations: Sequence[lt.Demonstration]) -> str:
@@ -175,15 +182,15 @@ def _short(number: float) -> str:
     return f"{number:.0f}" if number >= 10.0 else f"{number:.2g}"
 
 
-def _hint(ctx: typer.Context, near: lt.models.Reproduction, model: str) -> None:
+def _hint(ctx: typer.Context, near: lt.models.Reproduction, model: str | None) -> None:
     """Prints the next command: a cure where demonstrations are not reproduced."""
-    if near.fraction <= _SOUND or (model == "aligned-mean" and len(near.positions) < _JUDGED):
+    if near.fraction <= _SOUND or (model is None and len(near.positions) < _JUDGED):
         motion = "motion.csv" if ctx.params["robot"] is None else "motion.json"
         output.hint(ctx, "plan", ctx.params["out"], *output.arm_words(ctx), "-o", motion)
         return
     words: tuple[str | Path, ...] = ("judge", *ctx.params["files"], *options.reading_words(ctx))
     if len(near.positions) < _JUDGED:
-        words = output.repeated(ctx, "model", "parameter", changed=("--model", "aligned-mean"))
+        words = output.repeated(ctx, "model", "parameter", changed=())
     output.advise(output.line(ctx, *words))
 
 

@@ -243,9 +243,13 @@ class Choice:
     def __str__(self) -> str:
         if not self.left_out:
             return f"{self.chosen}: the default, as a single demonstration cannot be left out"
+        return f"{self.chosen}: nearest to {self.left_out} left-out demonstrations ({self.table})"
+
+    @property
+    def table(self) -> str:
+        """The families and their errors in %, the best first; none of a single demonstration."""
         ranked = sorted(self.errors.items(), key=lambda each: each[1])
-        shown = ", ".join(f"{name} {error:.2%}" for name, error in ranked)
-        return f"{self.chosen}: nearest to {self.left_out} left-out demonstrations ({shown})"
+        return ", ".join(f"{name} {error:.2%}" for name, error in ranked) if self.left_out else ""
 
 
 class Unfitted:

@@ -46,10 +46,10 @@ def test_recordings_out_of_step_are_named_and_learned(tmp_path):
 
 
 def standing_still():
-    """How long the learned motion moves slower than a hundredth of its highest speed, s."""
+    """How long the learned motion moves slower than a fiftieth of its highest speed, s."""
     motion = lt.load_skill("reach.npz").generate()
     speeds = np.linalg.norm(np.diff(motion.positions, axis=0), axis=1) / np.diff(motion.times)
-    return np.diff(motion.times)[speeds < 0.01 * speeds.max()].sum()
+    return np.diff(motion.times)[speeds < 0.02 * speeds.max()].sum()
 
 
 def test_a_learned_motion_does_not_stand_still(folder):
@@ -85,6 +85,7 @@ def test_a_cleaned_recording_begins_with_the_motion(folder):
 
 def test_the_learned_motions_are_compared_with_each_recording(folder):
     said = run("learn", "recorded", "-o", "reach.npz").stdout
+    assert re.search(r"left out errors aligned-mean \d\.\d+%, .*promp", " ".join(said.split()))
     assert re.search(r"within \d.* mm and 0\.\d+ degrees of reach1 \.\. reach3", said)
     assert re.search(
         r"within 0\.0\d+ rad", run("learn", "recorded", "--joints", "-o", "j.npz").stdout
@@ -99,7 +100,7 @@ def test_a_recording_that_is_learned_badly_comes_with_the_cure(empty_folder):
     t = np.linspace(0.0, 10.0, 2000)
     many = np.column_stack([t, 0.1 * t, np.sin(12.0 * t), 0.2 * np.cos(12.0 * t)])
     words = ("learn", written(empty_folder, "spiral", many), "-o", "s.npz")
-    said = run(*words, "--set", "weights=10").stdout
+    said = run(*words, "--model", "dmp", "--set", "weights=10").stdout
     (cure,) = re.findall(r"next: leadthrough (.*)", said)
     assert cure.startswith("learn")
     again = run(*cure.split())
@@ -152,7 +153,7 @@ def test_a_recording_that_contradicts_the_others_is_named_with_the_command_that_
     assert not (folder / "s.npz").exists()
     (cure,) = re.findall(r"next: leadthrough (.*)", refused.stdout)
     assert cure.endswith("--drop odd")
-    assert "demonstrations  reach1, reach3" in run(*cure.split()).stdout
+    assert re.search("demonstrations +reach1, reach3", run(*cure.split()).stdout)
 
 
 def test_a_recording_to_drop_has_a_name_that_was_read(folder):
@@ -173,5 +174,6 @@ def test_a_long_recording_is_learned_by_the_family_that_reproduces_it(empty_fold
     many = np.column_stack([t, 0.02 * t, np.sin(4.0 * t), 0.2 * np.cos(4.0 * t)])
     found = facts("learn", written(empty_folder, "long", many), "-o", "s.npz")
     assert found["model"] == "aligned-mean"
+    assert "left_out_errors" not in found
     assert found["reproduction"]["fraction"] < 0.01
     assert type(lt.load_skill("s.npz").model) is lt.AlignedMean
