@@ -41,13 +41,14 @@ def detoured(
 
 
 def around(
-    path: Float64Array, obstacles: Sequence[Shape]
+    path: Float64Array, obstacles: Sequence[Shape], pieces: int
 ) -> tuple[Float64Array, Float64Array, float] | None:
     """A path that keeps clear of obstacles, smooth, and the given path's fraction at each point.
 
     Args:
         path: (n, d), evenly spaced.
         obstacles: shapes in its frame.
+        pieces: number of cubic pieces of the path; the way past obstacles may need more.
 
     Returns:
         Points (m, d), fractions (m,) from 0 to 1, and the ratio of the lengths; None where the path
@@ -74,7 +75,8 @@ def around(
         fractions.append(first + (last - first) * along[1:])
     joined = np.concatenate(points)
     field = tube_field(path, grid, obstacles, scales)
-    smooth = smooth_between_walls(joined, field, CELLS_PER_KNOT * float(grid.spacing.max()))
+    knots = max(CELLS_PER_KNOT * float(grid.spacing.max()), length / pieces)
+    smooth = smooth_between_walls(joined, field, knots)
     before, after = arc_length(joined), arc_length(smooth)
     at = np.interp(after / after[-1], before / before[-1], np.concatenate(fractions))
     return smooth, at, float(after[-1]) / length

@@ -111,14 +111,15 @@ def smooth_path(
         return path
     for halving in range(_HALVINGS + 1):
         pieces = int(np.ceil(length / knot_spacing)) * 2**halving
-        candidate = _fit(path, max(pieces, 1))
+        pieces = max(pieces, 1)
+        candidate = in_pieces(by_arc_length(path, _SAMPLES_PER_KNOT * pieces + 1), pieces)
         if accept(candidate):
             return candidate
     return path
 
 
-def _fit(path: Float64Array, pieces: int) -> Float64Array:
-    samples = by_arc_length(path, _SAMPLES_PER_KNOT * pieces + 1)
+def in_pieces(samples: Float64Array, pieces: int) -> Float64Array:
+    """Samples (n, d) of the C2 curve of so many cubic pieces that is closest to others."""
     phase = np.linspace(0.0, 1.0, len(samples))
     inner = np.linspace(0.0, 1.0, pieces + 1)
     knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])

@@ -17,10 +17,14 @@ from leadthrough.motion import lerp
 from leadthrough.preprocess.align import FREE, warp
 from leadthrough.preprocess.moved_ends import with_ends
 from leadthrough.preprocess.resample import without_noise
+from leadthrough.preprocess.smooth import in_pieces
 
 # Rows of a curve: as few as keep all samples within a fraction of the extent, doubled from the
 # first number up to the last.
 _ROWS, _MOST_ROWS, _DETAIL = 200, 3200, 1e-3
+# A motion is of as few cubic pieces, doubled from the first number, as leave out no more than a
+# fraction of the extent; each has at least so many rows.
+_PIECES, _ROWS_A_PIECE, _TREMOR = 8, 3, 2.5e-3
 _ALIGNED_ROWS = 200  # to which curves are aligned, as the pairs of rows grow with their square
 # Fraction of a curve's length that time adds to it, so that phases rise during pauses.
 _PAUSE = 1e-4
@@ -97,6 +101,22 @@ def _row_count(columns: Sequence[Float64Array], phases: Sequence[Float64Array]) 
             break
         count *= 2
     return count
+
+
+def piece_count(rows: Float64Array) -> int:
+    """The number of cubic pieces that hold curves (k, n, width) but for tremor; 0 if none do."""
+    count, extents = _PIECES, np.linalg.norm(np.ptp(rows, axis=1), axis=1)
+    while count * _ROWS_A_PIECE <= rows.shape[1]:
+        missed = [np.linalg.norm(smoothed(each, count) - each, axis=1).max() for each in rows]
+        if (np.array(missed) <= _TREMOR * extents).all():
+            return count
+        count *= 2
+    return 0
+
+
+def smoothed(rows: Float64Array, pieces: int) -> Float64Array:
+    """Rows (n, width) of so many cubic pieces; as they are with 0."""
+    return in_pieces(rows, pieces) if pieces > 0 else rows
 
 
 def elastic(curves: Curves) -> Curves:

@@ -20,6 +20,8 @@ from leadthrough.models.aligned.curves import (
     elastic,
     even_phases,
     modes_of,
+    piece_count,
+    smoothed,
 )
 from leadthrough.models.aligned.fading import Option, Predictor
 from leadthrough.models.archive import Arrays
@@ -40,12 +42,14 @@ class Mode(Generic[MotionT_co]):
         scale: lengths and angles (width,) by which columns are divided.
         predictor: the demonstrations, in these columns.
         options: the options that are averaged.
+        pieces: number of cubic pieces of a motion; 0 where none hold the demonstrations.
     """
 
     coordinates: Coordinates[MotionT_co]
     scale: Float64Array
     predictor: Predictor
     options: tuple[Option, ...]
+    pieces: int
 
     @cached_property
     def ends(self) -> Float64Array:
@@ -74,12 +78,13 @@ class Mode(Generic[MotionT_co]):
     def _nominal(self) -> Float64Array:
         """The path (n, width) between the demonstrations' mean ends, scaled."""
         rows, *_ = self.predictor.predicted(self.options, self.ends.mean(axis=0))
-        return rows
+        return smoothed(rows, self.pieces)
 
     def _predicted(self, query: CheckedQuery) -> tuple[Float64Array, Float64Array, Float64Array]:
         """As by `Predictor.predicted`, no part of the path moved much farther than the ends."""
         rows, phases, clock = self.predictor.predicted(self.options, self.asked(query))
-        return self.predictor.near(rows, self._nominal), phases, clock
+        rows = self.predictor.near(smoothed(rows, self.pieces), self._nominal)
+        return rows, phases, clock
 
     def is_free(self, query: CheckedQuery) -> bool:
         """Whether its path keeps out of the query's obstacles as it is."""
@@ -111,7 +116,7 @@ class Mode(Generic[MotionT_co]):
     ) -> tuple[Float64Array, Float64Array, Float64Array]:
         """Rows, phases and times that keep clear of obstacles, slower as the path gets longer."""
         size, even = self.coordinates.size, even_phases(len(rows))
-        found = detours.around(rows[:, :size], query.obstacles)
+        found = detours.around(rows[:, :size], query.obstacles, self.pieces or len(rows))
         if found is None:
             return rows, phases, clock
         points, fractions, longer = found
@@ -126,6 +131,7 @@ class Mode(Generic[MotionT_co]):
         return {
             "scale": self.scale,
             "options": np.array([astuple(each) for each in self.options]),
+            "pieces": np.array(self.pieces),
             "rows": np.stack([arc.rows, aligned.rows]),
             "clocks": np.stack([arc.times, aligned.times]),
             **self.coordinates.arrays(),
@@ -144,6 +150,7 @@ def restored(settings: dict[str, Any], arrays: Arrays) -> Mode:
         check.frozen(arrays["scale"], "scale", shape=(coordinates.width,)),
         Predictor(phased, coordinates.size, coordinates.kind != "joints"),
         tuple(Option.of_row(row) for row in options),
+        check.integer(int(arrays["pieces"]), "pieces", at_least=0),
     )
 
 
@@ -168,7 +175,13 @@ def _learned(motions: Sequence[MotionT]) -> Mode[MotionT]:
     )
     predictor = Predictor((curves, aligned), coordinates.size, coordinates.kind != "joints")
     options = predictor.chosen()
-    return Mode(coordinates, check.frozen(scale, "scale", shape=("n",)), predictor, tuple(options))
+    return Mode(
+        coordinates,
+        check.frozen(scale, "scale", shape=("n",)),
+        predictor,
+        tuple(options),
+        piece_count(curves.rows),
+    )
 
 
 def _continued(vector: Float64Array, near: Float64Array) -> Float64Array:

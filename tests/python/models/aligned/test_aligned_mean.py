@@ -50,6 +50,17 @@ def test_a_start_that_was_amplified_moves_the_path_by_no_more_than_its_offset():
     assert apart(plain, made) <= 1.5 * 0.2
 
 
+def test_the_tremor_of_the_hand_is_not_replayed():
+    rng = np.random.default_rng(4)
+    phases = 2.0 * np.pi * (25.0 * U[:, None] + rng.random((5, 1, 2)))
+    shown = [lt.Trajectory(TIMES, stroke().positions + 1e-3 * np.sin(each)) for each in phases]
+    bends = [
+        np.abs(np.diff(lt.AlignedMean().fit(each).generate().positions, 2, axis=0)).max()
+        for each in ([stroke()], shown)
+    ]
+    assert bends[1] < 2.0 * bends[0]
+
+
 def test_what_was_learned_is_read_only():
     mode = lt.AlignedMean().fit([stroke(), stroke((0.0, 0.1))]).modes[0]
     curves = mode.predictor.phased
