@@ -23,8 +23,8 @@ from leadthrough.preprocess.smooth import in_pieces
 # first number up to the last.
 _ROWS, _MOST_ROWS, _DETAIL = 200, 3200, 1e-3
 # A motion is of as few cubic pieces, doubled from the first number, as leave out no more than a
-# fraction of the extent; each has at least so many rows.
-_PIECES, _ROWS_A_PIECE, _TREMOR = 8, 3, 2.5e-3
+# fraction of the extent, each of at least so many rows; of more pieces, all is detail.
+_PIECES, _MAX_PIECES, _ROWS_A_PIECE, _TREMOR = 8, 256, 3, 2.5e-3
 _ALIGNED_ROWS = 200  # to which curves are aligned, as the pairs of rows grow with their square
 # Fraction of a curve's length that time adds to it, so that phases rise during pauses.
 _PAUSE = 1e-4
@@ -106,7 +106,7 @@ def _row_count(columns: Sequence[Float64Array], phases: Sequence[Float64Array]) 
 def piece_count(rows: Float64Array) -> int:
     """The number of cubic pieces that hold curves (k, n, width) but for tremor; 0 if none do."""
     count, extents = _PIECES, np.linalg.norm(np.ptp(rows, axis=1), axis=1)
-    while count * _ROWS_A_PIECE <= rows.shape[1]:
+    while count <= min(_MAX_PIECES, rows.shape[1] // _ROWS_A_PIECE):
         missed = [np.linalg.norm(smoothed(each, count) - each, axis=1).max() for each in rows]
         if (np.array(missed) <= _TREMOR * extents).all():
             return count
