@@ -140,6 +140,8 @@ def guard(
         start: Joint positions, such as 0,-0.5,1, at which the arm rests; by default those of the
             first sample.
     """
+    import sys
+
     import numpy as np
 
     from leadthrough.cli import parse, reading, robot as robots
@@ -152,7 +154,7 @@ def guard(
     scene = lt.Scene(parse.obstacles(obstacle), margin)
     recorded = 1.0 / float(np.diff(joints.times).min(initial=1.0))
     per_second = recorded if rate is None else rate
-    admits = lt.Guard(arm, scene, rate=per_second)
+    admits = lt.Guard(arm, scene, rate=per_second, max_samples=sys.maxsize)
     if start is not None:
         here, chunk = parse.numbers(start, "--start"), joints
     else:

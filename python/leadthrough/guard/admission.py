@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import sys
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -59,7 +60,7 @@ class Reason(ShortRepr):
             where bodies come nearer than the margin; "not finite" for NaN and infinity;
             "no continuation" where no motion that is allowed leads from the state to the chunk;
             "cut short" where certifying the continuation would take too long, for its length or
-            for what is near it;
+            for bodies near it;
             "resampled" where its clock was not the guard's.
         time: s, on the chunk's clock; of a contact while braking, after the chunk's end.
         joint: name of the joint, or None.
@@ -142,6 +143,14 @@ class Chunk:
     states: Float64Array | None = None  # (n, 3 joints), where it has all rates
     events: tuple[Event, ...] = ()  # of it
     resampled: bool = False  # whether its clock was another
+    whole: bool = True  # whether it has all samples that were given
+
+    def first(self, count: int) -> Chunk:
+        """The first samples alone."""
+        if count >= len(self.rows):
+            return self
+        states = None if self.states is None else self.states[:count]
+        return replace(self, rows=self.rows[:count], states=states, whole=False)
 
     def following(self, start: Float64Array, period: float) -> Float64Array:
         """States (n, 3 joints) of the samples, by the parabolas through three of them."""
@@ -149,13 +158,15 @@ class Chunk:
         return core.with_rates(times, np.ascontiguousarray(self.rows), start, period)
 
 
-def chunk_of(value: JointTrajectory | ArrayLike, arm: Arm, period: float) -> Chunk:
-    """A user's chunk."""
+def chunk_of(
+    value: JointTrajectory | ArrayLike, arm: Arm, period: float, *, most: int = sys.maxsize
+) -> Chunk:
+    """A user's chunk, of as many samples at most."""
     if not isinstance(value, JointTrajectory):
         rows = check.with_gaps(value, "chunk", shape=("n", len(arm.joint_names)))
         if not len(rows):
             raise InvalidInput("chunk: expected at least one sample, got none")
-        return Chunk(np.array(rows), period)
+        return Chunk(np.array(rows[:most]), period, whole=len(rows) <= most)
     own = in_order(value, arm.joint_names, "chunk")
     start = float(own.times[0])
     steps = np.diff(own.times)
@@ -163,21 +174,35 @@ def chunk_of(value: JointTrajectory | ArrayLike, arm: Arm, period: float) -> Chu
         states = None
         if own.velocities is not None and own.accelerations is not None:
             states = states_of(own)
-        return Chunk(own.positions, start, states, own.events)
+        return Chunk(own.positions, start, states, own.events).first(most)
     count = 1 + int(np.floor((own.times[-1] - start) / period * (1.0 + 1e-9)))
-    at = np.minimum(start + period * np.arange(count), own.times[-1])
-    return Chunk(_interpolated(own, at), start, None, own.events, resampled=True)
+    kept = min(count, most)
+    at = np.minimum(start + period * np.arange(kept), own.times[-1])
+    rows = _interpolated(own, at)
+    return Chunk(rows, start, None, own.events, resampled=True, whole=kept == count)
 
 
 def _interpolated(own: JointTrajectory, at: Float64Array) -> Float64Array:
     """Positions at times, along a smooth curve through the samples."""
-    from scipy.interpolate import CubicHermiteSpline, CubicSpline
-
     if len(own.times) == 1:
         return np.repeat(own.positions, len(at), axis=0)
-    if own.velocities is not None:
-        return np.asarray(CubicHermiteSpline(own.times, own.positions, own.velocities)(at))
-    return np.asarray(CubicSpline(own.times, own.positions, bc_type="natural")(at))
+    piece = np.clip(np.searchsorted(own.times, at, side="right") - 1, 0, len(own.times) - 2)
+    since = (at - own.times[piece])[:, None]
+    a, b, c, d = _cubics(own)[piece].transpose(1, 0, 2)
+    return np.asarray(a + since * (b + since * (c + since * d)))
+
+
+def _cubics(own: JointTrajectory) -> Float64Array:
+    """Coefficients (pieces, 4, joints) of the cubics between samples, without SciPy's import."""
+    steps = np.diff(own.times)[:, None]
+    if own.velocities is None:
+        table = core.cubic_through(own.times, own.positions)
+        return np.asarray(table.reshape(len(steps), 4, -1))
+    chords = np.diff(own.positions, axis=0) / steps
+    slopes = own.velocities
+    bend = (slopes[:-1] + slopes[1:] - 2.0 * chords) / steps
+    parts = (own.positions[:-1], slopes[:-1], (chords - slopes[:-1]) / steps - bend, bend / steps)
+    return np.stack(parts, axis=1)
 
 
 def states_of(motion: JointTrajectory) -> Float64Array:

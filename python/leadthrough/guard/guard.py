@@ -39,6 +39,7 @@ from leadthrough.motion import Event, JointTrajectory
 from leadthrough.shapes import Obstacle, Scene, SceneLike, as_scene
 
 _MIN_RATE, _MAX_RATE = 1.0, 1e4  # Hz
+_CHANGED_PART = 16  # times as long a sample takes that has to be changed
 # Pairs of shapes that are looked at for each sample of a chunk that has to be changed, and for how
 # many samples at least: what bounds the time that an answer takes.
 _WORK, _SHORT = 200, 50
@@ -65,6 +66,9 @@ class Guard(ShortRepr):
         arm: the arm; all limits of its joints have to be known.
         scene: the obstacles, `MovingObstacle`s with a bound on their speed, and the margins.
         rate: commands per second, 1 to 1e4.
+        max_samples: samples of a chunk that are looked at, >= 16, so that the answer comes in time;
+            of a chunk that has to be changed at most a sixteenth, and fewer where it has to run
+            much more slowly. The rest is cut off, with the reason "cut short".
 
     Raises:
         InvalidInput: if a limit is not known.
@@ -77,8 +81,10 @@ class Guard(ShortRepr):
         scene: SceneLike = (),
         *,
         rate: float,
+        max_samples: int = 4096,
     ) -> None:
         self._arm = arm
+        self._most = check.integer(max_samples, "max_samples", at_least=_CHANGED_PART)
         self._period = 1.0 / check.number(rate, "rate", at_least=_MIN_RATE, at_most=_MAX_RATE)
         self._scene = as_scene(scene)
         self._rules = rules_for(arm, self._scene, self._period)
@@ -153,7 +159,7 @@ class Guard(ShortRepr):
         Raises:
             InvalidInput: if the first call has no state. Motions admitted before then stay.
         """
-        given = chunk_of(chunk, self._arm, self._period)
+        given = chunk_of(chunk, self._arm, self._period, most=self._most)
         if state is not None:
             self._start(state)
         times = given.start + self._period * np.arange(len(given.rows), dtype=np.float64)
@@ -168,12 +174,15 @@ class Guard(ShortRepr):
         if rows is None or self._rules.excess(now, rows) is not None:
             rows = given.following(now, self._period)
         if (worst := self._rules.excess(now, rows)) is None:
+            reasons += _cut_off(given, times)
             stopping, contact = self._looked_at(rows, ALL_WORK)
             if stopping is not None and contact is None:
                 return self._allowed(given, stopping, reasons)
             places = np.arange(len(rows), dtype=np.float64)
             return self._certified(rows, places, given, reasons, stopping=stopping, contact=contact)
         reasons += exceeded(self._rules, now, rows, times, worst)
+        given = given.first(self._affordable(now, rows))
+        reasons += _cut_off(given, times)
         return self._changed(changed(self._rules, now, given.rows), given, reasons)
 
     def update_obstacles(self, obstacles: Iterable[Obstacle]) -> Admission | None:
@@ -212,6 +221,16 @@ class Guard(ShortRepr):
             InvalidInput: if no state was given yet.
         """
         return self._braking((), start=self._period)
+
+    def _affordable(self, now: Float64Array, rows: Float64Array) -> int:
+        """Number of samples that can be changed in time, by the pace that their rates allow."""
+        few = rows[: self._most // _CHANGED_PART]
+        factors = [
+            ratio.max(axis=1) ** (1.0 / order)
+            for order, ratio in enumerate(_rate_ratios(self._rules, now, few), start=1)
+        ]
+        periods = np.maximum(1.0, np.max(factors, axis=0)).cumsum()
+        return max(1, int(np.searchsorted(periods, self._most / 2)))
 
     def _start(self, state: CommandedState | ArrayLike) -> None:
         """Makes a state the present one, with nothing known beyond it."""
@@ -378,6 +397,11 @@ class Guard(ShortRepr):
         return Admission(motion, brake, verdict, safe, reasons)
 
 
+def _cut_off(given: Chunk, times: Float64Array) -> tuple[Reason, ...]:
+    """The reason of a chunk that is cut off for its length, if it is."""
+    return () if given.whole else (Reason("cut short", float(times[len(given.rows) - 1])),)
+
+
 def _contact_reason(contact: Contact, places: Float64Array, start: float, period: float) -> Reason:
     """When a contact comes, or what was looked at ends; its clock goes on beyond the chunk."""
     row = int(contact.sample)
@@ -408,16 +432,14 @@ def exceeded(
 ) -> tuple[Reason, ...]:
     """The first excess of each kind that rows (n, 3 joints) have at a row, or else the `worst`."""
     limits, names = rules.joints, rules.joints.joint_names
-    q, _, qdd = parts_of(np.concatenate([start, rows]))
+    q = parts_of(rows)[0]
     found: list[Reason] = []
-    outside = (q[1:] < limits.lower - _ROUNDING) | (q[1:] > limits.upper + _ROUNDING)
+    outside = (q < limits.lower - _ROUNDING) | (q > limits.upper + _ROUNDING)
     if (at := _first(outside)) is not None:
-        value = float(q[1:][at])
+        value = float(q[at])
         found.append(Reason("position", float(times[at[0]]), names[at[1]], ratio=value))
-    used = (np.diff(q, axis=0) / rules.period, qdd[1:], np.diff(qdd, axis=0) / rules.period)
     jumped = slice(0)  # rows whose higher orders reach over a jump
-    for kind, rates in zip(_RATES, used, strict=True):
-        ratio = np.abs(rates) / getattr(limits, kind)
+    for kind, ratio in zip(_RATES, _rate_ratios(rules, start, rows), strict=True):
         over = ratio > 1.0 + _EXCESS
         over[jumped] = False
         if (at := _first(over)) is None:
@@ -431,6 +453,14 @@ def exceeded(
         order, row, joint, most = worst
         found.append(Reason(KINDS[order], float(times[row]), names[joint], ratio=most))
     return tuple(found)
+
+
+def _rate_ratios(rules: Rules, start: Float64Array, rows: Float64Array) -> list[Float64Array]:
+    """Velocities, accelerations and jerks (n, joints) at rows, as fractions of their limits."""
+    q, _, qdd = parts_of(np.concatenate([start, rows]))
+    used = (np.diff(q, axis=0) / rules.period, qdd[1:], np.diff(qdd, axis=0) / rules.period)
+    limits = (getattr(rules.joints, kind) for kind in _RATES)
+    return [np.abs(rates) / limit for rates, limit in zip(used, limits, strict=True)]
 
 
 def _is_jump(steps: Float64Array, at: tuple[int, int]) -> bool:

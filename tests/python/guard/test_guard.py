@@ -2,16 +2,20 @@
 
 import copy
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 from guard.adversary import HOMES, RATE, smooth
 from guard.judge import EXCESS, worst_use
 from refusals import refused
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
 from leadthrough.guard import CommandedState
+from leadthrough.guard.admission import chunk_of
 from leadthrough.guard.connect import changed
 from leadthrough.guard.rules import rules_for
 from leadthrough.shapes import MovingObstacle
@@ -257,6 +261,47 @@ def test_a_chunk_at_another_rate_is_put_on_the_guards_clock(panda, guard):
     assert "resampled" in {reason.kind for reason in answer.reasons}
     assert len(answer.motion) == 46
     assert np.abs(answer.motion.at(slow.times[1:-1]) - slow.positions[1:-1]).max() < 1e-3
+
+
+@pytest.mark.parametrize("rated", [True, False])
+def test_samples_of_another_clock_lie_on_scipys_cubics(panda, rated):
+    times = np.cumsum(np.random.default_rng(0).uniform(0.02, 0.1, 20))
+    rows, slopes = np.sin(times)[:, None] * np.ones(7), np.cos(times)[:, None] * np.ones(7)
+    motion = lt.JointTrajectory(times, rows, slopes if rated else None)
+    cubic = CubicHermiteSpline(times, rows, slopes) if rated else CubicSpline(times, rows)
+    made = chunk_of(motion, panda, PERIOD)
+    at = times[0] + PERIOD * np.arange(len(made.rows))
+    assert made.resampled and made.whole
+    assert np.abs(made.rows - cubic(at)).max() < 1e-12
+
+
+def test_a_guards_loop_imports_no_scipy():
+    program = (
+        "import sys, numpy as np, leadthrough as lt\n"
+        "arm, q = lt.Arm.load('panda'), np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])\n"
+        "guard = lt.Guard(arm, [lt.Sphere(0.1, [0.0, 0.9, 0.5])], rate=500.0)\n"
+        "before = set(sys.modules)\n"
+        "guard.admit(lt.JointTrajectory([0.0, 1.0], [q, q + 0.1]), q)\n"
+        "guard.admit(q + np.random.default_rng(0).normal(size=(99, 7)))\n"
+        "assert not {name for name in set(sys.modules) - before if 'scipy' in name}\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True, timeout=60)
+
+
+def test_long_chunks_are_admitted_as_far_as_the_time_allows(panda):
+    """Two samples a thousand seconds apart, and noise that would last for minutes."""
+    far = lt.JointTrajectory([0.0, 1000.0], [Q, np.asarray(Q) + 0.1])
+    answer = lt.Guard(panda, [WALL], rate=RATE).admit(far, Q)
+    assert [each.kind for each in answer.reasons] == ["resampled", "cut short"]
+    assert answer.reasons[-1].time == pytest.approx(4095 * PERIOD)
+    assert len(answer.motion) == 4096 and answer.safe
+    noise = Q + np.random.default_rng(0).normal(0.0, 0.2, (2000, 7))
+    answer = lt.Guard(panda, rate=RATE).admit(noise, Q)
+    assert "cut short" in {each.kind for each in answer.reasons} and answer.safe
+    assert len(answer.to_rest) < 4096
+    whole = lt.Guard(panda, rate=RATE, max_samples=10**6).admit(far, Q)
+    assert len(whole.motion) == 50001
+    refused("max_samples", lt.Guard, panda, rate=RATE, max_samples=15)
 
 
 def test_events_keep_their_place_on_the_motion(panda, guard):
