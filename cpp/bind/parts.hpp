@@ -31,6 +31,7 @@ void bind_guard(pybind11::module_& module);
 void bind_ik(pybind11::module_& module);
 void bind_jacobian(pybind11::module_& module);
 void bind_jerk_filter(pybind11::module_& module);
+void bind_number_text(pybind11::module_& module);
 void bind_path(pybind11::module_& module);
 void bind_priority(pybind11::module_& module);
 void bind_shapes(pybind11::module_& module);

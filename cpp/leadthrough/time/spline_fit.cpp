@@ -24,8 +24,8 @@ constexpr Index kLeastSamples = 3;
 // Each end weighs as much as the square of this many samples.
 constexpr double kWeightOfEnds = 1e4;
 // Weights of the third derivative over a path of length 1, as powers of ten: a bend of a thousandth
-// of the path counts little at the first, one of the whole path much at the last.
-constexpr double kSoftest = -20.0, kStiffest = 4.0, kStep = 0.25;
+// of the path counts nothing at the first, one of the whole path much at the last.
+constexpr double kSoftest = -32.0, kStiffest = 4.0, kStep = 0.25;
 
 class Fit {
  public:

@@ -2,7 +2,7 @@
 
 The header is the first row that is no comment; where that row is numbers, it is the last comment
 before it. Comments begin with `#` and are skipped, except `# event,<time in s>,"<name>"`; so are
-empty rows and a byte order mark. Files are read line by line, so that only numbers stay in memory.
+empty rows and a byte order mark. Files are read in blocks, so that only numbers stay in memory.
 """
 
 from __future__ import annotations
@@ -13,15 +13,17 @@ from array import array
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 from typing import TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+import leadthrough._core as core
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.columns import demonstrated_columns
-from leadthrough.io.files import MAX_LINE, ReadLimits, StrPath, not_text, replacing
+from leadthrough.io.files import MAX_LINE, ReadLimits, StrPath, not_text, replacing, written_blocks
 from leadthrough.io.joint_trajectory import checked_joint_names, joint_columns, quantities
 from leadthrough.io.table import Table
 from leadthrough.motion import Event, Events, JointTrajectory, Motion, PoseTrajectory
@@ -45,9 +47,9 @@ def write_rows(
 ) -> None:
     """Writes a table to the last digit, and a comment for each event."""
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(rows.tolist())
+        csv.writer(file, lineterminator="\n").writerow(header)
+        layout = core.RecordLayout(["", "\n"], [rows.shape[1]], ",")
+        file.writelines(written_blocks(rows, layout))
         file.writelines(f"{EVENT}{each.time!r},{json.dumps(each.name)}\n" for each in events)
 
 
@@ -95,14 +97,14 @@ def read_table(path: Path) -> TextTable:
     count = _count_lines(path, limits)
     try:
         with path.open(encoding="utf-8-sig") as file:
-            return _table(_lines(file), count, limits)
+            return _table(file, count, limits)
     except UnicodeDecodeError:
         raise not_text() from None
 
 
-def _table(lines: Iterator[Line], count: int, limits: ReadLimits) -> TextTable:
+def _table(file: TextIO, count: int, limits: ReadLimits) -> TextTable:
     events: list[Event] = []
-    (start, header), first = _header(lines, events)
+    (start, header), first = _header(_lines(file, 0), events)
     delimiter = max(_DELIMITERS, key=header.count)
     limits.columns(header.count(delimiter) + 1, f"line {start}")
     names = _split(header, delimiter, start)
@@ -113,11 +115,19 @@ def _table(lines: Iterator[Line], count: int, limits: ReadLimits) -> TextTable:
     rows = _Rows(names, delimiter)
     if first is not None:
         rows.add(*first)
-    for number, line in lines:
-        if line.startswith("#"):
-            _collect_event(line, number, events)
-        elif not line.isspace():
-            rows.add(number, line)
+    number = start if first is None else first[0]
+    layout = core.RecordLayout(["", "\n"], [len(names)], delimiter)
+    while text := file.read(_BLOCK) + file.readline(MAX_LINE):
+        values, length = core.read_records(block := text.encode(), layout)
+        rows.extend(number + 1, values)
+        read = number + len(values) // len(names)
+        behind = StringIO(block[length:].decode())
+        for number, line in _lines(behind, read):
+            if line.startswith("#"):
+                _collect_event(line, number, events)
+            elif not line.isspace():
+                rows.add(number, line)
+        number = read + block.count(b"\n", length)
     return rows.table(events)
 
 
@@ -146,6 +156,12 @@ class _Rows:
         except ValueError:
             self._values.extend([self._number(i, cell, number) for i, cell in enumerate(cells)])
 
+    def extend(self, number: int, values: Float64Array) -> None:
+        """Adds rows of plain numbers, the first of which is a line of this number."""
+        self._values.frombytes(values.tobytes())
+        count = len(values) // len(self._names)
+        self._lines.frombytes(np.arange(number, number + count).tobytes())
+
     def _number(self, column: int, cell: str, number: int) -> float:
         text = cell.strip()
         if not text or column in self._faults:
@@ -165,7 +181,7 @@ class _Rows:
 
 
 def _count_lines(path: Path, limits: ReadLimits) -> int:
-    limits.bytes(path.stat().st_size, "the file")
+    limits.streamed(path)
     count = 1
     with path.open("rb") as file:
         while block := file.read(_BLOCK):
@@ -174,9 +190,8 @@ def _count_lines(path: Path, limits: ReadLimits) -> int:
     return count
 
 
-def _lines(file: TextIO) -> Iterator[Line]:
-    """The lines of a file, none of which is read at once if it is too long."""
-    number = 0
+def _lines(file: TextIO, number: int) -> Iterator[Line]:
+    """The lines behind one of this number, none of which is read at once if it is too long."""
     while line := file.readline(MAX_LINE):
         number += 1
         if len(line) == MAX_LINE:

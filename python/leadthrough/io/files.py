@@ -25,10 +25,14 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
-from leadthrough.check import InvalidInput, LeadthroughError
+import numpy as np
+
+import leadthrough._core as core
+from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 
 StrPath = str | os.PathLike[str]
 # How names of temporaries begin: those of another computer in a shared folder are not ours.
+_ROWS = 10_000  # in a block of text that is written
 _TEMPORARY = f".leadthrough-{uuid.uuid5(uuid.NAMESPACE_DNS, platform.node()).hex[:12]}-"
 
 
@@ -82,6 +86,12 @@ def _writing(target: Path) -> Iterator[None]:
         ) from error
     except sqlite3.Error as error:  # of a bag: a full disk comes as one of these
         raise InvalidInput(f"path: {target} cannot be written ({error})") from error
+
+
+def written_blocks(rows: Float64Array, layout: core.RecordLayout) -> Iterator[str]:
+    """The text of rows (n, k), in blocks."""
+    for first in range(0, len(rows), _ROWS):
+        yield core.write_records(np.ascontiguousarray(rows[first : first + _ROWS]), layout).decode()
 
 
 def checked_path(path: object) -> Path:
@@ -153,6 +163,8 @@ def _sync(path: Path) -> None:
 
 
 MAX_BYTES = 2**28  # of a file, once all of it is inflated
+_MAX_STREAMED = 2**30  # bytes of a text that is read in blocks, of which only numbers stay
+_MAX_TEXT = 2**27  # bytes of a text that is read whole
 MAX_NUMBERS = 2**25  # eleven hours of seven joints at 100 Hz; several copies are made of them
 MAX_ITEMS = 2**23  # lines, lists or fields: each becomes an object of some hundred bytes
 MAX_COLUMNS = 10_000
@@ -184,6 +196,10 @@ class ReadLimits:
     def bytes(self, count: int, what: str) -> None:
         """Counts bytes that are read or inflated."""
         self._take("bytes", count, MAX_BYTES, what)
+
+    def streamed(self, path: Path) -> None:
+        """Checks the size of a text that is read in blocks."""
+        _refuse_more("bytes", path.stat().st_size, _MAX_STREAMED, "the file")
 
     def numbers(self, count: int, what: str) -> None:
         """Counts numbers, of whatever size they are in the file: here each takes eight bytes."""
@@ -217,7 +233,7 @@ def read_bytes(path: Path, limits: ReadLimits) -> bytes:
     return found
 
 
-def read_text(path: Path, limits: ReadLimits, *, most: int = MAX_BYTES // 2) -> str:
+def read_text(path: Path, limits: ReadLimits, *, most: int = _MAX_TEXT) -> str:
     """The text of a file, without a byte order mark."""
     found = read_bytes(path, limits)
     _refuse_more("bytes of text", len(found), most if found.isascii() else most // 4, "the file")
@@ -257,9 +273,13 @@ def _refuse_more(unit: str, count: int, bound: int, what: str) -> None:
 
 def load_yaml(path: Path) -> object:
     """The plain values in a YAML file."""
+    return parsed_yaml(read_text(path, ReadLimits(), most=_MAX_YAML_BYTES))
+
+
+def parsed_yaml(text: str) -> Any:  # Any: whatever it holds; its reader checks
+    """The plain values in a YAML document."""
     import yaml
 
-    text = read_text(path, ReadLimits(), most=_MAX_YAML_BYTES)
     _check_harmless(text)
     try:
         return yaml.load(text, Loader=_loader())

@@ -10,21 +10,24 @@ message: each has a `name` and, like the points, a `time_from_start`.
 from __future__ import annotations
 
 import json
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NotRequired, TypedDict
 
 import numpy as np
 
+import leadthrough._core as core
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.files import (
     ReadLimits,
     StrPath,
     load_yaml,
+    parsed_yaml,
     read_text,
     refusing_damage,
     replacing,
+    written_blocks,
 )
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
 from leadthrough.io.table import ArrayTable
@@ -33,8 +36,8 @@ from leadthrough.motion import Event, JointTrajectory
 # rad/s, m/s: slower than this is rest; the controller wants a velocity of exactly zero.
 REST_VELOCITY = 1e-3
 
-# 1e-05 is text in YAML, 1.0e-05 a number.
-_EXPONENT = re.compile(r"(?<![.\d])(\d)e(?=[-+])")
+_BLOCK = 2**20  # bytes
+_MAX_BEHIND = 2**24  # bytes behind the points, of events
 _FORMAT = "trajectory_msgs/JointTrajectory"
 _DAMAGE = (
     ValueError,
@@ -88,12 +91,110 @@ class Message(TypedDict):
     events: NotRequired[list[DueEvent]]
 
 
+@dataclass(frozen=True)
+class _Form:
+    """How points stand in a document, which is read and written in blocks."""
+
+    begin: str  # before the first
+    point: tuple[str, ...]  # texts around positions, velocities, accelerations, sec and nanosec
+    between: str
+    end: str  # behind the last
+    parse: Callable[[str], Any]  # Any: whatever a document holds
+
+    def layout(self, groups: int, joints: int) -> core.RecordLayout:
+        """The text of a point with positions and velocities alone, or with accelerations too."""
+        texts = [self.between + self.point[0], *self.point[1:]]
+        if groups < len(JOINT_SUFFIXES):
+            texts[2:4] = ["".join(texts[2:4])]
+        return core.RecordLayout(texts, [*[joints] * groups, 1, 1], ", ", 2)
+
+    def written(self, trajectory: JointTrajectory) -> Iterator[str]:
+        """The points in blocks of text."""
+        due = np.array(due_nanoseconds(trajectory.times))
+        groups = [trajectory.positions, resting_at_both_ends(trajectory.velocities)]
+        if trajectory.accelerations is not None:
+            groups.append(trajectory.accelerations)
+        rows = np.column_stack([*groups, due // NANOSECONDS, due % NANOSECONDS])
+        layout = self.layout(len(groups), trajectory.positions.shape[1])
+        blocks = written_blocks(rows, layout)
+        yield from (self.begin, next(blocks).removeprefix(self.between), *blocks, self.end)
+
+    def read(self, path: Path, limits: ReadLimits) -> ArrayTable | None:
+        """The trajectory of a file in this form; None for another one."""
+        limits.streamed(path)
+        with path.open("rb") as file:
+            head, begin, rest = file.read(_BLOCK).partition(self.begin.encode())
+            joints = rest.partition(b"]")[0].count(b",") + 1
+            rest = self.between.encode() + rest
+            for groups in (3, 2):
+                layout = self.layout(groups, joints)
+                if core.read_records(rest, layout)[1]:
+                    break
+            else:
+                return None
+            blocks = list[Float64Array]()
+            while rest:
+                values, length = core.read_records(rest, layout)
+                limits.numbers(len(values), "the points")
+                blocks.append(values)
+                more = file.read(_BLOCK)
+                rest = rest[length:] + more
+                if not more or len(rest) > _MAX_BEHIND:
+                    break
+        if not rest.startswith(self.end.encode()) or len(rest) > _MAX_BEHIND:
+            return None
+        frame = self.parse((head + begin + rest).decode("utf-8-sig"))
+        rows = np.concatenate(blocks).reshape(-1, groups * joints + 2)
+        if frame["points"] or len(frame["joint_names"]) != joints:
+            return None
+        quantities_of = dict(zip(JOINT_SUFFIXES, np.hsplit(rows[:, :-2], groups), strict=False))
+        seconds, nanoseconds = rows[:, -2:].astype(np.int64).T
+        return _columns(frame, quantities_of, (seconds * NANOSECONDS + nanoseconds) / NANOSECONDS)
+
+
+_JSON = _Form(
+    '"points": [',
+    (
+        '{"positions": [',
+        '], "velocities": [',
+        '], "accelerations": [',
+        '], "effort": [], "time_from_start": {"sec": ',
+        ', "nanosec": ',
+        "}}",
+    ),
+    ", ",
+    "]",
+    json.loads,
+)
+_YAML = _Form(
+    "points:\n",
+    (
+        "- positions: [",
+        "]\n  velocities: [",
+        "]\n  accelerations: [",
+        ']\n  effort: []\n  time_from_start: {"sec": ',
+        ', "nanosec": ',
+        "}\n",
+    ),
+    "",
+    "",
+    parsed_yaml,
+)
+
+
 def message(trajectory: JointTrajectory) -> Message:
     """The trajectory as a message."""
+    content = _frame(trajectory)
+    content["points"] = _points(trajectory)
+    return content
+
+
+def _frame(trajectory: JointTrajectory) -> Message:
+    """The message without its points."""
     content: Message = {
         "header": {"stamp": to_stamp(0), "frame_id": ""},
         "joint_names": list(checked_joint_names(trajectory)),
-        "points": _points(trajectory),
+        "points": [],
     }
     if trajectory.events:
         content["events"] = _events(trajectory)
@@ -102,41 +203,63 @@ def message(trajectory: JointTrajectory) -> Message:
 
 def write_json(trajectory: JointTrajectory, path: StrPath) -> None:
     """Writes the message as JSON."""
-    _write([json.dumps(message(trajectory), allow_nan=False), "\n"], path)
+    empty = _JSON.begin + _JSON.end
+    head, _, tail = json.dumps(_frame(trajectory), allow_nan=False).partition(empty)
+    _write([head, *_JSON.written(trajectory), tail, "\n"], path)
 
 
 def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
     """Writes the message as YAML, for `ros2 topic pub --yaml-file`."""
-    _write(_yaml(message(trajectory)), path)
+    frame = _frame(trajectory)
+    head = (
+        f"header: {json.dumps(frame['header'])}\n"
+        f"joint_names: {json.dumps(frame['joint_names'], ensure_ascii=False)}\n"
+    )
+    events = [f"- {json.dumps(each, ensure_ascii=False)}\n" for each in frame.get("events", [])]
+    _write([head, *_YAML.written(trajectory), *(["events:\n", *events] if events else [])], path)
 
 
 def table_of_json(path: Path) -> ArrayTable:
     """The trajectory in a JSON file, timed from the controller's time 0 on."""
     limits = ReadLimits()
-    text = read_text(path, limits)
-    limits.items(sum(map(text.count, "[{:,")), "the values")
     with refusing_damage(_FORMAT, damage=_DAMAGE):
+        if found := _JSON.read(path, limits):
+            return found
+        text = read_text(path, limits)
+        limits.items(sum(map(text.count, "[{:,")), "the values")
         return table(json.loads(text))
 
 
 def table_of_yaml(path: Path) -> ArrayTable:
     """The trajectory in a YAML file, timed from the controller's time 0 on."""
     with refusing_damage(_FORMAT, damage=_DAMAGE):
-        return table(load_yaml(path))
+        return _YAML.read(path, ReadLimits()) or table(load_yaml(path))
 
 
 def table(content: Any) -> ArrayTable:  # Any: whatever a file holds; reading it is the check
     """The columns of a message."""
-    names = tuple(str(name) for name in content["joint_names"])
-    points = content["points"]
-    if not names or len(set(names)) != len(names) or not points:
-        raise InvalidInput("expected different joint_names and at least one point")
+    joints, points = content["joint_names"], content["points"]
+    names = _names(joints, len(points))
     values = {}
     for quantity in JOINT_SUFFIXES:
         rows = [point.get(quantity) or [] for point in points]
         if quantity == "positions" or any(rows):
             values[quantity] = _matrix(rows, quantity, len(names))
     times = np.array([_seconds(point["time_from_start"]) for point in points])
+    return _columns(content, values, times)
+
+
+def _names(joints: Iterable[object], points: int) -> Columns:
+    """The joints of a message of so many points."""
+    names = tuple(str(name) for name in joints)
+    if not names or len(set(names)) != len(names) or not points:
+        raise InvalidInput("expected different joint_names and at least one point")
+    return names
+
+
+def _columns(content: Any, values: Mapping[str, Float64Array], times: Float64Array) -> ArrayTable:
+    """The columns of a message whose points are arrays already."""
+    names = _names(content["joint_names"], len(times))
     columns = {"time_from_start": times, **joint_columns(names, values)}
     timed_events = tuple(
         Event(_seconds(each["time_from_start"]), each["name"])
@@ -149,21 +272,6 @@ def table(content: Any) -> ArrayTable:  # Any: whatever a file holds; reading it
 def _write(parts: Iterable[str], path: StrPath) -> None:
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         file.writelines(parts)
-
-
-def _yaml(content: Message) -> Iterator[str]:
-    """The lines of a message; PyYAML's own writer takes ten times as long."""
-    yield f"header: {json.dumps(content['header'])}\n"
-    yield f"joint_names: {json.dumps(content['joint_names'], ensure_ascii=False)}\n"
-    yield "points:\n"
-    for point in content["points"]:
-        for i, (name, value) in enumerate(point.items()):
-            numbers = _EXPONENT.sub(r"\1.0e", json.dumps(value))
-            yield f"{'  ' if i else '- '}{name}: {numbers}\n"
-    if "events" in content:
-        yield "events:\n"
-        for event in content["events"]:
-            yield f"- {json.dumps(event, ensure_ascii=False)}\n"
 
 
 def _seconds(due: Mapping[str, int]) -> float:

@@ -110,9 +110,9 @@ _MIN_SAMPLES = 20
 _ROUNDING = 1e-9  # of the path's extent
 _ORDER = 3  # of the differences that smoothing penalises: parabolas stay as they are
 # log10 of the penalty: from too weak to change anything to as strong as rounding allows, which
-# smooths over 200 samples; a path of many more is averaged over neighbours first.
+# smooths over 200 samples. In a longer path it is that of a few windows.
 _WEAKEST, _STRONGEST, _TOLERANCE = -3.0, 12.0, 1e-3
-_MAX_SMOOTHED = 2000
+_MAX_SMOOTHED, _WINDOWS = 2000, 8
 # The steps of a random walk are unrelated to those before: all their correlations are near 0. Those
 # of a motion with white noise are not: noise makes neighbouring steps turn back, the motion keeps
 # steps farther apart alike. With fewer steps chance decides.
@@ -151,26 +151,16 @@ def without_noise(path: Float64Array) -> Float64Array:
     """
     if noise_of(path) == 0.0:
         return path
-    together = -(-len(path) // _MAX_SMOOTHED)
-    if together == 1:
-        return _without(path, noise_of(path))
-    index = np.arange(len(path), dtype=np.float64)
-    means, middles = (_means(values, together) for values in (path, index[:, None]))
-    smooth = _without(means, noise_of(means))
-    return np.column_stack([np.interp(index, middles[:, 0], x) for x in smooth.T])
+    first = max(len(path) - _MAX_SMOOTHED, 0)
+    starts = np.unique(np.linspace(0, first, _WINDOWS).astype(int)).tolist()
+    windows = (path[start : start + _MAX_SMOOTHED] for start in starts)
+    strengths = [_strength(window, noise) for window in windows if (noise := noise_of(window))]
+    strength = float(np.median(strengths)) if strengths else _WEAKEST
+    return path if strength <= _WEAKEST else _smoothed(path, _penalty(len(path)), strength)
 
 
-def _means(values: Float64Array, together: int) -> Float64Array:
-    """Means (m, d) over `together` neighbours of values (n, d), fewer at the end."""
-    first = np.arange(0, len(values), together)
-    counts = np.diff(np.append(first, len(values)))
-    return np.asarray(np.add.reduceat(values, first, axis=0) / counts[:, None])
-
-
-def _without(path: Float64Array, noise: float) -> Float64Array:
-    """The path smoothed until it has lost a given noise, > 0, or none."""
-    if noise == 0.0:
-        return path
+def _strength(path: Float64Array, noise: float) -> float:
+    """The strength of smoothing at which a path loses as much as its noise, > 0."""
     from scipy.optimize import brentq
 
     bands = _penalty(len(path))
@@ -180,10 +170,10 @@ def _without(path: Float64Array, noise: float) -> Float64Array:
         return float(np.sqrt((lost**2).mean())) / noise - 1.0
 
     if excess(_WEAKEST) >= 0.0:
-        return path
+        return _WEAKEST
     if excess(_STRONGEST) <= 0.0:
-        return _smoothed(path, bands, _STRONGEST)
-    return _smoothed(path, bands, brentq(excess, _WEAKEST, _STRONGEST, xtol=_TOLERANCE))
+        return _STRONGEST
+    return float(brentq(excess, _WEAKEST, _STRONGEST, xtol=_TOLERANCE))
 
 
 def _penalty(count: int) -> Float64Array:

@@ -43,7 +43,7 @@ FREE = dict(
     so3_exp(rotation_vectors)  so3_from_matrix(matrices)  so3_left_jacobian(rotation_vectors)
     so3_left_jacobian_inverse(rotation_vectors)  so3_lift(quaternions)  so3_log(quaternions)
     so3_mean(layers)  so3_slerp_through(at)  so3_to_matrix(quaternions)  solve_definite(right)
-    spline_slopes(q)  stopped(path)  time_lines(points)
+    spline_slopes(q)  stopped(path)  time_lines(points)  write_records(values)
         """,
     )
 )

@@ -8,7 +8,7 @@ import pytest
 from motions import arch, ring
 
 import leadthrough as lt
-from leadthrough import planning, preprocess, rotations, trajectories as tr
+from leadthrough import _core as core, planning, preprocess, rotations, trajectories as tr
 from leadthrough.arm import (
     DirectionTask,
     ElbowTask,
@@ -243,3 +243,13 @@ def test_a_guard_slows_what_is_too_fast_and_stops_before_a_wall():
     for rate, ahead in ways:
         answer = lt.Guard(panda, [wall], rate=rate).admit(HOME + ahead, HOME)
         assert panda.check(answer.motion, [wall]).ok
+
+
+def test_rows_of_numbers_are_written_and_read():
+    layout = core.RecordLayout(["<", "|", ">"], [2, 1], ";", 1)
+    rows = np.array([[0.1, -1e-5, 3.0], [1e300, 2.0, -4.0]])
+    text = core.write_records(rows, layout)
+    assert text == b"<0.1;-1.0e-05|3><1.0e+300;2.0|-4>"
+    values, length = core.read_records(text + b"<1;2|x>", layout)
+    assert np.array_equal(values.reshape(-1, 3), rows)
+    assert length == len(text)

@@ -231,3 +231,26 @@ def test_joints_that_are_faulty_or_without_names_are_left_out(tmp_path):
     assert lt.read_motion(tmp_path / "b.csv").joints is None
     with pytest.raises(InvalidInput, match="different, printable joint_names"):
         lt.write_motion(carrying("poses", names=("a", "a", "b")), tmp_path / "c.csv")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".json", ".yaml"])
+def test_texts_of_several_blocks_are_read_back_and_damaged_ones_refused(tmp_path, suffix):
+    times = np.arange(8000) / 1000.0
+    q = np.random.default_rng(0).normal(size=(3, 8000, 4))
+    q[1, [0, -1]] = 0.0
+    names = ("a", "b", "c", "d")
+    happens = (lt.Event(4.0, "close"),)
+    motion = lt.JointTrajectory(times, *q, joint_names=names, events=happens)
+    path = tmp_path / f"motion{suffix}"
+    lt.write_motion(motion, path)
+    assert path.stat().st_size > 2**20
+    found = lt.read_motion(path)
+    assert found.joint_names == names
+    assert [event.name for event in found.events] == ["close"]
+    for name in ("positions", "velocities", "accelerations"):
+        assert np.array_equal(getattr(found, name), getattr(motion, name))
+    text = path.read_text()
+    middle = text.index(",", len(text) // 2)
+    path.write_text(f"{text[:middle]},x{text[middle:]}")
+    with pytest.raises(lt.errors.InvalidInput):
+        lt.read_motion(path)
