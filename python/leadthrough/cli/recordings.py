@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.console import Console
@@ -231,7 +231,7 @@ def judge(
     *,
     files: options.Recordings,
     model: options.Model = None,
-    parameter: Annotated[list[str] | None, typer.Option("--set")] = None,
+    parameter: options.Parameters = None,
     goals: str | None = None,
     resting: options.RestOptions,
     layout: options.ReadOptions,

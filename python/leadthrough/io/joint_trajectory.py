@@ -58,13 +58,6 @@ class Stamp(TypedDict):
     nanosec: int
 
 
-class Header(TypedDict):
-    """A std_msgs/Header."""
-
-    stamp: Stamp
-    frame_id: str
-
-
 class Point(TypedDict):
     """A trajectory_msgs/JointTrajectoryPoint, with a number per joint or none at all."""
 
@@ -75,20 +68,13 @@ class Point(TypedDict):
     time_from_start: Stamp
 
 
-class DueEvent(TypedDict):
-    """An event, timed as the points are."""
-
-    name: str
-    time_from_start: Stamp
-
-
 class Message(TypedDict):
     """A trajectory_msgs/JointTrajectory, with the events where there are some."""
 
-    header: Header
+    header: Mapping[str, object]  # a std_msgs/Header
     joint_names: list[str]
     points: list[Point]
-    events: NotRequired[list[DueEvent]]
+    events: NotRequired[list[dict[str, object]]]  # each with a name, timed as the points are
 
 
 @dataclass(frozen=True)
@@ -304,7 +290,7 @@ def _points(trajectory: JointTrajectory) -> list[Point]:
     ]
 
 
-def _events(trajectory: JointTrajectory) -> list[DueEvent]:
+def _events(trajectory: JointTrajectory) -> list[dict[str, object]]:
     times = trajectory.times
     return [
         {"name": each.name, "time_from_start": to_stamp(_from_start(each.time, times))}

@@ -5,8 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, TypedDict
+from functools import cached_property, partial
 
 from numpy.typing import ArrayLike
 
@@ -49,14 +48,6 @@ class Answer(ShortRepr):
     trouble: str  # the reason for a missing motion, in one line; empty if there is none
     verdict: str  # of a collision check of the whole arm; empty for a preview
     seconds: float  # of computation
-
-
-class _Query(TypedDict, total=False):
-    """The parts of a query that the skill honours."""
-
-    dt: float
-    duration: float
-    goal: Target
 
 
 class Replanner:
@@ -165,15 +156,15 @@ class Replanner:
 
     def _planned(self, dt: float) -> tuple[Float64Array, JointTrajectory]:
         """The path of the tip and the joints, the whole arm clear of the obstacles."""
-        query = motion_planning.Query(**self._query(dt))
+        plan = partial(
+            motion_planning.plan_motion, self.skill, self.arm, self.scene, self._query(dt)
+        )
         try:
-            planned = motion_planning.plan_motion(
-                self.skill, self.arm, self.scene, query, q0=self._first
-            )
+            planned = plan(q0=self._first)
         except IkFailure:
             if self._first is None:
                 raise
-            planned = motion_planning.plan_motion(self.skill, self.arm, self.scene, query)
+            planned = plan()
         self._first, self._last = planned.joints.positions[0], planned.joints
         self._may_search = True
         return planned.tip.positions, planned.joints
@@ -185,16 +176,12 @@ class Replanner:
         except LeadthroughError:
             return None
 
-    def _query(self, dt: float) -> _Query:
-        query: _Query = {"dt": dt}
-        if self.duration is not None:
-            query["duration"] = self.duration
-        if self.has_goal and self._asked:
-            query["goal"] = self._goal()
-        return query
+    def _query(self, dt: float) -> motion_planning.Query:
+        goal = self._goal() if self.has_goal and self._asked else None
+        return motion_planning.Query(goal=goal, duration=self.duration, dt=dt)
 
     def _motion(self, dt: float, *, preview: bool) -> Motion:
-        query: dict[str, Any] = {**self._query(dt)}
+        query = self._query(dt).arguments()
         if "obstacles" in self.skill.supports:
             query["obstacles"] = tuple(self.obstacles)
         return (self._quick if preview else self.skill).generate(**query)
