@@ -4,7 +4,6 @@
 #include <utility>
 #include <variant>
 
-#include "leadthrough/arm/dynamics.hpp"
 #include "leadthrough/arm/jacobian.hpp"
 
 namespace leadthrough {
@@ -26,9 +25,12 @@ Eigen::MatrixXd matrix(const Rows& row, Eigen::Index rows) {
 }  // namespace
 
 Arm::Arm(const std::string& document, const std::string& base, const std::string& tip,
-         const std::vector<Eigen::Matrix3Xd>& hulls) {
-  const urdf::Robot robot = accepted(urdf::parse(document));
-  chain_ = accepted(make_chain(robot, base, tip));
+         const std::vector<Eigen::Matrix3Xd>& hulls)
+    : Arm(accepted(urdf::parse(document)), base, tip, hulls) {}
+
+Arm::Arm(const urdf::Robot& robot, const std::string& base, const std::string& tip,
+         const std::vector<Eigen::Matrix3Xd>& hulls)
+    : chain_(accepted(make_chain(robot, base, tip))), dynamics_(chain_) {
   std::size_t meshes = 0;
   for (const urdf::Link& link : robot.links)
     for (const urdf::Geometry& piece : link.collisions)
@@ -55,13 +57,11 @@ Eigen::MatrixXd Arm::jacobian(const Joints& q) const {
 
 Eigen::VectorXd Arm::inverse_dynamics(const Joints& q, const Joints& qd, const Joints& qdd,
                                       const Eigen::Vector3d& gravity) const {
-  return inverse_dynamics_batch(chain_, q.transpose(), qd.transpose(), qdd.transpose(), gravity)
-      .row(0)
-      .transpose();
+  return dynamics_.torques(q.transpose(), qd.transpose(), qdd.transpose(), gravity).transpose();
 }
 
 Eigen::MatrixXd Arm::mass_matrix(const Joints& q) const {
-  return matrix(mass_matrix_batch(chain_, q.transpose()), chain_.joints());
+  return matrix(dynamics_.mass_matrices(q.transpose()), chain_.joints());
 }
 
 IkResult Arm::inverse_kinematics(const IkTarget& target, const Joints& q0,

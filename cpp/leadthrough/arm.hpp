@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "leadthrough/arm/chain.hpp"
+#include "leadthrough/arm/dynamics.hpp"
 #include "leadthrough/collision/check.hpp"
 #include "leadthrough/ik/tracking.hpp"
 
@@ -49,7 +49,11 @@ class Arm {
                      const MotionOptions& options = {}) const;
 
  private:
+  Arm(const urdf::Robot& robot, const std::string& base, const std::string& tip,
+      const std::vector<Eigen::Matrix3Xd>& hulls);
+
   Chain chain_;
+  Dynamics dynamics_;
   CollisionModel model_;
   CollisionScene itself_;
 };

@@ -56,46 +56,47 @@ void copy(const double* values, KDL::JntArray& joints) {
 
 }  // namespace
 
-Rows inverse_dynamics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
-                            const Eigen::Ref<const Rows>& qd, const Eigen::Ref<const Rows>& qdd,
-                            const Eigen::Vector3d& gravity) {
-  check_rates(chain, q, {qd, qdd});
-  const KDL::Chain bodies = to_kdl(chain);
-  KDL::ChainIdSolver_RNE solver(bodies, to_kdl(gravity));
-  const KDL::Wrenches none(bodies.getNrOfSegments(), KDL::Wrench::Zero());
-  KDL::JntArray values = joint_array(chain), rates = values, second_rates = values, forces = values;
+Dynamics::Dynamics(const Chain& chain)
+    : chain_(chain), bodies_(std::make_shared<const KDL::Chain>(to_kdl(chain))) {}
+
+Rows Dynamics::torques(const Eigen::Ref<const Rows>& q, const Eigen::Ref<const Rows>& qd,
+                       const Eigen::Ref<const Rows>& qdd, const Eigen::Vector3d& gravity) const {
+  check_rates(chain_, q, {qd, qdd});
+  KDL::ChainIdSolver_RNE solver(*bodies_, to_kdl(gravity));
+  const KDL::Wrenches none(bodies_->getNrOfSegments(), KDL::Wrench::Zero());
+  KDL::JntArray values = joint_array(chain_), rates = values, second_rates = values,
+                forces = values;
   MovingValues room;
-  Rows torques = Rows::Zero(q.rows(), chain.joints());
+  Rows torques = Rows::Zero(q.rows(), chain_.joints());
   for (Eigen::Index row = 0; row < q.rows(); ++row) {
     check_interrupt(row);
-    copy(moving_values(chain, q.row(row).data(), room), values);
-    copy(moving_rates(chain, qd.row(row).data(), room), rates);
-    copy(moving_rates(chain, qdd.row(row).data(), room), second_rates);
+    copy(moving_values(chain_, q.row(row).data(), room), values);
+    copy(moving_rates(chain_, qd.row(row).data(), room), rates);
+    copy(moving_rates(chain_, qdd.row(row).data(), room), second_rates);
     require_success(solver.CartToJnt(values, rates, second_rates, none, forces));
-    for (std::size_t k = 0; k < moving_count(chain); ++k)
-      torques(row, chain.drives[k].joint) +=
-          chain.drives[k].multiplier * forces(static_cast<unsigned>(k));
+    for (std::size_t k = 0; k < moving_count(chain_); ++k)
+      torques(row, chain_.drives[k].joint) +=
+          chain_.drives[k].multiplier * forces(static_cast<unsigned>(k));
   }
   return torques;
 }
 
-Rows mass_matrix_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
-  check_rows(chain, q);
-  const Eigen::Index n = chain.joints();
-  const KDL::Chain bodies = to_kdl(chain);
-  KDL::ChainDynParam solver(bodies, KDL::Vector::Zero());
-  KDL::JntArray values = joint_array(chain);
-  KDL::JntSpaceInertiaMatrix mass(static_cast<unsigned>(chain.moving));
+Rows Dynamics::mass_matrices(const Eigen::Ref<const Rows>& q) const {
+  check_rows(chain_, q);
+  const Eigen::Index n = joints();
+  KDL::ChainDynParam solver(*bodies_, KDL::Vector::Zero());
+  KDL::JntArray values = joint_array(chain_);
+  KDL::JntSpaceInertiaMatrix mass(static_cast<unsigned>(chain_.moving));
   MovingValues room;
   Rows matrices = Rows::Zero(q.rows(), n * n);
   for (Eigen::Index row = 0; row < q.rows(); ++row) {
     check_interrupt(row);
-    copy(moving_values(chain, q.row(row).data(), room), values);
+    copy(moving_values(chain_, q.row(row).data(), room), values);
     require_success(solver.JntToMass(values, mass));
-    for (Eigen::Index k = 0; k < chain.moving; ++k) {
-      const Drive& a = chain.drives[static_cast<std::size_t>(k)];
-      for (Eigen::Index l = 0; l < chain.moving; ++l) {
-        const Drive& b = chain.drives[static_cast<std::size_t>(l)];
+    for (Eigen::Index k = 0; k < chain_.moving; ++k) {
+      const Drive& a = chain_.drives[static_cast<std::size_t>(k)];
+      for (Eigen::Index l = 0; l < chain_.moving; ++l) {
+        const Drive& b = chain_.drives[static_cast<std::size_t>(l)];
         matrices(row, a.joint * n + b.joint) += a.multiplier * b.multiplier * mass.data(k, l);
       }
     }

@@ -66,6 +66,10 @@ class ArmModel(Drawn):
         return type(self), (*stated, dict(self.locked_joints), self.attachment, self.mesh_folders)
 
     @cached_property
+    def _dynamics(self) -> core.Dynamics:
+        return core.Dynamics(self._chain)
+
+    @cached_property
     def _collision(self) -> core.CollisionModel:
         """The collision shapes of the robot and the pairs of them to check."""
         ends = self.base, self.tip
@@ -224,8 +228,7 @@ class ArmModel(Drawn):
         self._require_masses()
         batch, rows = self._rows(q=q, qd=qd, qdd=qdd)
         pull = check.array(gravity, "gravity", shape=(3,))
-        kernel = core.inverse_dynamics
-        torques = kinematics.finite(kernel(self._chain, rows[0], rows[1], rows[2], pull))
+        torques = kinematics.finite(self._dynamics.inverse_dynamics(*rows, pull))
         return torques if batch else torques[0]
 
     def gravity_torques(self, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Float64Array:
@@ -255,7 +258,7 @@ class ArmModel(Drawn):
         self._require_masses()
         batch, (rows,) = self._rows(q=q)
         joints = self._chain.joints
-        matrices = kinematics.finite(core.mass_matrix(self._chain, rows))
+        matrices = kinematics.finite(self._dynamics.mass_matrix(rows))
         shaped = matrices.reshape(len(rows), joints, joints)
         return shaped if batch else shaped[0]
 

@@ -14,7 +14,6 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
@@ -50,7 +49,7 @@ class Law(ABC):
         self.arm = arm
         self.gravity = gravity
         self.rotors = rotors
-        self._chain = arm._chain
+        self._dynamics = arm._dynamics
         # N m s/rad (N s/m) per joint, of dampers in the drives: these know their joint's velocity
         # at once, at a far higher rate.
         self.drive_damping = np.zeros(len(arm.joint_names))
@@ -65,7 +64,7 @@ class Law(ABC):
 
     def needed(self, q: Float64Array, qd: Float64Array, qdd: Float64Array) -> Float64Array:
         """Torques (joints,) that a motion needs, without any check of the arguments."""
-        rows = core.inverse_dynamics(self._chain, q[None], qd[None], qdd[None], self.gravity)
+        rows = self._dynamics.inverse_dynamics(q[None], qd[None], qdd[None], self.gravity)
         return np.asarray(rows[0] + self.rotors * qdd)
 
     def mass(self, q: Float64Array) -> Float64Array:

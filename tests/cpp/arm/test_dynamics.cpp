@@ -31,7 +31,7 @@ TEST(Dynamics, LinksFixedToEachOtherActAsOneBody) {
   const Rows q = random_rows(50, chain.joints(), 1);
   const Rows qd = random_rows(50, chain.joints(), 2);
   const Rows qdd = random_rows(50, chain.joints(), 3);
-  const Rows torques = inverse_dynamics_batch(chain, q, qd, qdd, kGravity);
+  const Rows torques = Dynamics(chain).torques(q, qd, qdd, kGravity);
   for (Eigen::Index row = 0; row < q.rows(); ++row) {
     KDL::JntArray values(peer.getNrOfJoints()), rates = values, second = values, expected = values;
     values.data = q.row(row);
@@ -50,9 +50,9 @@ TEST(Dynamics, TheMassMatrixIsTheTorqueOfUnitAccelerations) {
   const Eigen::Index n = chain.joints();
   const Rows q = random_rows(1, n, 4);
   const Rows zero = Rows::Zero(n, n);
-  const Rows torques = inverse_dynamics_batch(chain, q.replicate(n, 1), zero, Rows::Identity(n, n),
+  const Rows torques = Dynamics(chain).torques(q.replicate(n, 1), zero, Rows::Identity(n, n),
                                               Eigen::Vector3d::Zero());
-  const Rows mass = mass_matrix_batch(chain, q);
+  const Rows mass = Dynamics(chain).mass_matrices(q);
   EXPECT_LE((Eigen::Map<const Rows>(mass.data(), n, n) - torques).cwiseAbs().maxCoeff(), 1e-12);
 }
 

@@ -26,7 +26,8 @@ FREE = dict(
         r"(\S+?)\(([^)]*)\)",
         """
     ArrivalField(cells speed)  ArrivalField.update(speed)  Chain.forward_kinematics(q)
-    Chain.pose(q)  DmpForces(nodes)  DmpPath(coefficients)  PursuitOptions(acceleration velocity)
+    Chain.pose(q)  DmpForces(nodes)  DmpPath(coefficients)  Dynamics.mass_matrix(q)
+    PursuitOptions(acceleration velocity)
     Shape.distances(points)  SpeedMap.at(cells)  TimedPath(coefficients)  Walls.distances(cells)
     all_finite(values)  arc_lengths(points)  bezier_values(fractions points)
     bridge_on_time(target)  bridge_to_start(target)  by_arc_length(points)  check_motion(q)
@@ -36,7 +37,7 @@ FREE = dict(
     dmp_orientations(values)  dmp_peak_speeds(phases)  dmp_poses(phases)  dmp_rollout(phases)
     dmp_rollout_around(phases)  dtw_distance(a b)  dtw_path(a b)  eased(path)
     first_contact(samples)  first_excess(samples)  fit_spline(q)  frechet_distance(a b)
-    jacobian(q)  jacobian_of_one(q)  longest_step(q)  march(cells speed)  mass_matrix(q)
+    jacobian(q)  jacobian_of_one(q)  longest_step(q)  march(cells speed)
     nearest_bodies(q)  nearest_sources(arrival)  normalised_basis(centres phases)
     polynomial_values(coefficients times)  posture_task(q velocity)  product(left right)
     rms_apart(curves)  rows_apart(q)  sample_truncated_gaussian(velocities)  slowed(path)
