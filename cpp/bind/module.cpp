@@ -1,14 +1,18 @@
 #include <cstddef>
 #include <cstdlib>
 #include <exception>
+#include <string_view>
 
 #include "bind/parts.hpp"
 
 namespace {
 
 // glibc returns freed memory to the system where it is more than twice the largest block freed so
-// far, and to get it anew takes as long as to compute in it: a tenth of a plan's time.
+// far, and to get it anew takes as long as to compute in it: a tenth of a plan's time. Hosts that
+// tune malloc themselves set LEADTHROUGH_MALLOC=system.
 void keep_freed_memory() {
+  const char* const malloc_of = std::getenv("LEADTHROUGH_MALLOC");
+  if (malloc_of && std::string_view(malloc_of) == "system") return;
   constexpr std::size_t kMax = std::size_t{1} << 22;
   void* volatile block = std::malloc(kMax);
   std::free(block);

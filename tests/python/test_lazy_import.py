@@ -1,5 +1,7 @@
 """`import leadthrough` is light: each part is loaded when it is first used."""
 
+import ctypes
+import os
 import pickle
 import subprocess
 import sys
@@ -98,3 +100,27 @@ def test_every_public_name_is_listed_and_loads(package):
 def test_objects_of_lazily_loaded_classes_are_pickled():
     motion = lt.Trajectory([0.0, 1.0], [[0.0, 1.0], [2.0, 3.0]])
     assert pickle.loads(pickle.dumps(motion)).positions.tolist() == motion.positions.tolist()
+
+
+_OWN_BLOCKS = """
+import ctypes
+class Usage(ctypes.Structure):  # struct mallinfo2 of malloc.h
+    _fields_ = [(name, ctypes.c_size_t) for name in ("arena", "_1", "_2", "mapped", *"345678")]
+libc = ctypes.CDLL(None)
+libc.mallinfo2.restype, libc.malloc.argtypes = Usage, [ctypes.c_size_t]
+import leadthrough._core
+before = libc.mallinfo2().mapped
+libc.malloc(3 << 20)
+print(libc.mallinfo2().mapped - before)
+"""
+
+
+@pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="glibc only")
+@pytest.mark.parametrize("malloc, mapped", [("", "0"), ("system", "1")])
+def test_how_memory_is_kept_can_be_left_to_the_host(malloc, mapped):
+    settings = {**os.environ, "LEADTHROUGH_MALLOC": malloc}
+    command = [sys.executable, "-c", _OWN_BLOCKS]
+    result = subprocess.run(
+        command, capture_output=True, text=True, timeout=60, check=True, env=settings
+    )
+    assert result.stdout.strip() == mapped

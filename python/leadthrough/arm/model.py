@@ -228,7 +228,9 @@ class ArmModel(Drawn):
         self._require_masses()
         batch, rows = self._rows(q=q, qd=qd, qdd=qdd)
         pull = check.array(gravity, "gravity", shape=(3,))
-        torques = kinematics.finite(self._dynamics.inverse_dynamics(*rows, pull))
+        torques = kinematics.finite(
+            self._dynamics.inverse_dynamics(rows[0], rows[1], rows[2], pull)
+        )
         return torques if batch else torques[0]
 
     def gravity_torques(self, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Float64Array:
