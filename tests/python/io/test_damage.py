@@ -4,8 +4,8 @@ The damage is drawn from fixed seeds; any other exception than a typed one is a 
 `robustness/damage.py` does it 2,000 times.
 """
 
+import re
 import shutil
-import struct
 import zipfile
 
 import numpy as np
@@ -73,18 +73,6 @@ def test_an_archive_that_inflates_too_far_is_refused(tmp_path, monkeypatch):
     refused(r"the archive: .* it claims 10,400,128", damage.read, path)
 
 
-def test_a_chunk_of_a_bag_that_inflates_too_far_is_refused(whole, tmp_path):
-    content = (whole / "whole.mcap").read_bytes()
-    at, kind = 8, 0
-    while kind != 6:  # records: a kind, a length, and of a chunk two times and its size
-        kind, length = struct.unpack_from("<BQ", content, at)
-        at += 9 + length
-    size = at - length + 16
-    bomb = content[:size] + struct.pack("<Q", 10**10) + content[size + 8 :]
-    (tmp_path / "bomb.mcap").write_bytes(bomb)
-    refused(r"a chunk: .* it claims 10,000,000,000", damage.read, tmp_path / "bomb.mcap")
-
-
 def test_a_header_of_ten_gigabytes_is_refused(tmp_path):
     path = tmp_path / "header.npz"
     with zipfile.ZipFile(path, "w") as archive, archive.open("joints.npy", "w") as file:
@@ -106,5 +94,7 @@ def test_bombs_are_refused_within_the_bounds(tmp_path, suffix, makers):
     told, seconds, memory = measured.read(*paths)
     for path, answer in zip(paths, told, strict=True):
         assert path.name in answer
+        if path.stem == "mcap_that_says_so":
+            assert re.search("a chunk: .* it claims 10,000,000,000", answer)
     assert seconds < MAX_SECONDS
     assert memory < MAX_MEMORY

@@ -149,8 +149,3 @@ def test_distances_are_symmetric_and_zero_only_for_the_same_curve(distance, a, b
     assert distance(a, a) == 0
     assert distance(a, np.repeat(a, 3, axis=0)) == 0
     assert distance(a, b) >= np.linalg.norm(a[-1] - b[-1]) * (1 - 1e-15)
-
-
-@given(curves(), curves(), curves())
-def test_frechet_keeps_the_triangle_inequality(a, b, c):
-    assert frechet_distance(a, c) <= frechet_distance(a, b) + frechet_distance(b, c) + 1e-12

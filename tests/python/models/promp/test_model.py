@@ -95,18 +95,6 @@ def test_samples_are_repeatable_and_of_the_type_shown(skill, shown):
     assert skill.sample(1, seed=8)[0].positions.tobytes() != first[0].positions.tobytes()
 
 
-def test_likelihood_is_that_of_the_normal_distribution(shown):
-    skill = lt.ProMP(weights=6).fit(shown(noise=0.02))
-    motion = shown(1, seed=9, noise=0.02)[0]
-    rows = np.kron(np.eye(3), skill.basis(motion.times / motion.duration))
-    covariance = rows @ skill.weights.covariance @ rows.T
-    covariance += np.kron(np.diag(skill.noise), np.eye(200))
-    residual = motion.positions.T.ravel() - rows @ skill.weights.mean
-    _, volume = np.linalg.slogdet(2 * np.pi * covariance)
-    expected = -0.5 * (residual @ np.linalg.solve(covariance, residual) + volume)
-    assert skill.log_likelihood(motion) == pytest.approx(expected, rel=1e-8)
-
-
 def test_likelihood_tells_alike_from_strange_and_ignores_duration(shown):
     skill = lt.ProMP().fit(shown(noise=0.01))
     alike = shown(1, seed=5, noise=0.01)[0]
