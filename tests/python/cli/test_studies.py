@@ -16,6 +16,8 @@ from leadthrough_studies import catalogue, study
 from leadthrough_studies.demo import harvesting, report, scenes
 from leadthrough_studies.ur3.study import STUDY, Setting, Ur3Config
 
+harvested = functools.cache(harvesting.run)
+
 
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory):
@@ -45,6 +47,7 @@ def test_demo_writes_figures_errors_and_trajectories(shown):
 
 def test_demo_names_the_extra_that_is_missing(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
+    monkeypatch.setattr(scenes, "other", lambda *_: harvested())
     out = tmp_path / "one[1]"
     said = run("demo", "--out", out, "--scene", "harvesting").output
     assert "pip install 'leadthrough[simulation]'" in said
@@ -65,9 +68,8 @@ def test_page_of_the_demo_shows_three_arms_and_explains_every_measure(shown):
 
 
 def test_demo_does_without_the_handwriting_set(tmp_path, monkeypatch):
-    shown = functools.cache(harvesting.run)
     monkeypatch.setattr("leadthrough.io.lasa.find_spec", lambda _: None)
-    monkeypatch.setattr(scenes, "other", lambda *_: shown())
+    monkeypatch.setattr(scenes, "other", lambda *_: harvested())
     monkeypatch.setattr(report, "write_simulation", lambda *_: "simulated.html")
     assert "leadthrough[lasa]" in run("demo", "--out", tmp_path).output
     assert (tmp_path / "report.html").read_text().count('<figure class="scene">') == 2
@@ -107,6 +109,7 @@ def test_experiment_with_a_failure_says_so_and_ends_with_one(tmp_path, monkeypat
     broken = replace(
         STUDY,
         tasks=lambda config: [study.Task(fail, {"setup": n}) for n in config.setups],
+        report=lambda *_: study.Report([]),
     )
     monkeypatch.setitem(catalogue.STUDIES, "ur3", broken)
     result = run("experiment", "ur3", "--out", tmp_path, code=1)
