@@ -388,6 +388,12 @@ def quaternions(value: object, name: str, *, shape: Sequence[int | str]) -> Floa
     return np.asarray(result / length)
 
 
+def row(value: object, name: str, *, width: int) -> Float64Array:
+    """`value` as numbers (width,), read-only; a single number stands for all of them."""
+    given = frozen(value, name, shape=() if np.ndim(value) == 0 else (width,))  # type: ignore[arg-type]
+    return np.broadcast_to(given, (width,))
+
+
 def unit_quaternions(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     """`value` as unit quaternions w, x, y, z, to the bit as they were; a read-only copy."""
     quaternions(value, name, shape=shape)

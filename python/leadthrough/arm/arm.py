@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from types import MappingProxyType
+from types import FunctionType, MappingProxyType
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
@@ -464,6 +464,12 @@ class Arm(ArmModel):
         """
         model = self._collision
         return CollisionPairs(tuple(model.pairs), {(a, b): why for a, b, why in model.left_out})
+
+
+# Python's own errors about arguments name the class that users know.
+for _method in vars(ArmModel).values():
+    if isinstance(_method, FunctionType):
+        _method.__qualname__ = f"Arm.{_method.__name__}"
 
 
 def check_arm(arm: object) -> None:

@@ -11,6 +11,7 @@ import leadthrough._core as core
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr, numbers_text
 from leadthrough.shapes import Shape, Solid, names_of
+from leadthrough.shapes.shape import pose
 
 # The error that a measured or printed tensor may have, as a fraction of its largest moment.
 _INERTIA_TOLERANCE = 1e-6
@@ -25,9 +26,11 @@ class Load(ShortRepr):
     inertia: Float64Array  # tensor (3, 3) about the centre of mass in kg m^2
 
     def __init__(self, mass: float, center: ArrayLike, inertia: ArrayLike) -> None:
-        object.__setattr__(self, "mass", check.number(mass, "mass", at_least=0.0))
-        object.__setattr__(self, "center", check.frozen(center, "center", shape=(3,)))
-        object.__setattr__(self, "inertia", _inertia(inertia))
+        vars(self).update(
+            mass=check.number(mass, "mass", at_least=0.0),
+            center=check.frozen(center, "center", shape=(3,)),
+            inertia=_inertia(inertia),
+        )
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -46,12 +49,7 @@ class Attachment(ShortRepr):
         loads: tuple[Load, ...] = (),
         shapes: tuple[Shape, ...] = (),
     ) -> None:
-        object.__setattr__(self, "position", check.frozen(position, "position", shape=(3,)))
-        unit = check.quaternions(orientation, "orientation", shape=(4,))
-        unit.setflags(write=False)
-        object.__setattr__(self, "orientation", unit)
-        object.__setattr__(self, "loads", loads)
-        object.__setattr__(self, "shapes", shapes)
+        vars(self).update(loads=loads, shapes=shapes, **pose(position, orientation))
 
     def summary(self) -> list[str]:
         """The tool, the mass and the shapes carried, in a few words each."""

@@ -123,29 +123,22 @@ def path_report(
         turn = rotations.log(rotations.compose(rotations.inverse(path.orientations), orientations))
     times = trajectory.times
     stated = limits.acceleration
-    return PathReport(
+    weight = kinematics.ROTATION_WEIGHT
+    return check.computed(
+        PathReport,
         times=times,
-        position_error=_read_only(np.linalg.norm(positions - path.positions, axis=1)),
-        orientation_error=_read_only(angles),
-        turn=_read_only(turn),
-        condition_number=_read_only(
-            kinematics.condition_number(kinematics.jacobian(chain, q), kinematics.ROTATION_WEIGHT)
-        ),
-        margin=_read_only(margins(limits.lower, limits.upper, q)),
-        velocity_ratio=_read_only(_velocity_ratio(times, q, limits.velocity)),
-        acceleration_ratio=None
-        if stated is None
-        else _read_only(_acceleration_ratio(times, q, stated)),
+        position_error=np.linalg.norm(positions - path.positions, axis=1),
+        orientation_error=angles,
+        turn=turn,
+        condition_number=kinematics.condition_number(kinematics.jacobian(chain, q), weight),
+        margin=margins(limits.lower, limits.upper, q),
+        velocity_ratio=_velocity_ratio(times, q, limits.velocity),
+        acceleration_ratio=None if stated is None else _acceleration_ratio(times, q, stated),
         position_tolerance=check.number(position_tolerance, "position_tolerance", above=0.0),
         orientation_tolerance=check.number(
             orientation_tolerance, "orientation_tolerance", above=0.0
         ),
     )
-
-
-def _read_only(values: Float64Array) -> Float64Array:
-    values.setflags(write=False)
-    return values
 
 
 def _joints(trajectory: JointTrajectory, path: TipPath, limits: JointLimits) -> Float64Array:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.models.targets import TargetRegion
+from leadthrough.models.certificate import TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Target
 from leadthrough.shapes import RandomObstacle, Shape
 from leadthrough.shapes.primitives import PRIMITIVES

@@ -190,8 +190,9 @@ def clean(
     reading.check_output(out)
     if new_rate is not None:
         check.number(new_rate, "--new-rate", above=0.0)
+    clean_one: Any = lt.preprocess.clean  # mypy takes the first ** for positional arguments
     cleaned = partial(
-        lt.preprocess.clean,
+        clean_one,
         **({} if pause is None else {"pause": pause}),
         longest_gap=longest_gap,
         longest_pause=longest_pause,

@@ -1,6 +1,11 @@
 from .aligned.model import AlignedMean as AlignedMean, AlignedMeanSkill as AlignedMeanSkill
 from .archive import FittedSkill as FittedSkill, load_skill as load_skill
-from .certificate import Certificate as Certificate, ConfidenceInterval as ConfidenceInterval
+from .certificate import (
+    Certificate as Certificate,
+    ConfidenceInterval as ConfidenceInterval,
+    Target as Target,
+    TargetRegion as TargetRegion,
+)
 from .dmp.discrete import DMP as DMP, DMPSkill as DMPSkill
 from .dmp.rhythmic import RhythmicDMP as RhythmicDMP, RhythmicDMPSkill as RhythmicDMPSkill
 from .dynamical.clf_dm import CLFDM as CLFDM
@@ -42,4 +47,3 @@ from .registry import (
     model_names as model_names,
 )
 from .reproduction import Reproduction as Reproduction, reproduction as reproduction
-from .targets import Target as Target, TargetRegion as TargetRegion

@@ -208,14 +208,10 @@ class SteppedSkill(FittedSkill[MotionT_co]):
     ) -> MotionT_co:
         """A motion of the demonstrated type; parts that are left out are as demonstrated.
 
+        The other arguments are those of `FittedSkill.generate`; of poses the position keeps clear
+        of obstacles, whatever the orientation.
+
         Args:
-            start: point or joints (d,); of poses a position (3,), or (position (3,), orientation
-                (4,) as w, x, y, z).
-            goal: likewise, at the end.
-            duration: s, > 0.
-            dt: s, > 0, upper bound of the sampling step.
-            obstacles: shapes to keep clear of; a drawing of two dimensions lies in the plane z = 0.
-                Of poses the position keeps clear of them, whatever the orientation.
             via: (fraction of the duration in (0, 1), position (d,)), in order.
             start_velocity: (d,) per second; of poses (3,) m/s.
             final_velocity: as start_velocity.

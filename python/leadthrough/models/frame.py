@@ -39,8 +39,7 @@ class Frame(ShortRepr):
             raise InvalidInput(
                 f"axes: expected orthonormal columns, got axes.T @ axes off by {off:.3g}"
             )
-        object.__setattr__(self, "origin", own_origin)
-        object.__setattr__(self, "axes", own_axes)
+        vars(self).update(origin=own_origin, axes=own_axes)
 
     @staticmethod
     def of_pose(position: ArrayLike, orientation: ArrayLike) -> Frame:

@@ -8,8 +8,7 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.motion import normalised_times
-from leadthrough.preprocess import arc_length
-from leadthrough.preprocess.resample import without_noise
+from leadthrough.preprocess.resample import arc_length, without_noise
 from leadthrough.trajectories import minimum_jerk_time_scaling
 
 if TYPE_CHECKING:

@@ -43,20 +43,7 @@ def detoured(
 def around(
     path: Float64Array, obstacles: Sequence[Shape], pieces: int
 ) -> tuple[Float64Array, Float64Array, float] | None:
-    """A path that keeps clear of obstacles, smooth, and the given path's fraction at each point.
-
-    Args:
-        path: (n, d), evenly spaced.
-        obstacles: shapes in its frame.
-        pieces: number of cubic pieces of the path; the way past obstacles may need more.
-
-    Returns:
-        Points (m, d), fractions (m,) from 0 to 1, and the ratio of the lengths; None where the path
-        is clear as it is.
-
-    Raises:
-        NoPath: if an end lies in an obstacle, or obstacles separate the ends.
-    """
+    """A smooth path clear of obstacles, the given one's fraction at each point, and its stretch."""
     length = float(arc_length(path)[-1])
     if length <= _STILL * float(np.abs(path).max()):
         if is_free(path, obstacles):

@@ -303,9 +303,9 @@ def speeds_at(field: SpeedField, cells: CellArray) -> Float64Array:
 class MapField(SpeedField):
     """The speeds of a map that is there already."""
 
-    def __init__(self, grid: Grid, speed: NDArray[Any], outside: float = 0.0) -> None:
+    def __init__(self, grid: Grid, speed: NDArray[Any]) -> None:
         speeds = np.ascontiguousarray(speed, dtype=np.float64)
-        super().__init__(grid, outside, core.given_speeds(grid.compiled, outside, speeds))
+        super().__init__(grid, 0.0, core.given_speeds(grid.compiled, 0.0, speeds))
 
 
 class FreeField(SpeedField):

@@ -350,17 +350,7 @@ def dtw_distance(a: ArrayLike, b: ArrayLike, *, band: int | None = None) -> floa
 def frechet_distance(a: ArrayLike, b: ArrayLike, *, band: int | None = None) -> float:
     """The discrete Frechet distance: the smallest possible largest distance of paired points.
 
-    Args:
-        a: points (n, d) of the first curve.
-        b: points (m, d) of the second curve.
-        band: largest difference of paired rows, in rows of the shorter curve from the table's
-            diagonal; None: any. The time is that of the pairs within it, 10 ns each.
-
-    Returns:
-        The distance, in the curves' unit.
-
-    Raises:
-        InvalidInput: if more than 10^10 pairs are to be compared.
+    Arguments, result and errors are as of `dtw_distance`.
 
     Source: Eiter and Mannila 1994; the band: Sakoe and Chiba 1978.
     """

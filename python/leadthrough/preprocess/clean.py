@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,40 +49,8 @@ _MIN_RATE = 0.5  # Hz; times in ms or ns that are read as s look slower
 _MAX_REACH = 20.0  # m from an arm's base
 
 
-@overload
 def clean(
-    recording: Recording,
-    *,
-    spike_factor: float | None = ...,
-    longest_gap: float = ...,
-    pause: float = ...,
-    longest_pause: float | None = ...,
-    rest: float = ...,
-    speed: float | None = ...,
-    angular_speed: float | None = ...,
-    rate: float | None = ...,
-    smoothing: float | None = ...,
-) -> tuple[Demonstration, CleaningReport]: ...
-
-
-@overload
-def clean(
-    recording: Demonstration[MotionT] | MotionT,
-    *,
-    spike_factor: float | None = ...,
-    longest_gap: float = ...,
-    pause: float = ...,
-    longest_pause: float | None = ...,
-    rest: float = ...,
-    speed: float | None = ...,
-    angular_speed: float | None = ...,
-    rate: float | None = ...,
-    smoothing: float | None = ...,
-) -> tuple[Demonstration[MotionT], CleaningReport]: ...
-
-
-def clean(
-    recording: Recording | Demonstration | Motion,
+    recording: Recording | Demonstration[MotionT] | MotionT,
     *,
     spike_factor: float | None = 5.0,
     longest_gap: float = 0.5,
@@ -93,7 +61,7 @@ def clean(
     angular_speed: float | None = None,
     rate: float | None = None,
     smoothing: float | None = None,
-) -> tuple[Demonstration[Any], CleaningReport]:  # Any: the overloads tell
+) -> tuple[Demonstration[MotionT], CleaningReport]:
     """A demonstration without a recording's faults, and a report of every change.
 
     Samples with a missing number or a quaternion that is no rotation are left out. The others are
@@ -141,7 +109,8 @@ def clean(
     moving = trim(
         Demonstration(left, kept.name), rest=rest, speed=speed, angular_speed=angular_speed
     )
-    hertz, result = rate, moving
+    hertz = rate
+    result: Any = moving  # of the recording's own type of motion
     if rate is None and window is not None and len(moving.motion.times) > 1:
         hertz = 1.0 / float(np.median(np.diff(moving.motion.times)))
     if hertz is not None:

@@ -14,7 +14,7 @@ from leadthrough import check
 from leadthrough.arm import Arm, IkOptions, check_arm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.io.files import StrPath, replacing
-from leadthrough.models.targets import TargetRegion
+from leadthrough.models.certificate import TargetRegion
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.tasks import Execution, Outcome, Row, Store, Task, pickled
 

@@ -166,14 +166,7 @@ def angular_velocity(times: ArrayLike, quaternions: ArrayLike) -> Float64Array:
 def angular_acceleration(times: ArrayLike, quaternions: ArrayLike) -> Float64Array:
     """Angular accelerations (n, 3), rad/s^2, base frame, of rotations at given times.
 
-    Second order in the steps, which may be uneven, and at the ends too.
-
-    Args:
-        times: s, (n,), n >= 3.
-        quaternions: unit quaternions (n, 4); any four neighbours turn less than half a turn.
-
-    Raises:
-        InvalidInput: if neighbours turn too far, or steps are too short for finite derivatives.
+    As `angular_velocity`, for n >= 3 and any four neighbours that turn less than half a turn.
     """
     return _derivative(*timed(times, quaternions, at_least=3), order=2)
 

@@ -82,8 +82,7 @@ class PointCurve(ShortRepr, ABC):
         """
         width = len(self.evaluate(self.domain[0]))
         a = check.array(matrix, "matrix", shape=("e", width))
-        b = check.array(offset, "offset", shape=() if np.ndim(offset) == 0 else (len(a),))
-        return self._mapped(a, np.broadcast_to(b, len(a)))
+        return self._mapped(a, check.row(offset, "offset", width=len(a)))
 
     def rescaled(self, factor: float) -> Self:
         """The same path, passed `factor` times as slowly: derivative k is divided by factor**k.

@@ -234,9 +234,7 @@ def _inputs(
         raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
     x = state.position
     goal = check.array(target, "target", shape=(len(x),))
-    shape = () if np.ndim(velocity) == 0 else (len(x),)
-    speed = np.broadcast_to(check.array(velocity, "velocity", shape=shape), x.shape)
-    return x, goal, speed, check_period(period)
+    return x, goal, check.row(velocity, "velocity", width=len(x)), check_period(period)
 
 
 def check_period(period: float) -> float:

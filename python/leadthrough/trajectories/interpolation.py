@@ -57,7 +57,8 @@ def clamped_cubic(
     from scipy.interpolate import CubicSpline
 
     t, x = _through(times, points)
-    first, last = _end(start_velocity, "start_velocity", x), _end(end_velocity, "end_velocity", x)
+    first = check.row(start_velocity, "start_velocity", width=x.shape[1])
+    last = check.row(end_velocity, "end_velocity", width=x.shape[1])
     return _of_scipy(CubicSpline(t, x, bc_type=((1, first), (1, last))))
 
 
@@ -76,8 +77,8 @@ def natural_cubic(
     from scipy.interpolate import CubicSpline
 
     t, x = _through(times, points)
-    first = _end(start_acceleration, "start_acceleration", x)
-    last = _end(end_acceleration, "end_acceleration", x)
+    first = check.row(start_acceleration, "start_acceleration", width=x.shape[1])
+    last = check.row(end_acceleration, "end_acceleration", width=x.shape[1])
     return _of_scipy(CubicSpline(t, x, bc_type=((2, first), (2, last))))
 
 
@@ -197,9 +198,3 @@ def _through(
     """Rising times (n,) and as many points (n, d)."""
     t = curve.knot_times(times, "times")
     return t, curve.points(points, "points", count=len(t), least=least)
-
-
-def _end(value: ArrayLike, name: str, x: Float64Array) -> Float64Array:
-    """A condition at an end, (d,), of a spline through points x (n, d)."""
-    row = check.array(value, name, shape=() if np.ndim(value) == 0 else (x.shape[1],))
-    return np.broadcast_to(row, x.shape[1]).copy()

@@ -47,7 +47,8 @@ class State(ShortRepr):
         x = check.frozen(position, "position", shape=("d",))
         rates = {"velocity": velocity, "acceleration": acceleration}
         vars(self).update(
-            position=x, **{name: _row(rate, name, len(x)) for name, rate in rates.items()}
+            position=x,
+            **{name: check.row(rate, name, width=len(x)) for name, rate in rates.items()},
         )
 
 
@@ -139,12 +140,6 @@ def checked_state(
     position = check.array(bare, f"{name} position", shape=(width or "d",))
     state = value if isinstance(value, State) else State(position)
     return position, state.velocity, state.acceleration
-
-
-def _row(value: ArrayLike, name: str, width: int) -> Float64Array:
-    """Numbers (width,), read-only; one number holds for all."""
-    row = check.frozen(value, name, shape=() if np.ndim(value) == 0 else (width,))
-    return np.broadcast_to(row, width)
 
 
 # Phases shorter than this, s, are rounding.

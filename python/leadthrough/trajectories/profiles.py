@@ -154,11 +154,11 @@ def _along(rate: ArrayLike, name: str, way: Float64Array, limit: float) -> float
 
 def _scalar(limit: ArrayLike, name: str, way: Float64Array) -> float:
     """The limit on the rate of the fraction of the way such that every dimension keeps its own."""
-    row = check.array(limit, name, shape=() if np.ndim(limit) == 0 else (len(way),))
+    row = check.row(limit, name, width=len(way))
     if (row <= 0.0).any():
         raise InvalidInput(f"{name}: expected limits > 0, got {row.min()}")
     moved = way != 0.0
-    return float((np.broadcast_to(row, len(way))[moved] / np.abs(way[moved])).min())
+    return float((row[moved] / np.abs(way[moved])).min())
 
 
 def _straight(

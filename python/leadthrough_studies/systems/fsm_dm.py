@@ -24,8 +24,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models.dynamical.field import Field
 from leadthrough.models.dynamical.linear_mixture import LinearMixture, stable_matrices
-from leadthrough.models.dynamical.model import DynamicalModel
-from leadthrough.models.dynamical.samples import Samples
+from leadthrough.models.dynamical.model import DynamicalModel, Samples
 
 _DECAY, _RIDGE = 0.1, 1e-5
 _STEEP = 6.0  # of the sigmoids, per unit of the motion's size

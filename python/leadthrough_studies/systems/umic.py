@@ -30,8 +30,7 @@ from leadthrough.errors import FitError
 from leadthrough.models import kmeans
 from leadthrough.models.dynamical.field import Field, squared_distances
 from leadthrough.models.dynamical.linear_mixture import solve_cone_programme
-from leadthrough.models.dynamical.model import DynamicalModel
-from leadthrough.models.dynamical.samples import Samples
+from leadthrough.models.dynamical.model import DynamicalModel, Samples
 
 # Mean damping, per duration: a mass then takes a thirtieth of it to follow the force.
 _DAMPING = 30.0

@@ -252,3 +252,9 @@ def test_the_reach_is_a_bound():
     reach = float(arm.describe().split("reach at most ")[1].split()[0])
     positions, _ = arm.forward_kinematics(configurations(arm, 200, 1))
     assert np.linalg.norm(positions - [0, 0, 0.1519], axis=1).max() <= reach
+
+
+@pytest.mark.parametrize("method", ["forward_kinematics", "jacobian", "with_tool", "follow"])
+def test_a_missing_argument_is_told_of_the_arm(method):
+    with pytest.raises(TypeError, match=rf"^Arm\.{method}\(\) missing 1 required"):
+        getattr(lt.Arm.load("ur3"), method)()

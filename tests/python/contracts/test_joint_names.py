@@ -267,7 +267,7 @@ OTHERS = {
     "validation.validate": "plans by plan_motion",
     "show.open_view": "the page of show.view",
     "models.*Skill": "holds", "models.Inference": "holds", "models.Parameter": "holds",
-    "models.dynamical.samples.Samples": "holds", "arm.StackRun": "holds",
+    "models.dynamical.model.Samples": "holds", "arm.StackRun": "holds",
     "guard.Admission": "holds", "io.Episode": "holds", "io.Recording": "holds",
     "motion_planning.PlannedMotion": "holds", "reachability.Placement": "holds",
     "simulation.SimulationReport": "holds",

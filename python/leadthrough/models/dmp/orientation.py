@@ -137,9 +137,6 @@ class OrientationCoordinates(ShortRepr):
             rhythmic,
         )
 
-    def __getstate__(self) -> dict[str, Any]:  # the curve is made again
-        return {name: value for name, value in vars(self).items() if name != "curve"}
-
 
 def learn(
     phases: Float64Array, orientations: Float64Array, representation: str

@@ -129,9 +129,6 @@ class TransformationSystem(ShortRepr):
         ]
         return TransformationSystem(form, known, Ends(*ends))
 
-    def __getstate__(self) -> dict[str, Any]:  # table and course are made again
-        return {"form": self.form, "weights": self.weights, "ends": self.ends}
-
 
 def kernels_of(form: str, weights: int) -> Kernels:
     """The kernels of a form for a number of weights."""

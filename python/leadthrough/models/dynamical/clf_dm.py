@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array, ShortRepr
-from leadthrough.models.dynamical.linear_mixture import GaussianGates
+from leadthrough.models.dynamical.linear_mixture import GaussianGates, velocity_mixture
 from leadthrough.models.dynamical.lyapunov import (
     AsymmetricQuadratics,
     Corrected,
@@ -35,9 +35,7 @@ from leadthrough.models.dynamical.lyapunov import (
     fitted_quadratics,
     trusted,
 )
-from leadthrough.models.dynamical.model import DynamicalModel
-from leadthrough.models.dynamical.samples import Samples
-from leadthrough.models.gaussians.fitting import fit_mixture
+from leadthrough.models.dynamical.model import DynamicalModel, Samples
 
 _NEAR = 0.05  # sizes of the motion
 # Deviation, in sizes of the motion, that samples count for where they agree better.
@@ -127,10 +125,7 @@ def mixture_regression(
 ) -> MixtureRegression:
     """The regression by the most likely mixture of positions x and velocities v (n, d)."""
     d = x.shape[1]
-    mixture = fit_mixture(np.hstack([x, v]), components, seed=seed, starts=1).mixture
-    spread, cross = mixture.covariances[:, :d, :d], mixture.covariances[:, d:, :d]
-    transposed = np.linalg.solve(spread, cross.transpose(0, 2, 1))
-    gains = np.asarray(transposed).transpose(0, 2, 1)
+    mixture, spread, gains = velocity_mixture(x, v, components, seed=seed)
     positions, velocities = mixture.means[:, :d], mixture.means[:, d:]
     constants = velocities - np.einsum("kij,kj->ki", gains, positions)
     return MixtureRegression(GaussianGates.of(mixture.weights, positions, spread), gains, constants)

@@ -19,7 +19,8 @@ from scipy import sparse
 from leadthrough import check
 from leadthrough.check import FitError, Float64Array
 from leadthrough.models.dynamical.field import Field, StoredArrays
-from leadthrough.models.gaussians.mixture import monomials
+from leadthrough.models.gaussians.fitting import fit_mixture
+from leadthrough.models.gaussians.mixture import Mixture, monomials
 
 _EXTRA = "stable"
 
@@ -117,6 +118,17 @@ class GaussianGates(StoredArrays):
         doubled = np.where(rows == columns, -0.5, -1.0)
         quadratic = precision[:, rows, columns] * doubled
         return np.ascontiguousarray(np.hstack([constant[:, None], linear, quadratic]).T)
+
+
+def velocity_mixture(
+    x: Float64Array, v: Float64Array, components: int, *, seed: int
+) -> tuple[Mixture, Float64Array, Float64Array]:
+    """The most likely mixture of positions and velocities (n, d), covariances of x, gains of v."""
+    d = x.shape[1]
+    mixture = fit_mixture(np.hstack([x, v]), components, seed=seed, starts=1).mixture
+    spread, cross = mixture.covariances[:, :d, :d], mixture.covariances[:, d:, :d]
+    transposed = np.linalg.solve(spread, cross.transpose(0, 2, 1))
+    return mixture, spread, np.asarray(transposed).transpose(0, 2, 1)
 
 
 def stable_matrices(

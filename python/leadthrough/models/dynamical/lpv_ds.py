@@ -26,8 +26,7 @@ from leadthrough.models.dynamical.linear_mixture import (
     stable_matrices,
 )
 from leadthrough.models.dynamical.lyapunov import fitted_quadratics
-from leadthrough.models.dynamical.model import DynamicalModel
-from leadthrough.models.dynamical.samples import Samples
+from leadthrough.models.dynamical.model import DynamicalModel, Samples
 from leadthrough.models.gaussians.fitting import least_criterion
 from leadthrough.models.gaussians.mixture import Blocks, fit_blocks
 

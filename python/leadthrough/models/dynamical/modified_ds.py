@@ -23,8 +23,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models.dynamical.field import StoredArrays, squared_distances
 from leadthrough.models.dynamical.lyapunov import Corrected, Descent, Slopes, fitted_energy, trusted
-from leadthrough.models.dynamical.model import DynamicalModel
-from leadthrough.models.dynamical.samples import Samples
+from leadthrough.models.dynamical.model import DynamicalModel, Samples
 
 _NEAR = 0.05  # sizes of the motion
 _RIDGE, _WIDTH = 1e-5, 0.1

@@ -22,10 +22,12 @@ from scipy.special import logsumexp, softmax
 
 from leadthrough import check
 from leadthrough.check import Float64Array, ShortRepr
-from leadthrough.models.dynamical.linear_mixture import GaussianGates, LinearMixture
-from leadthrough.models.dynamical.model import DynamicalModel
-from leadthrough.models.dynamical.samples import Samples
-from leadthrough.models.gaussians.fitting import fit_mixture
+from leadthrough.models.dynamical.linear_mixture import (
+    GaussianGates,
+    LinearMixture,
+    velocity_mixture,
+)
+from leadthrough.models.dynamical.model import DynamicalModel, Samples
 
 OBJECTIVES = ("likelihood", "mse")
 # The slowest decay of a linear part, per duration of the demonstrations.
@@ -78,10 +80,8 @@ def _first_guess(samples: Samples, components: int, *, seed: int) -> StableGMR:
     """The most likely mixture of positions and velocities, each component made stable."""
     x, v = samples.x, samples.v
     d = x.shape[1]
-    mixture = fit_mixture(np.hstack([x, v]), components, seed=seed, starts=1).mixture
-    spread, cross = mixture.covariances[:, :d, :d], mixture.covariances[:, d:, :d]
-    gains = np.linalg.solve(spread, cross.transpose(0, 2, 1)).transpose(0, 2, 1)
-    matrices = stable(np.asarray(gains))
+    mixture, spread, gains = velocity_mixture(x, v, components, seed=seed)
+    matrices = stable(gains)
     residuals = v[None] - x @ matrices.transpose(0, 2, 1)
     shares = mixture.responsibilities(np.hstack([x, v])).T
     scatter = (shares[:, :, None] * residuals).transpose(0, 2, 1) @ residuals

@@ -53,9 +53,7 @@ class Mixture(ShortRepr):
         own_covariances = check.frozen(covariances, "covariances", shape=shape)
         if not (own_weights >= 0.0).all() or abs(own_weights.sum() - 1.0) > _SUM_TOLERANCE:
             raise InvalidInput(f"weights: expected fractions that sum to 1, got {own_weights}")
-        object.__setattr__(self, "weights", own_weights)
-        object.__setattr__(self, "means", own_means)
-        object.__setattr__(self, "covariances", own_covariances)
+        vars(self).update(weights=own_weights, means=own_means, covariances=own_covariances)
         _ = self._whitening  # a covariance that is not positive definite is refused here
 
     @property
