@@ -22,6 +22,8 @@ usage: ./do COMMAND [OPTIONS]
              and calls of every binding with the first two, also with damaged arguments; options go
              to tests/python/bindings/fuzz.py, such as --count 50000
   bench      benchmarks against other libraries; options go to python/benchmarks/run.py
+  arms       arms of other packages, each from its URDF to a simulated motion, and their table in the
+             documentation; words are parts of their names, such as UR5
   docs       the documentation, build/docs/index.html
   wheel      the sources and a wheel that runs without the Debian packages, for each Python named,
              in dist/; with --aarch64 first, wheels for that processor too
@@ -230,6 +232,10 @@ main() {
     bench)
       install_package bench
       .venv/bin/python python/benchmarks/run.py "$@"
+      ;;
+    arms)
+      install_package test
+      PYTHONPATH=tests/python .venv/bin/python tests/python/robots/every_arm.py "$@"
       ;;
     docs)
       install_package docs

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module, metadata
@@ -35,7 +35,8 @@ _NOT_OF_AN_ARM = ("fixed", "planar", "floating")
 # Links of tools, and joints of fingers, by how arms' makers name them.
 _TOOL = re.compile(r"(^|[_/-])(tool0|tcp|ee_link|flange)$", re.IGNORECASE)
 _FINGER = re.compile(
-    r"finger|gripper|jaw|knuckle|thumb|claw|hand|index|middle|ring|pinky|little", re.IGNORECASE
+    r"finger|gripper|jaw|knuckle|thumb|claw|hand|pinky|(^|_)(index|middle|ring|little)(_|$)",
+    re.IGNORECASE,
 )
 _BESIDE_MESHES = ("urdf", "robots", "xacro")  # a package's folders for descriptions
 
@@ -280,6 +281,8 @@ def _candidates(file: str, folders: Sequence[str]) -> Iterator[tuple[Path, Path]
     address = urlparse(file)
     if address.scheme == "package":
         name, rest = address.netloc, unquote(address.path).lstrip("/")
+        if not name:  # package:///name/rest, as some exporters write it
+            name, _, rest = rest.partition("/")
         starts = [Path(folder).resolve() for folder in folders if name.strip(".")]
         for start in starts:
             for place in (start, *start.parents):
@@ -314,13 +317,21 @@ def moves(robot: core.Robot) -> bool:
 
 def proposed_tip(robot: core.Robot) -> str:
     """The tool's link after the most moving joints, else the last link before the fingers."""
-    moving = {0: 0}  # joints before each link; a parent comes before its children
+    fingers = {
+        joint.name for joint in robot.tree if joint.kind != "fixed" and _is_finger(robot, joint)
+    }
+    moving = _moving_before(robot, fingers)
+    return _last(robot, moving if any(moving.values()) else _moving_before(robot, set()))
+
+
+def _moving_before(robot: core.Robot, left_out: Collection[str]) -> dict[int, int]:
+    """The number of joints before each link that is not behind one of those left out."""
+    moving = {0: 0}  # a parent comes before its children
     for joint in robot.tree:
-        before = moving.get(joint.parent)
-        if before is None or (joint.kind != "fixed" and _is_finger(robot, joint)):
-            continue
-        moving[joint.child] = before + (joint.kind != "fixed" and joint.mimic is None)
-    return _last(robot, moving)
+        if joint.parent in moving and joint.name not in left_out:
+            moves = joint.kind != "fixed" and joint.mimic is None
+            moving[joint.child] = moving[joint.parent] + moves
+    return moving
 
 
 def proposed_ends(document: str, recorded: Sequence[str] = ()) -> tuple[str, str]:

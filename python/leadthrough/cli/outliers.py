@@ -12,9 +12,12 @@ from leadthrough import check
 from leadthrough.cli import output, robot as robots
 from leadthrough.models.contradictions import contradictions
 from leadthrough.models.protocol import motions_of
+from leadthrough.preprocess.resample import noise_of
 
 _WINDOW = 0.05  # s, over which a speed is taken, so that noise does not count
 _QUANTILE = 0.999  # of a recording's speeds; the few above it are spikes
+# A difference of two samples exceeds so many deviations of their noise once in 1,000: 3.3 sqrt(2).
+_SPREAD = 4.7
 
 
 def without(demonstrations: Sequence[lt.Demonstration], names: list[str]) -> list[lt.Demonstration]:
@@ -53,6 +56,8 @@ def _too_fast(arm: lt.Arm, motion: lt.JointTrajectory) -> str:
     apart = min(max(1, round(_WINDOW / float(np.median(np.diff(t))))), len(t) - 1)
     speeds = np.abs(q[apart:] - q[:-apart]) / (t[apart:] - t[:-apart])[:, None]
     limits = np.where(arm.limits.velocity > 0.0, arm.limits.velocity, np.inf)
+    noise = np.array([noise_of(column[:, None]) for column in q.T])
+    speeds -= _SPREAD * noise / np.median(t[apart:] - t[:-apart])
     factors = np.quantile(speeds, _QUANTILE, axis=0) / limits
     joint = int(np.argmax(factors))
     if factors[joint] <= 1.0:

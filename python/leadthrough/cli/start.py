@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -57,7 +58,9 @@ def start(
     clean = ["--clean"] if questions.are_faulty(recordings, layout, loaded) else []
     _run(ctx, "learn", *files, *how, *clean, "-o", _SKILL)
     _run(ctx, "plan", _SKILL, "-o", _MOTION)
-    _run(ctx, "retime", _MOTION, *_TIMING, "-o", _TIMED)
+    timing = ("retime", _MOTION, *_TIMING, "-o", _TIMED)
+    if not _knows_torques(loaded) or _run(ctx, *timing, "--torques", allowed=1):
+        _run(ctx, *timing)
     verdict = _run(ctx, "check", _TIMED, allowed=1)
     shown = [word for file in files for word in ("--demonstrations", file)]
     _run(ctx, "view", _TIMED, *shown, *how, "--html", _PAGE)
@@ -77,6 +80,13 @@ def _with_ends(
         base=details.base or ask("first link of the arm (--base)", base),
         tip=details.tip or ask("last link of the arm, without fingers (--tip)", tip),
     )
+
+
+def _knows_torques(arm: lt.Arm) -> bool:
+    """Whether the arm has masses, and a limit of each joint's torque."""
+    effort = arm.limits.effort
+    known = effort is not None and ((effort > 0.0) & (effort < math.inf)).all()
+    return bool(known) and arm._chain.mass > 0.0
 
 
 def _details(stated: dict[str, str]) -> options.ArmDetails:

@@ -156,6 +156,18 @@ def test_a_recording_that_contradicts_the_others_is_named_with_the_command_that_
     assert re.search("demonstrations +reach1, reach3", run(*cure.split()).stdout)
 
 
+def test_noise_of_encoders_is_no_speed(folder):
+    limits = (folder / "ur3.toml").read_text()
+    (folder / "ur3.toml").write_text(re.sub(r"velocity = [\d.]+", "velocity = 0.6", limits))
+    rng = np.random.default_rng(0)
+    recorded_otherwise(
+        folder,
+        "odd",
+        lambda rows: rows + 8e-3 * rng.normal(size=rows.shape) * [0, 1, 1, 1, 1, 1, 1],
+    )
+    run("learn", "recorded/odd.csv", "-o", "s.npz")
+
+
 def test_a_recording_to_drop_has_a_name_that_was_read(folder):
     said = run("learn", "recorded", "--drop", "reach9", "-o", "s.npz", code=2).stderr
     assert "--drop: expected one of 'reach1'" in said

@@ -145,11 +145,12 @@ def test_meshes_outside_of_the_robots_folders_are_not_read(tmp_path, layout):
     assert find_mesh("cube.obj", folders) == own / "cube.obj"
     beside = find_mesh("../meshes/cube.obj", folders)
     assert (beside is not None) == (layout != "plain")
-    assert find_mesh("package://robot/meshes/cube.obj", folders) is not None
+    for slashes in ("//", "///"):  # some exporters write three
+        assert find_mesh(f"package:{slashes}robot/meshes/cube.obj", folders) is not None
     secret = home / "secret" / "cube.obj"
     for name in (
         "../../secret/cube.obj", str(secret), secret.as_uri(), "package://robot/../secret/cube.obj",
-        "package://../secret/cube.obj", "package:///secret/cube.obj", "cube.obj\0", "file://[",
+        "package://../secret/cube.obj", "package:///../secret/cube.obj", "cube.obj\0", "file://[",
         "package://./secret/cube.obj", "meshes/../../../secret/cube.obj",
     ):  # fmt: skip
         assert find_mesh(name, folders) is None, name
