@@ -30,7 +30,8 @@ NOISE = 2e-4  # rad (m), of the encoders
 PACE = 0.4  # of a joint's speed limit, at most
 REACH = 0.15  # of a joint's range, and at most so many rad (m)
 MOST_REACH = 0.5
-MAX_ATTEMPTS = 400
+HELD = 0.7  # of a joint's torque, at most, to hold the arm in a demonstration
+MAX_ATTEMPTS = 1000
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,11 @@ class Outcome:
     failed: str  # step, empty if none
     reason: str
     seconds: float
+
+    @property
+    def lacks(self):
+        """Whether the package's files lack what the failed step needs."""
+        return self.failed == "load" or "no link that the arm moves has a mass" in self.reason
 
 
 def listed():
@@ -81,9 +87,20 @@ def clear_reach(arm, rng):
         way = rng.choice([-1.0, 1.0], len(lower)) * np.minimum(REACH * (upper - lower), MOST_REACH)
         way *= 1.0 - attempt / MAX_ATTEMPTS
         path = first + minimum_jerk(np.linspace(0.0, 1.0, 20))[:, None] * way
-        if not arm.robot.collisions or arm.check(lt.JointTrajectory(np.arange(20.0), path)).ok:
+        motion = lt.JointTrajectory(np.arange(20.0), path)
+        if holds(arm, path) and (not arm.robot.collisions or arm.check(motion).ok):
             return first, way
-    raise lt.errors.NoPath("every reach of this arm hits the arm itself")
+    raise lt.errors.FitError("no reach found that its motors hold and that is clear of itself")
+
+
+def holds(arm, path):
+    """Whether the arm's motors hold it along a path with some torque left; yes where unknown."""
+    effort = np.where(arm.limits.effort > 0.0, arm.limits.effort, np.inf)
+    try:
+        torque = arm.inverse_dynamics(path, np.zeros_like(path), np.zeros_like(path))
+    except lt.errors.InvalidRobot:
+        return True  # no masses
+    return bool((np.abs(torque) <= HELD * effort).all())
 
 
 def outcome(entry, folder, *, simulated=True):
