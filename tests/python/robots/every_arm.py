@@ -25,13 +25,13 @@ from leadthrough import cli
 LIST = Path(__file__).with_name("arms.toml")
 PAGE = Path(__file__).parents[3] / "docs" / "guide" / "arms.md"
 BEGIN, END = "<!-- made by ./do arms -->", "<!-- end -->"
-RATE = 100  # Hz, of the recordings
+RATE = 50  # Hz, of the recordings
 NOISE = 2e-4  # rad (m), of the encoders
 PACE = 0.4  # of a joint's speed limit, at most
 REACH = 0.15  # of a joint's range, and at most so many rad (m)
 MOST_REACH = 0.5
-HELD = 0.7  # of a joint's torque, at most, to hold the arm in a demonstration
-MAX_ATTEMPTS = 1000
+HELD = 0.8  # of a joint's torque, at most, to hold the arm in a demonstration
+MAX_ATTEMPTS = 4000
 
 
 @dataclass(frozen=True)
