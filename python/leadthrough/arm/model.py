@@ -25,6 +25,8 @@ GRAVITY = (0.0, 0.0, -9.81)
 _IDENTITY = (1.0, 0.0, 0.0, 0.0)
 _NO_INERTIA = ((0.0, 0.0, 0.0),) * 3
 
+_WRIST = 0.1  # m, around the axes of a wrist
+
 
 @dataclass(frozen=True, eq=False)
 class ArmModel(Drawn):
@@ -74,6 +76,24 @@ class ArmModel(Drawn):
         """The collision shapes of the robot and the pairs of them to check."""
         ends = self.base, self.tip
         return collision_model(self._robot, self._chain, ends, self.mesh_folders, self.attached)
+
+    @property
+    def levers(self) -> Float64Array:
+        """The most, (joints,) m per rad, that a joint moves a point of the arm up to the tip.
+
+        It is the length of all that follows the joint, and at least 0.1 for the links around the
+        wrist; 1 for a prismatic joint.
+        """
+        joints = self._robot.path(self.base, self.tip)
+        ranges = np.subtract(self._chain.upper, self._chain.lower)
+        limits = dict(zip(self._chain.joint_names, ranges.tolist(), strict=True))
+        length, found = float(np.linalg.norm(self.tool[0])), list[float]()
+        for joint in reversed(joints):
+            if joint.name in limits:
+                found.append(1.0 if joint.kind == "prismatic" else max(length, _WRIST))
+                length += limits[joint.name] if joint.kind == "prismatic" else 0.0
+            length += float(np.linalg.norm(joint.position))
+        return np.array(found[::-1])
 
     @property
     def robot(self) -> core.Robot:

@@ -9,9 +9,12 @@ from functools import partial
 import typer
 
 import leadthrough as lt
+from leadthrough import check
 from leadthrough.cli import options, output
 
 _NO_LIMIT = "no limit"
+_TIP_TOLERANCE = "1e-4,1e-3"  # m and rad
+_NOISE = (1e-5, 2e-3)  # rad (m): less is rounding, more the motion's own
 _ROUNDED = 1e-2  # rad (m), the tolerance of a path that is free of a hand's tremor
 
 
@@ -23,7 +26,8 @@ def retime(
     out: options.Output,
     details: options.ArmDetails,
     rate: float = 1000.0,
-    path_tolerance: float = 1e-5,
+    path_tolerance: float | None = None,
+    tip_tolerance: str | None = None,
     keep_timing: bool = False,
     tip_speed: float | None = None,
     torques: bool = False,
@@ -43,7 +47,10 @@ def retime(
 
     Options:
         rate: Sampling rate of the result, in Hz.
-        path_tolerance: Largest distance of the smoothed path from the samples, in rad (m).
+        path_tolerance: Largest distance of the smoothed path from the samples, in rad (m), which
+            keeps a recording's noise too.
+        tip_tolerance: The same at the tip and at any point of the arm, M,RAD in m and rad; by
+            default 1e-4,1e-3. A recording's white noise is smoothed first, and how much is printed.
         keep_timing: Reach no point of the path earlier than it does now.
         tip_speed: Speed limit of the tip, in m/s.
         torques: Also keep within the joint torque limits.
@@ -57,12 +64,20 @@ def retime(
         robots.refuse("--start", obstacle=obstacle)
     around = parse.obstacles(obstacle)
     arm = robots.load(robot, details)
-    path = robots.joints_in(arm, motion)
+    recorded = path = robots.joints_in(arm, motion)
+    noise = 0.0
+    tolerance: float | lt.timing.TipTolerance
+    if path_tolerance is None:
+        tolerance = _at_tip(arm, tip_tolerance or _TIP_TOLERANCE)
+        path, noise = _without_noise(recorded)
+    else:
+        robots.refuse("a path in m and rad, without --path-tolerance", tip_tolerance=tip_tolerance)
+        tolerance = path_tolerance
     law = partial(
         lt.keep_timing if keep_timing else lt.retime,
         limits=arm.limits,
         rate=rate,
-        path_tolerance=path_tolerance,
+        path_tolerance=tolerance,
         tip_speed=None if tip_speed is None else lt.timing.TipSpeed(tip_speed, arm.jacobian),
         inverse_dynamics=arm.inverse_dynamics if torques else None,
     )
@@ -77,14 +92,15 @@ def retime(
         "motion": str(out),
         "duration_before": path.duration,
         "duration": timed.duration,
+        **({"smoothed": noise} if noise else {}),
         "samples": len(timed.times),
         "rate": rate,
         "limited_by": _fractions(limited),
     }
-    units = {"duration_before": "s", "duration": "s", "rate": "Hz"}
+    units = {"duration_before": "s", "duration": "s", "rate": "Hz", "smoothed": "rad (m)"}
     output.facts(found, as_json=as_json, units=units)
     unbound, total = limited.get(_NO_LIMIT, 0.0), sum(limited.values())
-    if path_tolerance < _ROUNDED and unbound > 0.5 * total:
+    if (path_tolerance or 0.0) < _ROUNDED and unbound > 0.5 * total:
         output.note(
             f"for {unbound / total:.0%} of the time no limit binds: small bends of the path, "
             "such as tremor, hold the motion back; a larger --path-tolerance, up to 1e-2, rounds "
@@ -95,6 +111,32 @@ def retime(
             output.hint(ctx, "check", out, *output.arm_words(ctx))
         else:
             output.advise(f"run {out} on the robot")
+
+
+def _at_tip(arm: lt.Arm, text: str) -> lt.timing.TipTolerance:
+    from leadthrough.cli import parse
+
+    given = check.array(parse.numbers(text, "--tip-tolerance"), "--tip-tolerance", shape=(2,))
+    position, orientation = (
+        check.number(each, "--tip-tolerance", above=0.0) for each in given.tolist()
+    )
+    turns = [
+        joint.kind != "prismatic"
+        for joint in arm.robot.path(arm.base, arm.tip)
+        if joint.name in arm.joint_names
+    ]
+    return lt.timing.TipTolerance(position, orientation, arm.levers, turns)
+
+
+def _without_noise(path: lt.JointTrajectory) -> tuple[lt.JointTrajectory, float]:
+    """The path without its white noise, and how strong that was, rad (m); 0 if it is not noise."""
+    from leadthrough.preprocess.resample import noise_of, without_noise
+
+    noise = noise_of(path.positions)
+    if not _NOISE[0] < noise < _NOISE[1]:
+        return path, 0.0
+    smooth = without_noise(path.positions)
+    return replace(path, positions=smooth, velocities=None, accelerations=None), noise
 
 
 def _limited_by(bindings: Sequence[lt.timing.Binding]) -> dict[str, float]:

@@ -7,5 +7,5 @@ from leadthrough.timing.limits_report import (
     binding_limits as binding_limits,
     check_limits as check_limits,
 )
-from leadthrough.timing.request import TipSpeed as TipSpeed
+from leadthrough.timing.request import TipSpeed as TipSpeed, TipTolerance as TipTolerance
 from leadthrough.timing.retiming import keep_timing as keep_timing, retime as retime

@@ -20,6 +20,8 @@ _NOMINAL_TOLERANCE = 1e-5  # rad or m: nothing is smoothed up to it
 # Tolerances of smooth paths. All up to the one given are tried, so that more never takes longer.
 _RUNGS = [float(f"{digit}e{power}") for power in range(-5, 0) for digit in (1, 2, 3, 5)][1:]
 _SAME = 1e-9
+# Samples that are nearer than this fraction of the tolerance to the one before are dropped.
+_FRACTION_DROPPED = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +39,45 @@ class TipSpeed:
     def __post_init__(self) -> None:
         check.number(self.limit, "tip_speed", above=0.0)
         _check_function(self.jacobian, "jacobian")
+
+
+@dataclass(frozen=True, eq=False)
+class TipTolerance:
+    """How far a fitted path may take an arm from the samples.
+
+    No point of the arm moves by more: the bound adds up what each joint moves.
+
+    Attributes:
+        position: m, > 0.
+        orientation: of the tip, rad, > 0.
+        levers: (joints,) m per rad, as `Arm.levers`; 1 for prismatic joints, in m per m.
+        turns: (joints,) whether a joint is revolute; by default all are.
+    """
+
+    position: float
+    orientation: float
+    levers: ArrayLike
+    turns: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        check.number(self.position, "position", above=0.0)
+        check.number(self.orientation, "orientation", above=0.0)
+        levers = check.frozen(self.levers, "levers", shape=("joints",))
+        turns = np.ones(len(levers)) if self.turns is None else np.asarray(self.turns, dtype=float)
+        object.__setattr__(self, "levers", levers)
+        object.__setattr__(self, "turns", turns)
+
+    @property
+    def in_joints(self) -> float:
+        """The most, rad (m), by which all joints may be off at once."""
+        levers, turns = np.asarray(self.levers), np.asarray(self.turns)
+        allowed = self.position / max(levers.sum(), 1e-9), self.orientation / max(turns.sum(), 1e-9)
+        return float(min(allowed))
+
+    def allows(self, off: Float64Array) -> bool:
+        """Whether joints may be off by these distances (n, joints), >= 0."""
+        far, angle = (off @ np.asarray(each) for each in (self.levers, self.turns))
+        return bool((far <= self.position).all() and (angle <= self.orientation).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,10 +111,16 @@ class Request:
         margins = fraction[:, None] * self.margins
         return np.clip(q, self.lower + margins, self.upper - margins)
 
-    def smoother(self) -> list[Request]:
-        """The request with the nominal tolerance and with smooth paths up to its tolerance."""
+    @property
+    def dropped(self) -> float:
+        """How near samples are to those kept, of which they are dropped, rad (m)."""
+        return _FRACTION_DROPPED * self.path_tolerance
+
+    def smoother(self, *, endless: bool = False) -> list[Request]:
+        """The request with the nominal tolerance and with smooth paths up to its own, or any."""
         tight = replace(self, path_tolerance=min(self.path_tolerance, _NOMINAL_TOLERANCE))
-        rungs = [rung for rung in _RUNGS if rung <= self.path_tolerance * (1.0 + _SAME)]
+        most = np.inf if endless else self.path_tolerance * (1.0 + _SAME)
+        rungs = [rung for rung in _RUNGS if rung <= most]
         return [tight, *(replace(self, path_tolerance=rung, smooth=True) for rung in rungs)]
 
     @property
@@ -95,6 +142,14 @@ class Request:
             start_velocity=self.start_velocity if first else None,
             end_velocity=self.end_velocity if last else None,
         )
+
+
+def joint_tolerance(path_tolerance: float | TipTolerance, joints: int) -> float:
+    """The tolerance of a path in its joints, rad (m)."""
+    if not isinstance(path_tolerance, TipTolerance):
+        return check.number(path_tolerance, "path_tolerance", above=0.0)
+    check.array(path_tolerance.levers, "path_tolerance: levers", shape=(joints,))
+    return path_tolerance.in_joints
 
 
 def checked_dwell_times(dwell_times: Mapping[int, float] | None, rows: int) -> dict[int, float]:

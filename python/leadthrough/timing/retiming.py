@@ -33,10 +33,10 @@ from leadthrough.timing.limits_report import (
     positions_outside,
     report_of,
 )
-from leadthrough.timing.request import InverseDynamics, Request, TipSpeed
+from leadthrough.timing.request import InverseDynamics, Request, TipSpeed, TipTolerance
 from leadthrough.timing.samples import AT_REST, Samples, time_lines
 from leadthrough.timing.section_law import time_section
-from leadthrough.timing.sections import Lines, Path, Sections, path_of
+from leadthrough.timing.sections import Lines, Path, Section, Sections, path_of
 from leadthrough.trajectories import Curve
 
 # Short sections lose digits: where that shows, the path is timed again, slightly slower.
@@ -52,7 +52,7 @@ def retime(
     limits: JointLimits,
     *,
     rate: float = 1000.0,
-    path_tolerance: float = 1e-5,
+    path_tolerance: float | TipTolerance = 1e-5,
     blend: float = 0.0,
     dwell_times: Mapping[int, float] | None = None,
     start_velocity: ArrayLike | None = None,
@@ -70,8 +70,9 @@ def retime(
             samples, knots or way-points.
         limits: velocity, acceleration and jerk limits of the joints.
         rate: samples per second.
-        path_tolerance: rad (m), how far a fitted path may lie off the samples. Of smooth paths
-            within tolerances up to this one, the fastest is taken: more never takes longer.
+        path_tolerance: how far a fitted path may lie off the samples, rad (m), or a TipTolerance.
+            Of smooth paths within tolerances up to this one, the fastest is taken: more never takes
+            longer.
         blend: rad (m), by how much corners between way-points are cut; with 0 the motion rests
             there, as it may where a cut would be so narrow that resting is faster.
         dwell_times: seconds that the motion rests, by row.
@@ -100,7 +101,7 @@ def retime(
         rate=check.number(rate, "rate", above=0.0),
         lower=limits.lower,
         upper=limits.upper,
-        path_tolerance=check.number(path_tolerance, "path_tolerance", above=0.0),
+        path_tolerance=checks.joint_tolerance(path_tolerance, route.joints),
         blend=check.number(blend, "blend", at_least=0.0),
         dwell_times=checks.checked_dwell_times(dwell_times, route.rows),
         start_velocity=checks.checked_velocity(start_velocity, "start_velocity", route.joints),
@@ -108,9 +109,22 @@ def retime(
         tip_speed=checks.checked_tip_speed(tip_speed),
         inverse_dynamics=checks.checked_dynamics(inverse_dynamics),
     )
-    given = request.smoother() if isinstance(path, JointTrajectory) else [request]
-    motions = [_timed(route, path, limits, each) for each in given]
+    if not isinstance(path, JointTrajectory):
+        return _timed(route, path, limits, request)
+    tip = path_tolerance if isinstance(path_tolerance, TipTolerance) else None
+    motions = list[JointTrajectory]()
+    for each in request.smoother(endless=tip is not None):
+        if tip is not None and motions and not tip.allows(_off(route, path, each)):
+            break
+        motions.append(_timed(route, path, limits, each))
     return min(motions, key=lambda motion: motion.duration)
+
+
+def _off(route: Path, path: JointTrajectory, request: Request) -> Float64Array:
+    """How far the fitted path is from the samples, joint by joint, rad (m) (n, joints)."""
+    parts = [part for part in route.sections(request).parts if isinstance(part, Section)]
+    off = [part.spline.evaluate(part.parameters) - path.positions[part.rows] for part in parts]
+    return np.asarray(np.abs(np.concatenate([np.zeros((1, route.joints)), *off])) + request.dropped)
 
 
 def keep_timing(
@@ -118,7 +132,7 @@ def keep_timing(
     limits: JointLimits,
     *,
     rate: float = 1000.0,
-    path_tolerance: float = 1e-5,
+    path_tolerance: float | TipTolerance = 1e-5,
     dwell_times: Mapping[int, float] | None = None,
     tip_speed: TipSpeed | None = None,
     inverse_dynamics: InverseDynamics | None = None,
@@ -149,7 +163,7 @@ def keep_timing(
         rate=check.number(rate, "rate", above=0.0),
         lower=limits.lower,
         upper=limits.upper,
-        path_tolerance=check.number(path_tolerance, "path_tolerance", above=0.0),
+        path_tolerance=checks.joint_tolerance(path_tolerance, route.joints),
         dwell_times=checks.checked_dwell_times(dwell_times, route.rows),
         earliest_times=motion.times if isinstance(motion, JointTrajectory) else motion.knots,
         tip_speed=checks.checked_tip_speed(tip_speed),

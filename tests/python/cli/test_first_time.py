@@ -71,12 +71,17 @@ def test_a_skill_of_joints_says_why_an_offset_of_the_tool_does_not_fit(folder):
 def test_a_path_with_tremor_is_told_what_makes_it_faster(folder):
     words = ("retime", "recordings/rec0.csv", "--robot", "arm.urdf", "--tip", TIP)
     limited = (*words, "--limits", "arm.toml", "-o", "timed.json")
-    told = said(run(*limited))
+    exact = (*limited, "--path-tolerance", "1e-5")
+    told = said(run(*exact))
     assert re.search(r"note: for \d+% of the time no limit binds", told)
     assert "a larger --path-tolerance, up to 1e-2, rounds them" in told
     smooth = run(*limited, "--path-tolerance", "1e-2")
     assert "note" not in smooth.output
-    assert facts(*limited, "--path-tolerance", "1e-2")["duration"] < facts(*limited)["duration"]
+    fastest = facts(*limited, "--path-tolerance", "1e-2")["duration"]
+    default = facts(*limited)
+    assert fastest < default["duration"] < facts(*exact)["duration"]
+    assert default["smoothed"] == pytest.approx(5e-4, rel=0.2)  # as of so101.motions
+    assert "smoothed" not in facts(*exact)
 
 
 def test_a_motion_that_stands_still_is_its_one_sample(folder):
