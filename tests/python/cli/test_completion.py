@@ -62,7 +62,7 @@ REACHES = [f"recorded/reach{i}.csv" for i in (1, 2, 3)]
         ("leadthrough learn recorded --mod", ["--model"]),
         ("leadthrough learn recorded --model p", ["promp"]),
         ("leadthrough learn recorded --angles ", ["radians", "degrees", "percent"]),
-        ("leadthrough learn recorded --model promp --set w", ["weights=20", "width=1.0"]),
+        ("leadthrough learn recorded --model promp --set w", ["weights=None", "width=1.0"]),
         ("leadthrough learn rec", REACHES),
         ("leadthrough learn recorded/reach2", ["recorded/reach2.csv"]),
         ("leadthrough plan ", ["bin/", "recorded/", "skill.npz"]),

@@ -33,6 +33,7 @@ from leadthrough.models.promp.basis import (
 from leadthrough.models.promp.conditioning import Primitive, TaskMap
 from leadthrough.models.promp.estimation import (
     Experience,
+    Fit,
     Samples,
     checked_phases,
     expectation_maximisation,
@@ -58,6 +59,9 @@ Estimator: TypeAlias = Literal["least_squares", "em"]
 # be spared outside the motion.
 _EARLIER_MARGIN, _SMALL_MARGIN = 1.0, 0.25
 _FEW = 15
+# The number of weights that follows from the data: the first, and the largest; the misfit of curves
+# from which on more are of use, as a fraction of the extent, and the samples that each needs.
+_WEIGHTS, _MAX_FOLLOWING, _MISSED, _SAMPLES_A_WEIGHT = 20, 320, 0.02, 4
 # Attributes of a skill that another distribution of the weights leaves as they are.
 _KEPT = ("model", "basis", "coordinates", "noise", "scale", "duration", "bounds")
 _MIN_WEIGHTS, _MAX_WEIGHTS = 5, 40  # the range worth trying on a slider
@@ -68,7 +72,9 @@ class ProMP(Unfitted):
     """A probabilistic movement primitive of points, joints or poses.
 
     Attributes:
-        weights: number of basis functions per column, 4 to 10,000.
+        weights: number of basis functions per column, 4 to 10,000; None for as few, doubled from 20
+            up to 320, as keep least-squares curves within 2 % of the positions' extent (root mean
+            square), with at least four samples each.
         basis: "gaussian", "bspline", or "rhythmic" for motions of one period that end where they
             began.
         width: standard deviation of the Gaussian and rhythmic functions, in spacings of their
@@ -84,7 +90,7 @@ class ProMP(Unfitted):
             0.25 for fewer than 15 functions.
     """
 
-    weights: int = 20
+    weights: int | None = None
     basis: BasisKind = "gaussian"
     width: float = 1.0
     estimator: Estimator = "least_squares"
@@ -92,7 +98,8 @@ class ProMP(Unfitted):
     margin: float | None = None
 
     def __post_init__(self) -> None:
-        check.integer(self.weights, "weights", at_least=MIN_FUNCTIONS, at_most=10_000)
+        if self.weights is not None:
+            check.integer(self.weights, "weights", at_least=MIN_FUNCTIONS, at_most=10_000)
         check.choice(self.basis, "basis", KINDS)
         check.number(self.width, "width", at_least=0.3, at_most=3.0)
         check.choice(self.estimator, "estimator", get_args(Estimator))
@@ -136,12 +143,12 @@ class ProMP(Unfitted):
             for i, (motion, u) in enumerate(zip(motions, at, strict=True))
         ]
         samples = Samples(at, columns, scales(columns, coordinates))
-        basis = _basis_of(self)
         if self.estimator == "em":
+            basis = _basis_of(self)
             fit = expectation_maximisation(basis, samples)
         else:
             refuse_parts(at)
-            fit = least_squares(basis, samples, self.regularization)
+            basis, fit = self._least_squares(samples, coordinates.size)
         whole = [m.duration / float(u[-1] - u[0]) for m, u in zip(motions, at, strict=True)]
         duration = float(np.median(whole))
         experience = None
@@ -149,7 +156,7 @@ class ProMP(Unfitted):
             paces = np.log(np.divide(whole, duration))
             experience = Experience(basis, fit.curves, paces, fit.noise, samples.scale)
         return ProMPSkill(
-            self,
+            replace(self, weights=basis.count),
             basis,
             coordinates,
             fit.weights,
@@ -158,6 +165,20 @@ class ProMP(Unfitted):
             duration,
             experience=experience,
         )
+
+    def _least_squares(self, samples: Samples, size: int) -> tuple[Basis, Fit]:
+        """Curves through positions, the first columns, and others, with the basis they need."""
+        model = self
+        extents = [np.linalg.norm(np.ptp(each[:, :size], axis=0)) for each in samples.columns]
+        missed = _MISSED * float(np.mean(extents))
+        most = min(_MAX_FOLLOWING, min(map(len, samples.phases)) // _SAMPLES_A_WEIGHT)
+        while True:
+            basis = _basis_of(model)
+            fit = least_squares(basis, samples, self.regularization)
+            is_near = float(np.sqrt(fit.noise[:size].sum())) <= missed or missed == 0.0
+            if self.weights is not None or is_near or 2 * basis.count > most:
+                return basis, fit
+            model = replace(self, weights=2 * basis.count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -513,7 +534,7 @@ def _model_of(settings: dict[str, Any]) -> ProMP:
 
 
 def _basis_of(model: ProMP) -> Basis:
-    margin = model.margin
+    margin, count = model.margin, _WEIGHTS if model.weights is None else model.weights
     if margin is None:
-        margin = _EARLIER_MARGIN if model.weights >= _FEW else _SMALL_MARGIN
-    return Basis(model.basis, model.weights, float(model.width), float(margin))
+        margin = _EARLIER_MARGIN if count >= _FEW else _SMALL_MARGIN
+    return Basis(model.basis, count, float(model.width), float(margin))

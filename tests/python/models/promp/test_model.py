@@ -25,6 +25,17 @@ def test_mean_and_spread_are_those_of_the_demonstrations(shown):
     np.testing.assert_allclose(deviation, curves.std(axis=0, ddof=1), atol=0.05)
 
 
+def test_the_number_of_weights_follows_a_long_motion_and_is_saved(tmp_path):
+    t = np.linspace(0.0, 86.0, 1500)
+    path = np.column_stack([0.01 * t, 0.2 * np.sin(1.5 * t), 0.1 * np.cos(1.1 * t)])
+    skill = lt.ProMP().fit([lt.Trajectory(t, path)])
+    assert np.abs(skill.distribution(t[::50])[0] - path[::50]).max() < 0.01
+    assert skill.model.weights == skill.basis.count > 20
+    skill.save(tmp_path / "skill.npz")
+    assert lt.load_skill(tmp_path / "skill.npz").model == skill.model
+    assert lt.ProMP().fit([lt.Trajectory(t[:90], path[:90])]).model.weights == 20
+
+
 @pytest.mark.parametrize("estimator", ["least_squares", "em"])
 def test_tiny_and_singular_sets_give_usable_models(estimator, shown):
     demonstrations = shown(1)
