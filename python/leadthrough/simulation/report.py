@@ -244,14 +244,17 @@ def findings(
         if joint is not None:
             yield Finding("unstable", period * (len(run.q) - 1), names[joint])
             return
-        yield from worst("torque", np.abs(run.demanded) / real.drives.effort)
+        # The errors that follow from a contact are none of their own.
+        free = slice(run.touches[0][0] + 1 if run.touches else None)
+        yield from worst("torque", np.abs(run.demanded[free]) / real.drives.effort)
         for each in contacts:
             yield Finding("contact", each.start, bodies=each.bodies, ratio=each.force)
-        yield from worst("tracking", np.abs(plan.q - run.q) / allowed)
+        yield from worst("tracking", np.abs(plan.q - run.q)[free] / allowed)
+        errors = tip_errors[free]
         for kind, most in tolerances.items():
-            if tip_errors.max() > most:
-                first = int(np.argmax(tip_errors > most))
-                ratio = float(tip_errors.max() / most) if most else np.inf
+            if errors.max() > most:
+                first = int(np.argmax(errors > most))
+                ratio = float(errors.max() / most) if most else np.inf
                 yield Finding(kind, period * first, ratio=ratio)
 
     return tuple(found())
