@@ -6,10 +6,9 @@ from typing import Annotated
 
 import typer
 
-from leadthrough.cli.checks import check, simulate
 from leadthrough.cli.command import PROFILE, Command, Commands
 from leadthrough.cli.learn import learn
-from leadthrough.cli.motions import guard, retime
+from leadthrough.cli.motions import check, guard, retime, simulate
 from leadthrough.cli.options import flattened
 from leadthrough.cli.plan import plan
 from leadthrough.cli.recordings import clean, info, judge

@@ -117,7 +117,7 @@ def learn(
     with output.busy("learning"), output.naming(**words, path="--out"):
         if "rhythmic" not in repr(chosen).lower():  # a rhythm may be any number of periods long
             outliers.refuse_contradictions(ctx, demonstrations)
-        with _told(ctx, demonstrations):
+        with _reporting_misalignment(ctx, demonstrations):
             skill = lt.learn(demonstrations) if chosen is None else chosen.fit(demonstrations)
         near = lt.models.reproduction(skill, demonstrations)
         skill.save(out)
@@ -237,7 +237,9 @@ def _refuse_other_kinds(model: str, demonstrations: list[lt.Demonstration]) -> N
 
 
 @contextmanager
-def _told(ctx: typer.Context, demonstrations: list[lt.Demonstration]) -> Iterator[None]:
+def _reporting_misalignment(
+    ctx: typer.Context, demonstrations: list[lt.Demonstration]
+) -> Iterator[None]:
     """Prints warnings of misaligned demonstrations on stderr, with names and the cure."""
 
     with warnings.catch_warnings(record=True) as caught:

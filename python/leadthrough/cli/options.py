@@ -71,7 +71,7 @@ Obstacles = Annotated[
         help="Obstacle in the arm's base frame, in m: box:SX,SY,SZ@X,Y,Z, sphere:R@X,Y,Z, "
         "capsule:R,L@X,Y,Z, cylinder:R,L@X,Y,Z, mesh:FILE@X,Y,Z (hulls of its parts; FILE,0.001 "
         "for one in mm) or cloud:FILE,R@X,Y,Z (balls of radius R around points); append the "
-        "quaternion /W,X,Y,Z to turn it. Of files the place may be left out. May be repeated.",
+        "quaternion /W,X,Y,Z to rotate it. A file needs no position. May be repeated.",
         autocompletion=completion.obstacles,
     ),
 ]
@@ -186,7 +186,7 @@ class RestOptions:
             all of it.
         speed: Speed at which a motion begins, in m/s (rad/s for joints); below half of it the
             arm stands still. By default it follows from the recording's noise.
-        angular_speed: The same for the turning of poses, in rad/s.
+        angular_speed: The same for the orientation of poses, in rad/s.
     """
 
     rest: float = 0.0

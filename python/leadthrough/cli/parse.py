@@ -63,7 +63,7 @@ def _shape(text: str) -> Shape:
 
 
 def _from_file(kind: str, text: str) -> Shape:
-    """A mesh or a cloud: the file, a number, and a place, which may be left out."""
+    """A mesh or a cloud: the file, a number, and a position, which may be left out."""
     from leadthrough.io import read_mesh, read_point_cloud
 
     parts = _FILE.fullmatch(text)
@@ -100,7 +100,7 @@ def end(text: str, motion: Motion, index: int, name: str) -> Target:
 
 
 def moved(text: str, motion: Motion, index: int, name: str) -> Target:
-    """The first or last place of a motion, moved by an offset; arguments as for `end`."""
+    """The first or last position of a motion, moved by an offset; arguments as for `end`."""
     offset = numbers(text, name)
     position = motion.positions[index]
     if len(offset) != len(position):
@@ -110,7 +110,7 @@ def moved(text: str, motion: Motion, index: int, name: str) -> Target:
 
 
 def _coordinates(motion: Motion) -> str:
-    """How many numbers a place of a motion has, and why where that may surprise."""
+    """How many numbers a position of a motion has, with the reason for joints."""
     count = motion.positions.shape[1]
     if not isinstance(motion, JointTrajectory):
         return f"{count} numbers"
@@ -126,7 +126,7 @@ def columns(given: Sequence[str]) -> dict[str, list[str]] | None:
 
 
 def places(text: str, middle: Float64Array, name: str) -> TargetRegion:
-    """A region: distances to both sides of a place, or two corners, with /ANGLE for poses."""
+    """A region: distances to both sides of a position, or two corners, with /ANGLE for poses."""
     sides, _, angle = text.partition("/")
     corners = [numbers(part, name) for part in sides.split(":")]
     for corner in corners:

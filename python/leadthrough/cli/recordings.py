@@ -242,7 +242,7 @@ def judge(
     task_timeout: options.TaskTimeout = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Tell which recordings of a motion are faulty or unlike the others, and what each is worth.
+    """Report which recordings of a motion are faulty or unlike the others, and the worth of each.
 
     leadthrough judge recorded/*.csv --goals 0.1,0.1,0.05
 
@@ -252,7 +252,7 @@ def judge(
         parameter: Parameter of the model, such as weights=80; may be repeated.
         goals: Region in which the next demonstration may end, to suggest where: distances DX,DY,DZ
             to both sides of the recordings' mean goal, or two corners X,Y,Z:X,Y,Z.
-        out: Folder that keeps what is computed, to go on there.
+        out: Folder for finished results, from which the command resumes.
     """
     import numpy as np
 

@@ -35,13 +35,13 @@ def validate(
     """Measure how often the arm can run a skill's motion, for queries at random from regions.
 
     Each motion is planned, retimed and checked. The folder gets report.html, results.json and
-    manifest.json; run the same command again to go on with one that was stopped.
+    manifest.json; run the same command again to resume one that was stopped.
 
     leadthrough validate pour.npz --robot panda --goals 0.1,0.1,0.05 --runs 5000 --on local:4
 
     Options:
         goals: Region of the goals: the distances DX,DY,DZ to both sides of the demonstrated one, or
-            two corners X,Y,Z:X,Y,Z (m, rad); /ANGLE appended turns poses by up to so many rad.
+            two corners X,Y,Z:X,Y,Z (m, rad); /ANGLE appended rotates poses by up to so many rad.
         starts: Region of the starts, in the form of --goals.
         random_obstacle: Obstacle at a random position: one as of --obstacle, then ~DX,DY,DZ, how
             far it may be from there, in m. May be repeated.
@@ -129,7 +129,7 @@ def reach(
     task_timeout: options.TaskTimeout = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Map where an arm's tip can be and how well it moves there; or find where it must stand.
+    """Map the positions that an arm's tip reaches, or find where to place the arm's base.
 
     leadthrough reach --robot panda --spacing 0.05 --on local:4 -o reach.npz
 
@@ -139,13 +139,13 @@ def reach(
         out: File to write, an .npz; a picture .png is written beside it.
         volume: Region that the tip is to reach: two corners X,Y,Z:X,Y,Z, in m; by default the whole
             reach.
-        spacing: Distance between neighbouring places, in m.
-        orientations: Number of orientations that are tried at each place.
-        skill: Skill of poses that the arm is to run; finds where it must stand.
+        spacing: Distance between neighbouring positions, in m.
+        orientations: Number of orientations that are tried at each position.
+        skill: Skill of poses that the arm is to run; finds positions of the base.
         area: With --skill, where the base may stand in the frame of the skill's motion: two corners
             X,Y,Z:X,Y,Z, in m.
         yaws: With --skill, number of directions that the base may face.
-        folder: Folder that keeps what is computed, to go on there.
+        folder: Folder for finished results, from which the command resumes.
     """
     from leadthrough.cli import parse, reading, robot as robots
 

@@ -1,7 +1,7 @@
 """Files written whole or not at all, and read within limits, so that none exhausts the memory.
 
 Everything that is written goes to a new name in the same folder first, is brought onto the disk and
-then takes the place of what was there. A link stays one, and what it points to is written; a file
+then replaces what was there. A link stays one, and what it points to is written; a file
 keeps its mode; devices, pipes and sockets are refused.
 
 Each reader makes a `ReadLimits` and asks it before it takes memory: the size of the inflated data

@@ -40,7 +40,7 @@ def read_demonstrations(
     """The demonstrations in one or several files, in their order; files with faults are refused.
 
     Rest before and after the motion is left out, as `preprocess.trim` does; times
-    are as in the file. For motions that an arm is to run, whole, there is `read_motion`.
+    are as in the file. `read_motion` reads a motion that an arm is to run, whole.
 
     Formats are text tables (.csv, .tsv, .txt), NumPy's .npz and .npy, .mat, ROS 2 JointTrajectory
     (.json, .yaml), ROS bags (.bag, .mcap, .db3 or a folder; extra `ros`), robomimic (.hdf5; extra

@@ -1,7 +1,7 @@
 """Controllers of the joints: torques from where the arm should be and where it is.
 
 A controller is a frozen description; `law` makes the function of a run. Each law also states its
-own linear model, from which `leadthrough.simulation.simulate` tells what error it allows.
+own linear model, from which `leadthrough.simulation.simulate` derives the error that it allows.
 """
 
 from __future__ import annotations
@@ -297,7 +297,7 @@ class CartesianImpedance(Controller):
             stiffest: largest stiffness, N/m, >= softest.
 
         Raises:
-            InvalidInput: if the skill has no distribution of places.
+            InvalidInput: if the skill has no distribution of positions.
         """
         if not isinstance(skill, Distributed):
             raise InvalidInput(
@@ -310,7 +310,7 @@ class CartesianImpedance(Controller):
             covariance = jacobian @ covariance @ jacobian.transpose(0, 2, 1)
             mean, _ = arm.forward_kinematics(mean)
         elif skill.coordinates.size != 3:
-            raise InvalidInput("skill: expected one of places in 3-D or of joints")
+            raise InvalidInput("skill: expected one of points in 3-D, of poses or of joints")
         profile = stiffness_profile(covariance[:, :3, :3], softest=softest, stiffest=stiffest)
         gone = np.linalg.norm(np.diff(mean[:, :3], axis=0), axis=1).cumsum()
         at = np.concatenate([[0.0], gone]) / max(float(gone[-1]), np.finfo(float).tiny)
@@ -392,7 +392,7 @@ class _AtTip(Law):
 
 
 def _pose_error(arm: Arm, wanted: Float64Array, q: Float64Array) -> Float64Array:
-    """The way (3,), m, and the turn (3,), rad, from where the tip is to where it should be."""
+    """Translation (3,), m, and rotation vector (3,), rad, from the tip to its target."""
     (there, turned), (here, now) = arm.forward_kinematics(wanted), arm.forward_kinematics(q)
     a0, a1, a2, a3 = turned.tolist()
     b0, b1, b2, b3 = now.tolist()

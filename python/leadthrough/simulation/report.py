@@ -103,7 +103,7 @@ class SimulationReport(Drawn):
 
     Attributes:
         arm: the arm, as its controller knows it.
-        planned: commanded, with the ways onto the motion and to rest, a period apart.
+        planned: commanded, with the approach and the way to rest, a period apart.
         simulated: the arm's motion.
         span: from when to when the motion that was given lasts, s.
         torques: of the motors (n, joints), N m (N).
@@ -111,7 +111,7 @@ class SimulationReport(Drawn):
         expected: tracking errors (n, joints), rad (m), by the linear theory of the controller.
         allowed: the largest tracking error (joints,), rad (m), that the gains allow by theory.
         tip_errors: distances (n,) of the tip from where it should be, m.
-        tip_turns: angles (n,) of the tip from how it should be turned, rad.
+        tip_turns: orientation errors (n,) of the tip, rad.
         contacts: in the order of time.
         energy: (joints,), J, that the motors put in; what they take up while they brake does not
             count.

@@ -74,8 +74,8 @@ def validate(
 ) -> Validation:
     """Success rate of the skill's motions on the arm, for queries drawn at random from regions.
 
-    Each query goes the whole way: the skill's motion is planned for the whole arm, retimed inside
-    its limits and checked, limits and collisions. The answer is the same wherever it is computed.
+    For each query the skill's motion is planned for the whole arm, retimed inside its limits and
+    checked for limits and collisions. The answer is the same wherever it is computed.
 
     Args:
         skill: of poses, of points in 3-D, or of the arm's joints, fitted or loaded.
