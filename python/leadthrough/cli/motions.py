@@ -12,7 +12,6 @@ from pathlib import Path
 import typer
 
 import leadthrough as lt
-from leadthrough import check
 from leadthrough.cli import options, output
 
 _NO_LIMIT = "no limit"
@@ -119,10 +118,7 @@ def retime(
 def _at_tip(arm: lt.Arm, text: str) -> lt.timing.TipTolerance:
     from leadthrough.cli import parse
 
-    given = check.array(parse.numbers(text, "--tip-tolerance"), "--tip-tolerance", shape=(2,))
-    position, orientation = (
-        check.number(each, "--tip-tolerance", above=0.0) for each in given.tolist()
-    )
+    position, orientation = parse.tolerances(text, "--tip-tolerance")
     turns = [
         joint.kind != "prismatic"
         for joint in arm.robot.path(arm.base, arm.tip)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.certificate import TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Target
@@ -31,6 +32,13 @@ def numbers(text: str, name: str) -> Float64Array:
         return np.array([float(part) for part in text.split(",")])
     except ValueError:
         raise InvalidInput(f"{name}: expected numbers such as 0.4,0,0.3, got {text!r}") from None
+
+
+def tolerances(text: str, name: str) -> tuple[float, float]:
+    """Errors M,RAD of a position and an orientation, each > 0."""
+    given = check.array(numbers(text, name), name, shape=(2,)).tolist()
+    position, orientation = (check.number(each, name, above=0.0) for each in given)
+    return position, orientation
 
 
 def obstacle(text: str) -> Shape:

@@ -192,10 +192,7 @@ def options_of(
     """The arguments of `Arm.follow` that the command's options make."""
     options = lt.arm.FollowOptions()
     if tolerance is not None:
-        given = check.array(parse.numbers(tolerance, "--tolerance"), "--tolerance", shape=(2,))
-        position, orientation = (
-            check.number(each, "--tolerance", above=0.0) for each in given.tolist()
-        )
+        position, orientation = parse.tolerances(tolerance, "--tolerance")
         options = lt.arm.FollowOptions(
             position_tolerance=position, orientation_tolerance=orientation
         )
