@@ -7,7 +7,6 @@ import pytest
 from refusals import raised, refused
 
 import leadthrough as lt
-from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.sanity import ImplausibleInputWarning
 
@@ -113,17 +112,6 @@ def test_an_obstacle_in_millimetres_is_warned_of_by_the_arm(panda):
         with pytest.warns(ImplausibleInputWarning, match=r"obstacles\[0\]: .* in m, not mm"):
             panda.check(home, [wrong])
     assert panda.check(home, [table()]).ok
-
-
-def test_another_arm_than_the_one_shown_is_warned_of(panda):
-    turn = np.array([0, 0, 0, -1.5, 0, 1.5, 0]) + np.outer(WAY, np.full(7, 0.3))
-    shown = panda.poses(lt.JointTrajectory(T, turn, joint_names=panda.joint_names))
-    longer = panda.with_tool((0.0, 0.0, 0.2))
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        warn_of_another_arm(panda._chain, lt.DMP().fit([shown]).generate())
-    with pytest.warns(ImplausibleInputWarning, match="robot: .* tip is up to 0.2 m from"):
-        warn_of_another_arm(longer._chain, shown)
 
 
 VAST = np.broadcast_to(np.float64(1.0), (10**6, 10**6))  # takes eight bytes itself

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from motions import configurations
 from refusals import raised, refused
+from shapes.meshes import mesh_of
 from urdfs import one_joint
 
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import InvalidRobot
-from leadthrough.shapes import surface
 from leadthrough_studies.coal_arm import CoalArm
 
 BUNDLED = ("panda", "ur3", "tiago")
@@ -369,9 +369,7 @@ def test_clear_is_what_distances_say(arm):
 
 
 def shelf(place):
-    boards = [surface.box(np.array([0.3, 0.4, 0.02])).moved(np.array([0, 0, z])) for z in (0, 0.3)]
-    whole = surface.merged(boards)
-    return lt.Mesh(whole.vertices, whole.faces, place)
+    return mesh_of(*(lt.Box((0.3, 0.4, 0.02), (0, 0, z)) for z in (0, 0.3)), place=place)
 
 
 def test_a_sheet_of_points_between_two_samples_is_found(panda):
@@ -399,10 +397,10 @@ def test_the_elbow_goes_around_a_cloud_and_a_mesh_while_the_tip_keeps_its_path(p
     motion = lt.PoseTrajectory(3.0 * u, line, [(0.0, 1.0, 0.0, 0.0)] * 101)
     seed = [0.6, -0.5, 0.0, -2.4, 0.0, 2.0, 1.4]
     blind = panda.follow(motion, q0=seed)
-    box = surface.box(np.array([0.1, 0.4, 0.2])).moved(np.array([-0.15, 0.0, 0.65]))
+    box = mesh_of(lt.Box((0.1, 0.4, 0.2), (-0.15, 0.0, 0.65)))
     steps = np.linspace(-0.5, 0.5, 21)
     grid = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3) * (0.1, 0.4, 0.2)
-    for there in (lt.Mesh(box.vertices, box.faces), lt.PointCloud(grid, 0.012, (-0.15, 0.0, 0.65))):
+    for there in (box, lt.PointCloud(grid, 0.012, (-0.15, 0.0, 0.65))):
         assert not panda.check(blind, [there]).ok
         around = panda.follow(motion, scene=lt.Scene([there], 0.01), q0=seed)
         assert panda.check(around, lt.Scene([there], 0.005)).ok
@@ -416,9 +414,8 @@ def test_planners_keep_clear_of_clouds_and_meshes():
         [0.4 * lt.trajectories.minimum_jerk_time_scaling(t / 2), 0 * t, 0 * t + 0.2]
     )
     shown = [lt.Demonstration(lt.Trajectory(t, line + off * Y)) for off in (-0.01, 0.0, 0.01)]
-    ball = surface.sphere(0.05).moved(np.array([0.2, 0.01, 0.2]))
-    mesh = lt.Mesh(ball.vertices, ball.faces)
-    cloud = lt.PointCloud(ball.vertices, 0.01)
+    mesh = mesh_of(lt.Sphere(0.05, (0.2, 0.01, 0.2)))
+    cloud = lt.PointCloud(mesh.vertices, 0.01)
     for model in (lt.FastMarching(resolution=0.02), lt.DMP()):
         for there in (mesh, cloud):
             made = model.fit(shown).generate(obstacles=[there])
@@ -436,8 +433,8 @@ def test_a_task_keeps_a_point_away_from_a_cloud(panda):
 
 def test_a_held_mesh_counts_and_weighs_as_its_hull(panda):
     size = np.array([0.1, 0.25, 0.4])
-    box, outside = lt.Box(size, (0.02, 0.03, 0.3), TILT), surface.box(size)
-    mesh = lt.Mesh(outside.vertices, outside.faces, box.position, TILT)
+    box = lt.Box(size, (0.02, 0.03, 0.3), TILT)
+    mesh = mesh_of(lt.Box(size, np.zeros(3)), place=box.position, turn=TILT)
     ours, theirs = (panda.with_attached(each, 2.0) for each in (mesh, box))
     np.testing.assert_allclose(
         ours.attachment.loads[0].inertia, theirs.attachment.loads[0].inertia, atol=1e-12

@@ -15,7 +15,7 @@ from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.io.files import making_folder, replacing
+from leadthrough.io.files import replacing
 
 SUFFIXES = ("csv", "npz", "json", "yaml", "mcap", "db3", "script")
 
@@ -69,8 +69,7 @@ def test_paths_that_no_file_can_have_are_refused(tmp_path, monkeypatch, ur_motio
         lt.load_skill(path)
     with pytest.raises(InvalidInput, match="path"), replacing(path) as temporary:
         temporary.touch()
-    with pytest.raises(InvalidInput, match="path"), making_folder(path) as temporary:
-        temporary.mkdir()
+    refused("path", lt.write_motion, ur_motion, path, format="rosbag")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -18,7 +18,6 @@ from leadthrough.planning import (
     plan,
     plan_many,
 )
-from leadthrough.planning.speed_map import add_passable_obstacles
 
 CELLS = lt.Grid((1.0, -2.0, 0.5), (0.1, 0.2, 0.3), (4, 5, 6))
 
@@ -86,16 +85,6 @@ def test_a_plane_grid_is_cut_at_height_zero():
     points = np.column_stack([flat, np.zeros(len(flat))])
     expected = np.min([shape.distance(points) for shape in SHAPES], axis=0) <= 0.0
     np.testing.assert_array_equal(occupied(grid, SHAPES), expected.reshape(grid.shape))
-
-
-@pytest.mark.parametrize(("height", "in_the_tube"), [(0.0, True), (0.28, False)])
-def test_ways_round_lead_only_where_an_obstacle_stands_in_a_tube(height, in_the_tube):
-    grid = lt.Grid((-0.5, -0.5), 0.02, (51, 51))
-    speed = np.full(grid.shape, 0.1)
-    speed[:, 23:28] = 1.0  # a tube along x, 0.05 m to either side
-    ball = [lt.Sphere(0.15, (0.0, height, 0.0))]
-    found = add_passable_obstacles(speed, grid, ball, band=0.1, saturation=0.1, reach=0.2)
-    assert (found > speed).any() == in_the_tube
 
 
 def test_no_obstacle_occupies_nothing():

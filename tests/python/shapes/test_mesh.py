@@ -4,25 +4,23 @@ import coal
 import numpy as np
 import pytest
 from refusals import refused
+from shapes.meshes import mesh_of
 
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.planning import occupied
-from leadthrough.shapes import surface
 
 TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
 PLACE = np.array([0.4, -0.2, 0.9])
 QUERIES = PLACE + np.random.default_rng(2).uniform(-1, 1, (400, 3))
 
 
-def mesh_of(*surfaces, place=PLACE, turn=TURN):
-    whole = surface.merged(surfaces)
-    return lt.Mesh(whole.vertices, whole.faces, place, turn)
-
-
 def test_a_mesh_of_a_box_is_as_far_as_the_box():
     size = np.array([0.4, 0.6, 1.0])
-    box, mesh = lt.Box(size, PLACE, TURN), mesh_of(surface.box(size))
+    box, mesh = (
+        lt.Box(size, PLACE, TURN),
+        mesh_of(lt.Box(size, np.zeros(3)), place=PLACE, turn=TURN),
+    )
     np.testing.assert_allclose(mesh.distance(QUERIES), box.distance(QUERIES), atol=1e-7)
     np.testing.assert_allclose(mesh.middle, box.middle, atol=1e-12)
     np.testing.assert_allclose(mesh.half_extents, box.half_extents, atol=1e-12)
@@ -45,23 +43,21 @@ def test_distance_of_a_hull_is_that_of_coal():
 
 
 def test_room_between_parts_stays_free_and_inside_a_part_does_not():
-    boards = [surface.box(np.array([0.5, 0.5, 0.02])).moved(np.array([0, 0, z])) for z in (0, 0.4)]
-    shelf = mesh_of(*boards, place=np.zeros(3), turn=(1, 0, 0, 0))
+    shelf = mesh_of(*(lt.Box((0.5, 0.5, 0.02), (0, 0, z)) for z in (0, 0.4)))
     assert len(shelf.parts) == 2
     np.testing.assert_allclose(shelf.distance([[0, 0, 0.2], [0, 0, 0.4]]), [0.19, -0.01], atol=1e-7)
-    bracket = [surface.box(np.array([0.5, 0.02, 0.02])), surface.box(np.array([0.02, 0.5, 0.02]))]
-    joined = surface.merged(bracket)
+    joined = mesh_of(lt.Box((0.5, 0.02, 0.02), (0, 0, 0)), lt.Box((0.02, 0.5, 0.02), (0, 0, 0)))
     faces = np.concatenate([joined.faces, [[0, 8, 9]]])
     (part,) = lt.Mesh(joined.vertices, faces).parts
     assert lt.Mesh(part.vertices, part.faces).distance([[0.1, 0.1, 0.0]])[0] < 0.0
 
 
 def test_vertices_at_one_place_are_one_as_in_stl_files():
-    box = surface.box(np.array([0.4, 0.6, 1.0]))
+    box = mesh_of(lt.Box((0.4, 0.6, 1.0), (0, 0, 0)), place=PLACE, turn=TURN)
     triangles = box.vertices[box.faces].reshape(-1, 3)
     mesh = lt.Mesh(triangles, np.arange(len(triangles)).reshape(-1, 3), PLACE, TURN)
     assert len(mesh.parts) == 1
-    np.testing.assert_allclose(mesh.distance(QUERIES), mesh_of(box).distance(QUERIES), atol=1e-8)
+    np.testing.assert_allclose(mesh.distance(QUERIES), box.distance(QUERIES), atol=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.shapes import MovingObstacle, RandomObstacle
-from leadthrough.shapes.scene import PLANNING_TOLERANCE, as_scene
+from leadthrough.shapes import MovingObstacle, RandomObstacle, as_scene
 
 BALL = lt.Sphere(0.1, (0.5, 0.0, 0.3))
 BOX = lt.Box((0.1, 0.1, 0.1), (0.4, 0.2, 0.1))
@@ -32,8 +31,8 @@ def test_scene_is_frozen_and_survives_pickling():
 
 def test_planning_keeps_tolerance_beyond_both_margins():
     scene = lt.Scene([BALL], 0.004, 0.001).for_planning()
-    assert scene.margin == pytest.approx(0.004 + PLANNING_TOLERANCE)
-    assert scene.self_collision_margin == pytest.approx(0.001 + PLANNING_TOLERANCE)
+    assert scene.margin == pytest.approx(0.0042)
+    assert scene.self_collision_margin == pytest.approx(0.0012)
     assert lt.Scene([BALL]).for_planning().self_collision_margin == 0.0
 
 

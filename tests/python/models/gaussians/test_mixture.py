@@ -9,7 +9,6 @@ from scipy.stats import multivariate_normal
 import leadthrough as lt
 from leadthrough.errors import FitError
 from leadthrough.models import Mixture, choose_components, fit_mixture, kmeans, trace_mixture
-from leadthrough.models.mixtures.phases import sampled
 
 
 def random_mixture(count=3, size=4, seed=0):
@@ -108,7 +107,10 @@ def test_fit_is_as_likely_as_the_best_of_five_of_scikit_learn(count, size, seed)
 @pytest.mark.parametrize("name", ["Angle", "CShape", "JShape"])
 def test_handwriting_is_as_likely_as_with_the_best_of_five_of_scikit_learn(name):
     sklearn_mixture = pytest.importorskip("sklearn.mixture")
-    points = sampled(lt.io.lasa.load(name)).points
+    shown = [each.motion for each in lt.io.lasa.load(name)]
+    points = np.concatenate(
+        [np.column_stack([m.times / m.times[-1], m.positions])[::10] for m in shown]
+    )
     points = (points - points.mean(axis=0)) / points.std(axis=0)
     peer = sklearn_mixture.GaussianMixture(8, n_init=5, max_iter=500, tol=1e-5, random_state=1).fit(
         points

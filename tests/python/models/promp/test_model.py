@@ -11,7 +11,6 @@ from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.io import lasa
 from leadthrough.models import MisalignmentWarning
-from leadthrough.models.promp.model import from_archive
 
 TIMES = np.linspace(0.0, 2.0, 200)
 
@@ -359,13 +358,3 @@ def test_detail_finer_than_the_functions_is_told_nearly_as_well_as_by_any_functi
     least = np.sqrt(beyond.clip(0.0).sum() / len(PHASES))
     assert least > 0.18  # of detail whose height is 1
     assert rms(ours - curves.mean(axis=0)) <= 1.16 * least
-
-
-def test_files_without_a_margin_have_the_one_of_their_time():
-    shown = [lt.Trajectory(PHASES, np.column_stack([PHASES, PHASES**2]))]
-    skill = lt.ProMP(weights=8, margin=1.0).fit(shown)
-    settings, arrays = skill.to_archive()
-    settings["model"].pop("margin")
-    again = from_archive(settings, arrays)
-    np.testing.assert_array_equal(again.generate().positions, skill.generate().positions)
-    assert lt.ProMP(weights=8).fit(shown).basis.centres[0] == pytest.approx(-0.25 / 6.5)

@@ -16,6 +16,7 @@ from leadthrough.planning.speed_map import (
     SaturatedField,
     TubeField,
     Walls,
+    add_passable_obstacles,
     quickest,
     speeds_at,
 )
@@ -181,3 +182,13 @@ def test_threads_find_the_same_bits():
         found = list(pool.map(lambda _: quickest(field, path[0], path[-1]), range(4)))
     for each in found[1:]:
         np.testing.assert_array_equal(each, found[0])
+
+
+@pytest.mark.parametrize(("height", "in_the_tube"), [(0.0, True), (0.28, False)])
+def test_ways_round_lead_only_where_an_obstacle_stands_in_a_tube(height, in_the_tube):
+    grid = lt.Grid((-0.5, -0.5), 0.02, (51, 51))
+    speed = np.full(grid.shape, 0.1)
+    speed[:, 23:28] = 1.0  # a tube along x, 0.05 m to either side
+    ball = [lt.Sphere(0.15, (0.0, height, 0.0))]
+    found = add_passable_obstacles(speed, grid, ball, band=0.1, saturation=0.1, reach=0.2)
+    assert (found > speed).any() == in_the_tube

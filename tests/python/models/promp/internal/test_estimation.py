@@ -17,6 +17,7 @@ from leadthrough.models.promp.estimation import (
     maximisation,
 )
 from leadthrough.models.promp.gaussian import Gaussian
+from leadthrough.models.promp.model import from_archive
 
 BASIS = Basis("gaussian", 8)
 NOISE = 0.05
@@ -198,3 +199,14 @@ def test_curves_are_products_with_the_weights_on_any_number_of_threads(kind):
     wanted = np.einsum("onk,mdk->mond", rows, weights.reshape(5, 2, 9))
     scale = np.abs(wanted).max(axis=(0, 2, 3), keepdims=True)
     np.testing.assert_allclose(np.concatenate(blocks) / scale, wanted / scale, atol=1e-14)
+
+
+def test_files_without_a_margin_have_the_one_of_their_time():
+    u = np.linspace(0.0, 1.0, 100)
+    shown = [lt.Trajectory(u, np.column_stack([u, u**2]))]
+    skill = lt.ProMP(weights=8, margin=1.0).fit(shown)
+    settings, arrays = skill.to_archive()
+    settings["model"].pop("margin")
+    again = from_archive(settings, arrays)
+    np.testing.assert_array_equal(again.generate().positions, skill.generate().positions)
+    assert lt.ProMP(weights=8).fit(shown).basis.centres[0] == pytest.approx(-0.25 / 6.5)
