@@ -451,13 +451,7 @@ def computed_joints(
 
 
 def in_order(motion: object, names: Sequence[str], argument: str) -> JointTrajectory:
-    """The joints as columns in the order of `names`; columns without names are in this order.
-
-    Every function that takes joints of an arm or of limits takes them through this one.
-
-    Raises:
-        InvalidInput: for other joints, or another kind of motion.
-    """
+    """The joints as columns in the order of `names`; columns without names are in this order."""
     if not isinstance(motion, JointTrajectory):
         what = f"{type(motion).__name__}{check.part_to_give(motion)}"
         raise check.refused(argument, "a JointTrajectory", what)
@@ -570,11 +564,11 @@ def clipped_events(events: Events, times: Float64Array) -> Events:
     )
 
 
-def agreed_events(shown: Sequence[Events], weights: ArrayLike | None = None) -> Events:
+def agreed_events(demonstrated: Sequence[Events], weights: ArrayLike | None = None) -> Events:
     """The events that most of several motions have, at the weighted mean of their times."""
-    each_weight = np.ones(len(shown)) if weights is None else np.asarray(weights)
+    each_weight = np.ones(len(demonstrated)) if weights is None else np.asarray(weights)
     seen: dict[tuple[str, int], list[tuple[float, float]]] = defaultdict(list)
-    for events, weight in zip(shown, each_weight, strict=True):
+    for events, weight in zip(demonstrated, each_weight, strict=True):
         numbers: dict[str, count[int]] = defaultdict(count)
         for event in events:
             seen[event.name, next(numbers[event.name])].append((event.time, float(weight)))

@@ -62,7 +62,7 @@ class Speeds:
         return Thresholds(*(_threshold(speeds, noise) for speeds, noise in both))
 
     @property
-    def drowned(self) -> bool:
+    def noise_dominates(self) -> bool:
         """Whether the noise, and not the usual speed, sets a threshold of something that moves."""
         both = zip((self.linear, self.angular), self.noise.T, strict=True)
         return any(np.median(noise) > _tremor(speeds, noise) > 0.0 for speeds, noise in both)
@@ -222,12 +222,12 @@ def _moving(motion: Motion, speed: float | None, angular_speed: float | None) ->
     """Speeds (n,) in multiples of their thresholds, by the shortest window that noise allows."""
     for window in _WINDOWS:
         speeds = speeds_of(motion, window)
-        if not speeds.drowned:
+        if not speeds.noise_dominates:
             break
     return speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
 
 
-def standstill(whole: Motion, trimmed: Motion) -> tuple[float, float]:
+def rest_at_ends(whole: Motion, trimmed: Motion) -> tuple[float, float]:
     """How long a motion stood still before and after what `trim` left of it, s."""
     return (
         float(trimmed.times[0] - whole.times[0]),

@@ -108,11 +108,11 @@ class JointLimits(ShortRepr):
             # The URDF states a velocity that is known.
             unstated = () if np.isfinite(self.velocity[i]) else ("velocity",)
             keys = (*unstated, "acceleration", "jerk")
-            values = {key: getattr(self, key) for key in keys}
-            row = ", ".join(
-                f"{key} = {'?' if column is None else _toml_number(column[i])}"
-                for key, column in values.items()
-            )
+            known = [
+                np.nan if getattr(self, key) is None else getattr(self, key)[i] for key in keys
+            ]
+            texts = [repr(float(value)) if np.isfinite(value) else "?" for value in known]
+            row = ", ".join(f"{key} = {text}" for key, text in zip(keys, texts, strict=True))
             lines.append(f"{json.dumps(name, ensure_ascii=False)} = {{ {row} }}")
         return "\n".join(lines) + "\n"
 
@@ -184,10 +184,6 @@ def read_limits(
         return replace(urdf, **changes)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from None
-
-
-def _toml_number(value: float) -> str:
-    return repr(float(value)) if np.isfinite(value) else "?"
 
 
 def _values(names: tuple[str, ...], column: ArrayLike, key: str) -> Float64Array:

@@ -76,15 +76,11 @@ def _own(chain: core.Chain, trajectory: Motion) -> JointTrajectory:
 def _without_others(trajectory: Motion, names: tuple[str, ...]) -> Motion:
     """The recording without joints that are not the arm's, such as a gripper's."""
     recorded: tuple[str, ...] = getattr(trajectory, "joint_names", ())
-    own = [i for i, each in enumerate(recorded) if _is_one_of(each, names)]
+    # LeRobot's names of motors end in ".pos".
+    own = [i for i, each in enumerate(recorded) if {each, each.removesuffix(".pos")} & set(names)]
     if not isinstance(trajectory, JointTrajectory) or len(own) != len(names):
         return trajectory
     return columns_of(trajectory, own, tuple(recorded[i] for i in own))
-
-
-def _is_one_of(name: str, names: tuple[str, ...]) -> bool:
-    """Whether a name, or that of LeRobot's motor, is one of a few."""
-    return name in names or name.removesuffix(".pos") in names
 
 
 def demonstrated_joints(chain: core.Chain, motion: Motion) -> JointTrajectory | None:

@@ -7,7 +7,7 @@ import json
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -27,7 +27,6 @@ from leadthrough.models.protocol import (
     Distributed,
     Parameter,
     Skill,
-    fitted_again,
 )
 from leadthrough.models.queries import CheckedQuery, Via, checked_query
 from leadthrough.models.registry import entry_of_skill
@@ -113,12 +112,23 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         Args:
             demonstrations: those that it was fitted to, to fit it again.
         """
-        slider = getattr(getattr(self, "model", None), "slider", None)
-        if slider is None:
+        model = getattr(self, "model", None)
+        slider = getattr(model, "slider", None)
+        if slider is None or len(demonstrations) == 0:
             return []
         setting, least, most = slider
-        skill: Any = self
-        return fitted_again(skill, setting, demonstrations, least=least, most=most)
+        value = getattr(model, setting)
+
+        def fitted(number: float) -> Skill[Any]:
+            changed: Any = replace(model, **{setting: round(number)})  # type: ignore[type-var]
+            return self._fitted_again(changed, demonstrations)
+
+        return [Parameter(setting, value, min(least, value), max(most, value), 1.0, fitted)]
+
+    def _fitted_again(self, model: Any, demonstrations: Demonstrations[Motion]) -> Skill[Any]:
+        """The skill of a model with another setting."""
+        again: Skill[Any] = model.fit(demonstrations)
+        return again
 
     @property
     def certificate(self) -> Certificate | None:

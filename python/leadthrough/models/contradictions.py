@@ -28,24 +28,14 @@ _PACE = 4.0  # times as fast as the fastest other, or as slow as the slowest
 
 @dataclass(frozen=True)
 class Contradiction:
-    """A demonstration that no other agrees with.
+    """A demonstration that no other agrees with."""
 
-    Attributes:
-        index: of the demonstration.
-        text: the difference, to complete "the demonstration ...".
-    """
-
-    index: int
-    text: str
+    index: int  # of the demonstration
+    text: str  # the difference, to complete "the demonstration ..."
 
 
 def contradictions(motions: Sequence[Motion]) -> list[Contradiction]:
-    """Lone motions that contradict all others, by their index.
-
-    Args:
-        motions: of one type and size, each of which moves. Of two, the second may be reversed; in
-            shape, orientation and pace, three or more are compared.
-    """
+    """Lone motions that contradict all others; of two, the second may be reversed."""
     paths = [by_arc_length(each, _ALONG) for each in features(motions, _SAMPLES)]
     found: dict[int, str] = {}
     for index, text in (

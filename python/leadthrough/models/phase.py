@@ -58,7 +58,9 @@ def rest_to_rest(progress: Float64Array) -> Float64Array:
     """The progress (1001,), smoothed, starting and ending at rest."""
     u = np.linspace(0.0, 1.0, SAMPLES)
     x = np.clip(np.minimum(u, 1.0 - u) / _RAMP, 0.0, 1.0)
-    return _progress_at(minimum_jerk_time_scaling(x, speed_of(progress)))
+    speed = minimum_jerk_time_scaling(x, speed_of(progress))
+    total = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
+    return np.asarray(total / total[-1])
 
 
 def smoothed(progress: Float64Array) -> Float64Array:
@@ -71,12 +73,6 @@ def smoothed(progress: Float64Array) -> Float64Array:
     for _ in range(2):
         ahead = np.convolve(ahead, np.full(width, 1.0 / width), mode="valid")
     return np.asarray(np.maximum.accumulate(np.clip(even + ahead, 0.0, 1.0)))
-
-
-def _progress_at(speed: Float64Array) -> Float64Array:
-    """The progress (1001,) at speeds (1001,)."""
-    total = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
-    return np.asarray(total / total[-1])
 
 
 def spline_of(progress: Float64Array) -> CubicSpline:

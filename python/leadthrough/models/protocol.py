@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, NoReturn, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
@@ -192,37 +192,6 @@ class Parameter(ShortRepr, Generic[MotionT_co]):
     upper: float
     step: float
     apply: Callable[[float], Skill[MotionT_co]]
-
-
-def whole_number(
-    label: str, value: int, *, least: int, most: int, apply: Callable[[int], Skill[MotionT]]
-) -> Parameter[MotionT]:
-    """A parameter that counts something, such as weights."""
-
-    def rounded(number: float) -> Skill[MotionT]:
-        return apply(round(number))
-
-    return Parameter(label, value, min(least, value), max(most, value), 1.0, rounded)
-
-
-def fitted_again(
-    skill: Skill[MotionT],
-    setting: str,
-    demonstrations: Demonstrations[Motion],
-    *,
-    least: int,
-    most: int,
-) -> Sequence[Parameter[MotionT]]:
-    """The parameter that fits a skill again with another whole number in its model."""
-    if len(demonstrations) == 0:
-        return []
-    model: Any = skill.model  # a dataclass with this setting
-
-    def fitted(number: int) -> Skill[MotionT]:
-        again: Skill[MotionT] = replace(model, **{setting: number}).fit(demonstrations)
-        return again
-
-    return [whole_number(setting, getattr(model, setting), least=least, most=most, apply=fitted)]
 
 
 @dataclass(frozen=True)

@@ -86,40 +86,40 @@ def reproduction(skill: Skill[Any], demonstrations: Demonstrations[Motion]) -> R
     return Reproduction(pairs[:, 0], pairs[:, 1] if posed else None, np.array(extents))
 
 
-def _distances(skill: Skill[Any], shown: Motion) -> tuple[float, float]:
+def _distances(skill: Skill[Any], demonstrated: Motion) -> tuple[float, float]:
     """The distances of positions and of orientations (0 without), infinite without a motion."""
-    asked: dict[str, Any] = {"duration": shown.duration}
+    asked: dict[str, Any] = {"duration": demonstrated.duration}
     if not hasattr(skill, "period"):  # a rhythm has neither start nor goal
-        asked |= {"start": target_of(shown, 0), "goal": target_of(shown, -1)}
+        asked |= {"start": target_of(demonstrated, 0), "goal": target_of(demonstrated, -1)}
     asked = {name: value for name, value in asked.items() if name in skill.supports}
     try:
-        made = skill.generate(**asked, dt=shown.duration / _MAX_POINTS)
+        made = skill.generate(**asked, dt=demonstrated.duration / _MAX_POINTS)
     except LeadthroughError:
         return np.inf, np.inf
-    apart = _apart(shown.positions, made.positions)
-    if not isinstance(shown, PoseTrajectory):
+    apart = _apart(demonstrated.positions, made.positions)
+    if not isinstance(demonstrated, PoseTrajectory):
         return apart, 0.0
     chord = _apart(
-        *(rotations.to_matrix(each.orientations).reshape(-1, 9) for each in (shown, made))
+        *(rotations.to_matrix(each.orientations).reshape(-1, 9) for each in (demonstrated, made))
     )
     return apart, 2.0 * float(np.arcsin(min(chord / _CHORD, 1.0)))
 
 
-def _apart(shown: Float64Array, made: Float64Array) -> float:
+def _apart(demonstrated: Float64Array, made: Float64Array) -> float:
     """The Frechet distance of paths (n, d) and (m, d)."""
-    size = float(np.linalg.norm(np.ptp(shown, axis=0)))
-    steps = arc_length(shown)[-1] / (_STEP * size) if size > 0.0 else 0.0
-    most = min(_MAX_POINTS, max(_MIN_POINTS, _POINTS_A_ROW * len(shown)))
+    size = float(np.linalg.norm(np.ptp(demonstrated, axis=0)))
+    steps = arc_length(demonstrated)[-1] / (_STEP * size) if size > 0.0 else 0.0
+    most = min(_MAX_POINTS, max(_MIN_POINTS, _POINTS_A_ROW * len(demonstrated)))
     count = int(np.clip(steps, _MIN_POINTS, most))
-    return frechet_distance(by_arc_length(shown, count), by_arc_length(made, count))
+    return frechet_distance(by_arc_length(demonstrated, count), by_arc_length(made, count))
 
 
-def mean_distance(shown: Motion, made: Motion) -> float:
-    """Mean distance of evenly spaced rows, in units of the shown motion's extent."""
-    extent = float(np.linalg.norm(np.ptp(shown.positions, axis=0))) or 1.0
-    apart = (_even(shown, shown.positions) - _even(made, made.positions)) / extent
-    if isinstance(shown, PoseTrajectory) and isinstance(made, PoseTrajectory):
-        turned = [_even(each, rotations.lift(each.orientations)) for each in (shown, made)]
+def mean_distance(demonstrated: Motion, made: Motion) -> float:
+    """Mean distance of evenly spaced rows, in units of the demonstrated motion's extent."""
+    extent = float(np.linalg.norm(np.ptp(demonstrated.positions, axis=0))) or 1.0
+    apart = (_even(demonstrated, demonstrated.positions) - _even(made, made.positions)) / extent
+    if isinstance(demonstrated, PoseTrajectory) and isinstance(made, PoseTrajectory):
+        turned = [_even(each, rotations.lift(each.orientations)) for each in (demonstrated, made)]
         turns = [rotations.exp(each) for each in turned]
         reach = float(rotations.distance(turns[0], turns[0][:1].repeat(_EVEN, 0)).max())
         angle = rotations.distance(*turns) * (TURNING / max(reach, MIN_TURN))

@@ -33,7 +33,7 @@ from leadthrough.motion import (
 from leadthrough.preprocess.report import CleaningReport, RecordingSummary, Span
 from leadthrough.preprocess.resample import sample_evenly
 from leadthrough.preprocess.smooth import smoothed_over
-from leadthrough.rest import rests, standstill, trim
+from leadthrough.rest import rest_at_ends, rests, trim
 
 _GAP = 5.0  # median steps without a sample
 _MIN_LENGTH = 0.5  # anything shorter, or longer than its inverse, was never a rotation
@@ -124,7 +124,7 @@ def clean(
         gaps=tuple(gaps),
         pauses=tuple(pauses),
         removed=motion.duration - left.duration,
-        still=standstill(left, moving.motion),
+        still=rest_at_ends(left, moving.motion),
         rate=hertz,
         smoothing=smoothing,
     )

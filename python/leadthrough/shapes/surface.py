@@ -18,15 +18,10 @@ _IDENTITY = np.eye(3)
 
 @dataclass(frozen=True, eq=False)
 class Surface(ShortRepr):
-    """A surface of triangles.
+    """A surface of triangles."""
 
-    Attributes:
-        vertices: (n, 3), m.
-        faces: indices of vertices (m, 3), anticlockwise as seen from outside.
-    """
-
-    vertices: Float64Array
-    faces: NDArray[np.int64]
+    vertices: Float64Array  # (n, 3), m
+    faces: NDArray[np.int64]  # indices of vertices (m, 3), anticlockwise as seen from outside
 
     def moved(self, position: Float64Array, rotation: Float64Array = _IDENTITY) -> Surface:
         """The surface with each point p moved to rotation p + position, (3, 3) and (3,), m."""

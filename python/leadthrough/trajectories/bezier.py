@@ -121,12 +121,12 @@ class Bezier(PointCurve):
         return Spline(self.knots, np.array(rows)[None])
 
     def _values(self, times: Float64Array, order: int) -> Float64Array:
-        shown = self
+        hodograph = self
         for _ in range(min(order, len(self.points))):
-            shown = shown.derived()
+            hodograph = hodograph.derived()
         first, last = self.domain
         fractions = (np.atleast_1d(times) - first) / (last - first)
-        values = core.bezier_values(shown.points, fractions)
+        values = core.bezier_values(hodograph.points, fractions)
         return values if times.ndim else values[0]
 
     def _stretched(self, factor: float) -> Self:

@@ -49,16 +49,8 @@ class PoseChannels(Channels[core.PoseState]):
     """Channels of the position, and of the orientation in its coordinates."""
 
     orientation: OrientationCoordinates
-
-    @property
-    def dimensions(self) -> int:
-        """Three: the position keeps clear of obstacles."""
-        return 3
-
-    @property
-    def limited(self) -> None:
-        """None: poses have no limits."""
-        return
+    dimensions = 3  # the position keeps clear of obstacles
+    limited = None
 
     @cached_property
     def progress(self) -> Progress:

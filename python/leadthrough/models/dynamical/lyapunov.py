@@ -68,10 +68,7 @@ def fitted_energy(
     *,
     largest: Float64Array | None = None,
 ) -> Float64Array:
-    """The parameters with which an energy falls best along demonstrations.
-
-    Source: Khansari-Zadeh and Billard 2014, the objective of the learning of Lyapunov functions.
-    """
+    """The parameters with which an energy falls best along demonstrations."""
     every = -(-len(x) // _SAMPLES)
     x, v = x[::every], v[::every]
     unit = v / np.linalg.norm(v, axis=1, keepdims=True)

@@ -23,7 +23,6 @@ from leadthrough.models.coordinates import Coordinates, rotated_by
 from leadthrough.models.promp.gaussian import product
 from leadthrough.models.queries import asked_times, checked_threads, mapped
 from leadthrough.motion import (
-    JointTrajectory,
     MotionT_co,
     PoseTrajectory,
     Trajectory,
@@ -273,7 +272,11 @@ class Drawing(Generic[MotionT_co]):
         checked_threads(threads)
         made: list[Any]  # of the type that the coordinates was made for
         if self._coordinates.kind == "joints":
-            made = [self._joint_motion(values) for values in self._curves(weights, threads)]
+            same: Any = {"joint_names": self._coordinates.joint_names, "events": self._events}
+            made = [
+                computed_joints(self._times, *values, **same)
+                for values in self._curves(weights, threads)
+            ]
         elif self._reference is None:
             made = [self._points(values) for values in self._curves(weights, threads)]
         else:
@@ -292,10 +295,6 @@ class Drawing(Generic[MotionT_co]):
             if not certain and not core.all_finite(block):
                 _refuse_infinite(block)
             yield from block
-
-    def _joint_motion(self, values: Float64Array) -> JointTrajectory:
-        names = self._coordinates.joint_names
-        return computed_joints(self._times, *values, joint_names=names, events=self._events)
 
     def _points(self, values: Float64Array) -> Trajectory:
         return check.computed(

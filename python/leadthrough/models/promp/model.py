@@ -44,11 +44,9 @@ from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.limits import Truncated
 from leadthrough.models.protocol import (
     Demonstrations,
-    Parameter,
     Unfitted,
     motions_of,
     warn_of_misalignment,
-    whole_number,
 )
 from leadthrough.models.queries import CheckedQuery, checked_threads, even_times
 from leadthrough.motion import Motion, MotionT, MotionT_co, Target, normalised_times
@@ -64,7 +62,6 @@ _FEW = 15
 _WEIGHTS, _MAX_FOLLOWING, _MISSED, _SAMPLES_A_WEIGHT = 20, 320, 0.02, 4
 # Attributes of a skill that another distribution of the weights leaves as they are.
 _KEPT = ("model", "basis", "coordinates", "noise", "scale", "duration", "bounds")
-_MIN_WEIGHTS, _MAX_WEIGHTS = 5, 40  # the range worth trying on a slider
 
 
 @dataclass(frozen=True)
@@ -96,6 +93,8 @@ class ProMP(Unfitted):
     estimator: Estimator = "least_squares"
     regularization: float = 1e-5
     margin: float | None = None
+
+    slider: ClassVar[tuple[str, int, int]] = ("weights", 5, 40)
 
     def __post_init__(self) -> None:
         if self.weights is not None:
@@ -421,26 +420,12 @@ class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
         values = self.coordinates.columns(trajectory, phases, "trajectory")
         return conditioning.log_density(self, phases, values)
 
-    def parameters(
-        self, demonstrations: Demonstrations[Motion] = ()
-    ) -> Sequence[Parameter[MotionT_co]]:
-        """The number of weights, if there are demonstrations to fit again.
-
-        The skill fitted again has the same settings, duration and limits, but no via points.
-
-        Args:
-            demonstrations: the demonstrations that the skill was fitted to.
-        """
-        if len(demonstrations) == 0:
-            return []
-
-        def fitted(weights: int) -> ProMPSkill[MotionT_co]:
-            made = replace(self.model, weights=weights).fit(demonstrations)
-            again = cast(ProMPSkill[MotionT_co], made).lasting(self.duration)
-            return again if self.bounds is None else again.within(*self.bounds)
-
-        least, most = _MIN_WEIGHTS, _MAX_WEIGHTS
-        return [whole_number("weights", self.basis.count, least=least, most=most, apply=fitted)]
+    def _fitted_again(
+        self, model: ProMP, demonstrations: Demonstrations[Motion]
+    ) -> ProMPSkill[MotionT_co]:
+        """With the same duration and limits, but without via points."""
+        again = cast(ProMPSkill[MotionT_co], model.fit(demonstrations)).lasting(self.duration)
+        return again if self.bounds is None else again.within(*self.bounds)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         settings = {
