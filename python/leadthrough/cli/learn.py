@@ -16,8 +16,7 @@ from typing import Annotated, Any
 import typer
 
 import leadthrough as lt
-from leadthrough.cli import completion, options, output
-from leadthrough.models.registry import MODELS
+from leadthrough.cli import options, output
 
 # Fraction of the extent from which on a demonstration counts as not reproduced.
 _SOUND = 0.01
@@ -32,14 +31,7 @@ def learn(
     ctx: typer.Context,
     files: options.Recordings,
     out: options.SkillOutput,
-    model: Annotated[
-        str | None,
-        typer.Option(
-            help=f"Model to fit: {', '.join(each.name for each in MODELS)}, or one that another "
-            "package adds; by default the family that predicts left-out recordings best.",
-            autocompletion=completion.models,
-        ),
-    ] = None,
+    model: options.ModelToFit = None,
     parameter: options.Parameters = None,
     robot: options.MaybeRobotName = None,
     details: options.ArmDetails,

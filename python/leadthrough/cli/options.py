@@ -7,16 +7,20 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
 
 from leadthrough.cli import completion, output
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
+from leadthrough.models.registry import MODELS
+
+if TYPE_CHECKING:
+    from leadthrough.io.table import Request
 
 EXAMPLES = ("reach",)
 _ROBOT = typer.Option(
@@ -52,6 +56,14 @@ StudyName = Annotated[
     str | None, typer.Argument(autocompletion=completion.one_of(*completion.STUDIES))
 ]
 Model = Annotated[str | None, typer.Option(autocompletion=completion.models)]
+ModelToFit = Annotated[
+    str | None,
+    typer.Option(
+        help=f"Model to fit: {', '.join(each.name for each in MODELS)}, or one that another "
+        "package adds; by default the family that predicts left-out recordings best.",
+        autocompletion=completion.models,
+    ),
+]
 Parameters = Annotated[
     list[str] | None, typer.Option("--set", autocompletion=completion.parameters)
 ]
@@ -63,6 +75,7 @@ Recorded = Annotated[str | None, typer.Option(autocompletion=completion.recordin
 SkillPath = Annotated[Path | None, typer.Option(autocompletion=completion.files(".npz"))]
 PagePath = Annotated[Path | None, typer.Option(autocompletion=completion.files(".html"))]
 RobotName = Annotated[str, _ROBOT]
+ArmArgument = Annotated[str, typer.Argument(autocompletion=completion.robots)]
 MaybeRobotName = Annotated[str | None, _ROBOT]
 Obstacles = Annotated[
     list[str] | None,
@@ -170,6 +183,12 @@ class ReadOptions:
         return {name: value for name, value in vars(self).items() if name != "column"} | {
             "columns": columns
         }
+
+    def request(self, joints: Mapping[str, tuple[float, float]] | None = None) -> Request:
+        """The request that they make, for an arm's joints with their limits."""
+        from leadthrough.io.table import as_request
+
+        return as_request(**self.arguments(), joints=joints)
 
 
 def reading_words(ctx: typer.Context) -> tuple[str, ...]:

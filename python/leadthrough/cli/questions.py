@@ -11,8 +11,7 @@ from leadthrough import check
 from leadthrough.cli import options, parse, robot as robots
 from leadthrough.io.columns import guessed, recording
 from leadthrough.io.headers import AngleUnit
-from leadthrough.io.recording import Recording
-from leadthrough.io.table import ANGLES, ORDERS, Request, Table, as_request
+from leadthrough.io.table import ANGLES, ORDERS, Request, Table
 from leadthrough.preprocess.clean import summarize
 
 Ask = Callable[[str, str | None], str]
@@ -43,7 +42,7 @@ def settled(
     ask: Ask, arm: lt.Arm, table: Table, layout: options.ReadOptions
 ) -> options.ReadOptions:
     """The options by which recordings are read, asked for where the first one leaves them open."""
-    request = as_request(**layout.arguments(), joints=robots.ranges(arm))
+    request = layout.request(joints=robots.ranges(arm))
     try:
         found = recording(table, request)
     except lt.errors.InvalidInput as error:
@@ -88,7 +87,7 @@ def _unit(ask: Ask) -> AngleUnit:
     return check.choice(answer, "angles", ANGLES)
 
 
-def _fits(arm: lt.Arm, found: Recording) -> bool:
+def _fits(arm: lt.Arm, found: lt.io.Recording) -> bool:
     """Whether a recording of joints is free of faults and inside the arm's limits."""
     try:
         arm.joints_of(found.motion())

@@ -46,7 +46,6 @@ def info(
     import json
 
     from leadthrough.cli import reading, robot as robots
-    from leadthrough.io.table import as_request
     from leadthrough.show.info import describe
 
     found = reading.listed(files, also=_URDF)
@@ -54,7 +53,7 @@ def info(
         robots.refuse("a URDF among the files", **vars(details))
     if write_limits is not None:
         details = replace(details, limits=_write_limits(ctx, found, write_limits))
-    asked = as_request(**layout.arguments())
+    asked = layout.request()
     given = vars(details)
     infos = [
         _in_words(ctx, describe(file, request=asked, **_arm(ctx, file, given))) for file in found

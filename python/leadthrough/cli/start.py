@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 import leadthrough as lt
 from leadthrough.arm import robot_files
-from leadthrough.cli import completion, options, output, questions, reading, robot as robots
+from leadthrough.cli import options, output, questions, reading, robot as robots
 from leadthrough.cli.command import PROFILE, read_profile
 from leadthrough.io.headers import joint
-from leadthrough.io.table import Table, as_request
 
 _SKILL, _MOTION, _TIMED, _PAGE = "skill.npz", "motion.json", "timed.json", "motion.html"
 # A hand's tremor of 1 mrad is not replayed; most controllers take 500 Hz.
@@ -25,7 +24,7 @@ _TIMING = ("--path-tolerance", "1e-3", "--rate", "500")
 def start(
     *,
     ctx: typer.Context,
-    arm: Annotated[str, typer.Argument(autocompletion=completion.robots)],
+    arm: options.ArmArgument,
     files: options.Recordings,
     details: options.ArmDetails,
     layout: options.ReadOptions,
@@ -45,12 +44,12 @@ def start(
     ask = questions.taken if yes else questions.asked
     recordings = reading.listed(files)
     reading.refuse_skills(recordings)
-    table = reading.first_table(recordings[0], as_request(**layout.arguments()))
+    table = reading.first_table(recordings[0], layout.request())
     stated = read_profile()
     if stated.get("robot") == arm:
         robots.refuse(f"a robot that {PROFILE} does not describe", **vars(details))
     else:
-        stated = _write_profile(ctx, ask, arm, _with_ends(ask, arm, details, table))
+        stated = _write_profile(ctx, ask, arm, _with_ends(ask, arm, details, table.names))
     loaded = robots.load(arm, _details(stated))
     with reading.blaming(recordings[0]):
         layout = questions.settled(ask, loaded, table, layout)
@@ -69,12 +68,12 @@ def start(
 
 
 def _with_ends(
-    ask: questions.Ask, arm: str, details: options.ArmDetails, table: Table
+    ask: questions.Ask, arm: str, details: options.ArmDetails, names: Sequence[str]
 ) -> options.ArmDetails:
     """The details with the arm's base and tip, proposed around the joints that were recorded."""
     with output.naming(path_or_xml="ARM", name="ARM"):
         document = robot_files.read(robots.urdf_of(arm))
-    base, tip = robot_files.proposed_ends(document, [joint(name) for name in table.names])
+    base, tip = robot_files.proposed_ends(document, [joint(name) for name in names])
     return replace(
         details,
         base=details.base or ask("first link of the arm (--base)", base),
