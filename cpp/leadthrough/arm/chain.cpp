@@ -7,6 +7,7 @@
 #include "leadthrough/arm/rigid.hpp"
 #include "leadthrough/arm/run_down.hpp"
 #include "leadthrough/base/argument.hpp"
+#include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/rotation/so3.hpp"
 
@@ -221,6 +222,14 @@ Chain with_load(const Chain& chain, const urdf::Inertia& load) {
   const auto last = moving_count(chain) - 1;
   result.bodies[last] = result.bodies[last] + chain.fixed[last + 1] * load;
   return result;
+}
+
+JointRange sampled_range(const Chain& chain, int joint) {
+  const double lower = chain.lower[joint], upper = chain.upper[joint];
+  const bool from = std::isfinite(lower), to = std::isfinite(upper);
+  const double reach = chain.periodic[static_cast<std::size_t>(joint)] ? kPi : 1.0;
+  return {from ? lower : to ? upper - 2.0 * reach : -reach,
+          to ? upper : from ? lower + 2.0 * reach : reach};
 }
 
 double reach(const Chain& chain) {

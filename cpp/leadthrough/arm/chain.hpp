@@ -65,6 +65,13 @@ Chain with_tool(const Chain& chain, const Transform& T_tip_tool);
 // The chain that carries a body, given in the frame of its tip.
 Chain with_load(const Chain& chain, const urdf::Inertia& load);
 
+// Bounds between which a joint is sampled: its limits, or where it has none one revolution, a metre
+// to both sides.
+struct JointRange {
+  double lower, upper;
+};
+JointRange sampled_range(const Chain& chain, int joint);
+
 // Upper bound on the tip's distance from the first joint, m.
 double reach(const Chain& chain);
 

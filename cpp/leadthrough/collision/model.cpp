@@ -114,10 +114,7 @@ JointVector sample(const Chain& chain, int index) {
   JointVector q(joints);
   double step = 1.0;
   for (int i = 0; i < joints; ++i) {
-    constexpr double kFar = kPi;  // rad or m, where there is no limit
-    const bool from = std::isfinite(chain.lower[i]), to = std::isfinite(chain.upper[i]);
-    const double lower = from ? chain.lower[i] : to ? chain.upper[i] - 2.0 * kFar : -kFar;
-    const double upper = to ? chain.upper[i] : from ? chain.lower[i] + 2.0 * kFar : kFar;
+    const auto [lower, upper] = sampled_range(chain, i);
     step /= root;
     q[i] = lower + std::fmod(0.5 + step * (index + 1), 1.0) * (upper - lower);
   }
@@ -184,7 +181,6 @@ struct Contacts {
 // Marks pairs that touch and never overlap.
 void find_meeting_pairs(CollisionModel& model, const std::vector<int>& joints) {
   constexpr int kFew = 64, kMany = 2000;  // configurations: to find contacts; to exclude overlaps
-  constexpr double kTouching = 1e-6;      // m
   std::vector<Contacts> seen(model.pairs.size());
   std::vector<Transform> poses(model.shapes.size());
   Frames frames;

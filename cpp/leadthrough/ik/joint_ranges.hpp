@@ -49,11 +49,7 @@ inline double wrapped(double angle, double near, double lower, double upper) {
 inline JointArray random_configuration(const Chain& chain, RandomStream& random) {
   JointArray q{};
   for (int i = 0; i < chain.joints(); ++i) {
-    // A joint without bounds is sampled over one revolution, or a metre to both sides.
-    const double reach = chain.periodic[static_cast<std::size_t>(i)] ? kPi : 1.0;
-    const bool from = std::isfinite(chain.lower[i]), to = std::isfinite(chain.upper[i]);
-    const double lower = from ? chain.lower[i] : to ? chain.upper[i] - 2.0 * reach : -reach;
-    const double upper = to ? chain.upper[i] : from ? chain.lower[i] + 2.0 * reach : reach;
+    const auto [lower, upper] = sampled_range(chain, i);
     q[static_cast<std::size_t>(i)] = lower + random.uniform() * (upper - lower);
   }
   return q;
