@@ -106,7 +106,8 @@ class SimulationReport(Drawn):
         planned: commanded, with the approach and the way to rest, a period apart.
         simulated: the arm's motion.
         span: from when to when the motion that was given lasts, s.
-        torques: of the motors (n, joints), N m (N).
+        torques: of the motors behind their gears (n, joints), N m (N), without those that
+            accelerate their rotors.
         torque_limits: (joints,), N m (N), infinite where none is known.
         expected: tracking errors (n, joints), rad (m), by the linear theory of the controller.
         allowed: the largest tracking error (joints,), rad (m), that the gains allow by theory.

@@ -59,13 +59,15 @@ def simulate(
     Args:
         arm: the arm; with acceleration and jerk limits if ways have to be added.
         trajectory: of the arm's joints, at any rate.
-        scene: obstacles in the base frame; the margins are not used.
+        scene: obstacles in the base frame, and the margin to them, which the tip's error must not
+            exceed.
         controller: a `ComputedTorque`, which is the default, `PositionServo`, `JointImpedance` or
             `CartesianImpedance`.
         state: first one of the arm: positions (joints,) at rest, or a `CommandedState`; by
             default the first sample.
-        disturbances: load, friction, delay, encoder and pushes that the controller does not know;
-            by default none. Errors by a heavier load count as more than the gains allow.
+        disturbances: rotors, and the load, friction, delay, encoders and pushes that the controller
+            does not know; by default those of a real arm. Errors by a load that is off by more
+            than 5 % count as more than the gains allow.
         gravity: acceleration (3,) of gravity in the base frame, m/s^2.
         tip_tolerance: largest error of the tip, m, > 0, that is acceptable; by default any.
         rate: of the controller, Hz, 100 to 1e4.
