@@ -65,6 +65,8 @@ def _answered(
 ) -> options.ReadOptions:
     """The options with an answer to what an error leaves open; the error, if that is stated."""
     if topic == "columns" and not layout.column and (named := guessed(table, request)):
+        if ask is taken and len(table.names) > sum(map(len, named.values())) + 1:
+            raise error  # columns would be left out besides one of times
         column = [
             f"{role}={ask(f'columns of {role} (--column)', ','.join(names))}"
             for role, names in named.items()

@@ -32,8 +32,7 @@ def start(
 ) -> None:
     """Make a first checked motion from a robot's URDF and recordings, and a page that shows it.
 
-    Asks for what the files leave open, writes leadthrough.toml for the commands of this folder, and
-    runs those that lead to the motion; each is printed, to be repeated and changed.
+    Asks for what the files leave open, writes leadthrough.toml, and runs the commands it prints.
 
     leadthrough start arm.urdf recorded
 

@@ -84,6 +84,13 @@ def test_other_names_of_columns_are_proposed_in_their_order(folder):
     assert found == ReadOptions(column=["time=clock", f"joints={header}"])
 
 
+def test_columns_are_not_chosen_for_the_user_where_others_would_be_left_out(folder):
+    extra = np.column_stack([TIMES, rows(), rows()[:, :2]])
+    write_table("day.csv", "time,a,b,c,d,e,f,g,h", extra)
+    told = run("start", "arm.urdf", "day.csv", "--yes", code=2).stderr
+    assert "such as --column joints=a,b,c,d,e,f" in told
+
+
 def test_a_rate_is_never_guessed_and_somebody_has_to_answer(folder):
     np.save("day.npy", rows())
     assert "rate in Hz (--rate)" in run("start", "arm.urdf", "day.npy", "--yes", code=2).stderr
