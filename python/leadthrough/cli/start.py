@@ -17,8 +17,7 @@ from leadthrough.cli.command import PROFILE, read_profile
 from leadthrough.io.headers import joint
 
 _SKILL, _MOTION, _TIMED, _PAGE = "skill.npz", "motion.json", "timed.json", "motion.html"
-# A hand's tremor of 1 mrad is not replayed; most controllers take 500 Hz.
-_TIMING = ("--path-tolerance", "1e-3", "--rate", "500")
+_RATE = "500"  # Hz, which most controllers take
 
 
 def start(
@@ -56,7 +55,7 @@ def start(
     clean = ["--clean"] if questions.are_faulty(recordings, layout, loaded) else []
     _run(ctx, "learn", *files, *how, *clean, "-o", _SKILL)
     _run(ctx, "plan", _SKILL, "-o", _MOTION)
-    timing = ("retime", _MOTION, *_TIMING, "-o", _TIMED)
+    timing = ("retime", _MOTION, "--rate", _RATE, "-o", _TIMED)
     if not _knows_torques(loaded) or _run(ctx, *timing, "--torques", allowed=1):
         _run(ctx, *timing)
     verdict = _run(ctx, "check", _TIMED, allowed=1)

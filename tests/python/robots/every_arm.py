@@ -145,7 +145,7 @@ def after_start(said):
         found = json.loads(result.stdout)
         why = found["error"]["message"] if "error" in found else "; ".join(found["findings"])
         return "simulate", said or why
-    words = ("retime", "motion.json", "--path-tolerance", "1e-3", "--rate", "125")
+    words = ("retime", "motion.json", "--rate", "125")
     if code(result := invoked(*words, "-o", "timed.yaml")):
         return "export", error_of(result)
     assert lt.read_motion("timed.yaml").joint_names == lt.read_motion("timed.json").joint_names
