@@ -135,8 +135,9 @@ def failed_step(started):
     (step,) = re.findall(r"^\$ leadthrough (\w+)", started.stdout, re.MULTILINE)[-1:] or ("start",)
     if step != "view":
         return step, error_of(started)
-    verdict = json.loads(invoked("check", "timed.json", "--json").stdout)
-    return "check", f"{verdict['nearest_itself']}"  # it goes on after a verdict of no
+    # It goes on after a verdict of no.
+    nearest = json.loads(invoked("check", "timed.json", "--json").stdout)["nearest_itself"]
+    return "check", f"{' and '.join(nearest['bodies'])} {1e3 * nearest['distance']:.1f} mm apart"
 
 
 def after_start(said):
