@@ -5,10 +5,13 @@ So a job that ends its process costs no worker, and one that takes too long can 
 
 from __future__ import annotations
 
+import logging
 import time
 import warnings
 from collections import deque
+from collections.abc import Iterator, Mapping
 from concurrent.futures import CancelledError
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -29,6 +32,9 @@ _BATCH = 16
 _AHEAD = 2  # batches, so that no thread waits for the client
 _LOOK = 1.0  # s between looks at whether the scheduler is there
 _COUNT = 10.0  # s between looks at how many threads there are
+_SILENCE = 30.0  # s in which a busy scheduler answers
+# Loggers that print tracebacks when the scheduler ends: `SchedulerUnreachable` says it.
+_LOGGERS = ("distributed", "distributed.client", "tornado.application", "asyncio")
 # By the threads of a worker: processes that wait for a job.
 _IDLE: deque[Process] = deque()
 
@@ -48,6 +54,8 @@ class Cluster:
             )
         except (OSError, ValueError) as error:
             raise InvalidInput(f"on: no Dask scheduler at {where} ({error})") from None
+        self._levels = {name: logging.getLogger(name).level for name in _LOGGERS}
+        _set_levels(dict.fromkeys(_LOGGERS, logging.CRITICAL + 1))
         self._where = where
         self._held: list[tuple[Job, dict[str, Any]]] = []  # for the next batch
         self._futures: dict[str, Any] = {}
@@ -55,6 +63,7 @@ class Cluster:
         self._contents: WeakValueDictionary[str, Any] = WeakValueDictionary()
         self._same: set[str] = set()
         self._threads, self._counted = 0, -_COUNT
+        self._is_lost = False
 
     @property
     def room(self) -> int:
@@ -62,16 +71,15 @@ class Cluster:
 
     @property
     def _batch(self) -> int:
-        if time.monotonic() - self._counted > _COUNT:
-            self._threads = sum(self._client.nthreads().values())
-            self._counted = time.monotonic()
+        self._check_there()
         return max(_BATCH, self._threads)
 
     def submit(self, task: Task, job: Job) -> None:
         check_importable(task.function)
-        self._check_code(job)
-        files = {name: self._sent(path, job.contents[name]) for name, path in job.files.items()}
-        self._held.append((job, files))
+        with self._answering():
+            self._check_code(job)
+            sent = {name: self._sent(path, job.contents[name]) for name, path in job.files.items()}
+        self._held.append((job, sent))
         if len(self._held) >= self._batch:
             self._send()
 
@@ -98,17 +106,16 @@ class Cluster:
                 continue
             if future.cancelled():
                 raise self._lost()
-            try:
+            with self._answering():
                 return self._reported(key, future)
-            except CancelledError:  # lost since then
-                raise self._lost() from None
 
     def close(self) -> None:
-        if self._client.status == "running":
+        if self._client.status == "running" and not self._is_lost:
             self._client.cancel([future for future, _ in self._futures.values()])
         self._held.clear()
         self._futures.clear()
         self._client.close(timeout=_LOOK)
+        _set_levels(self._levels)
 
     def _reported(self, key: str, future: Any) -> Report:
         """The report of a future, which is released."""
@@ -144,14 +151,34 @@ class Cluster:
         self._same.add(job.code)
 
     def _check_there(self) -> None:
+        """Counts the workers' threads from time to time; raises SchedulerUnreachable."""
         if self._client.status != "running":
             raise self._lost()
+        if time.monotonic() - self._counted > _COUNT:
+            with self._answering():
+                self._threads = sum(self._client.nthreads(callback_timeout=_SILENCE).values())
+            self._counted = time.monotonic()
+
+    @contextmanager
+    def _answering(self) -> Iterator[None]:
+        """Raises SchedulerUnreachable where a connection breaks meanwhile, or none answers."""
+        try:
+            yield
+        except (OSError, RuntimeError, CancelledError):
+            raise self._lost() from None
 
     def _lost(self) -> SchedulerUnreachable:
+        self._is_lost = True
         return SchedulerUnreachable(
             f"on: the Dask scheduler at {self._where} does not answer any more; run the same "
             "command again, with a cluster or without, to do what is missing"
         )
+
+
+def _set_levels(levels: Mapping[str, int]) -> None:
+    """Gives loggers, by their names, these levels."""
+    for name, level in levels.items():
+        logging.getLogger(name).setLevel(level)
 
 
 def _other_code(worker: str, module: str) -> str:

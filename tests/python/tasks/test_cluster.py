@@ -6,6 +6,7 @@ import time
 
 import pytest
 from distributed import CancelledError, Client, Future
+from distributed.comm import CommClosedError
 from tasks import of_numbers, running, work
 from typer.testing import CliRunner
 
@@ -162,22 +163,39 @@ def test_a_killed_worker_changes_no_row(cluster, tmp_path, serial):
     assert work.rows_of(todo, store) == serial
 
 
-def test_a_result_that_is_lost_on_its_way_is_a_lost_cluster(cluster, tmp_path, monkeypatch):
-    """The scheduler may end after a task is said to be done and before its rows are here."""
+@pytest.mark.parametrize(
+    ("owner", "method", "error"),
+    [
+        (Future, "result", CancelledError()),
+        (Client, "nthreads", TimeoutError("timed out")),
+        (Client, "run", CommClosedError("in <TCP (closed)>: Stream is closed")),
+        (Client, "submit", RuntimeError("ConnectionPool closing.")),
+    ],
+    ids=lambda case: getattr(case, "__name__", case),
+)
+def test_a_broken_connection_is_a_lost_cluster(
+    owner, method, error, cluster, tmp_path, monkeypatch
+):
+    """The scheduler may end at any moment, and after a task is done and before its rows are here."""
 
-    def lost(*_, **__):
-        raise CancelledError
+    def broken(*_, **__):
+        raise error
 
-    monkeypatch.setattr(Future, "result", lost)
+    monkeypatch.setattr(owner, method, broken)
+    (tmp_path / "a.txt").write_text("shown")
+    todo = [Task(work.reads, {}, {"recording": tmp_path / "a.txt"})]
     with pytest.raises(SchedulerUnreachable, match="run the same command again"):
-        run(work.draws_of(2, tmp_path / "log"), Store(tmp_path), cluster)
+        run(todo, Store(tmp_path), cluster)
 
 
-def test_without_its_scheduler_a_study_keeps_what_is_finished(cluster, tmp_path, monkeypatch):
+def test_without_its_scheduler_a_study_keeps_what_is_finished(
+    cluster, tmp_path, monkeypatch, caplog
+):
     todo = Ending(work.draws_of(of_numbers.COUNT, tmp_path / "log", 0.02), cluster.scheduler)
     monkeypatch.setitem(catalogue.STUDIES, "ur3", of_numbers.study_of(todo))
     result, document = failing_experiment(cluster, tmp_path)
     assert "scheduler" in result.stderr and "Traceback" not in result.stderr
+    assert not [each for each in caplog.records if each.exc_info]  # which Dask prints
     done = of_numbers.COUNT - document["unfinished"]
     assert 8 <= len(document["rows"]) == done < of_numbers.COUNT
     assert len(list(tmp_path.glob("cache/??/[!.]*.json"))) == done
