@@ -23,7 +23,7 @@ constexpr py::ssize_t kMaxVias = 100;
 
 // Data of an array that the checks in Python accept unchanged; null for any other object.
 const double* finite_rows(const py::handle& object, py::ssize_t rows, py::ssize_t columns) {
-  if (!py::isinstance<Numbers>(object)) return nullptr;
+  if (!is_plain_array(object)) return nullptr;
   const auto array = py::reinterpret_borrow<Numbers>(object);
   if (array.ndim() != 2 || array.shape(0) != rows || array.shape(1) != columns) return nullptr;
   const double* values = array.data();
@@ -36,7 +36,7 @@ Eigen::VectorXd phases_of(const py::handle& time, double duration, bool periodic
   if (PyFloat_Check(time.ptr())) {
     phases = Eigen::VectorXd::Constant(1, PyFloat_AS_DOUBLE(time.ptr()) / duration);
   } else {
-    const bool several = py::isinstance<Numbers>(time);
+    const bool several = is_plain_array(time);
     const auto size = several ? py::reinterpret_borrow<Numbers>(time).size() : 0;
     const double* times = size > 0 && size <= kMaxVias ? finite_vector(time, size) : nullptr;
     if (times) phases = VectorMap(times, size) / duration;

@@ -80,11 +80,19 @@ pybind11::array_t<Value> moved_array(std::vector<Value>&& values) {
   return pybind11::array_t<Value>(static_cast<pybind11::ssize_t>(kept.size()), kept.data(), memory);
 }
 
+// Whether an object is a contiguous array of float64. Subclasses may mean something else, as masked
+// arrays do.
+inline bool is_plain_array(const pybind11::handle& object) {
+  using Numbers = pybind11::array_t<double, pybind11::array::c_style>;
+  return Py_TYPE(object.ptr()) == pybind11::detail::npy_api::get().PyArray_Type_ &&
+         pybind11::isinstance<Numbers>(object);
+}
+
 // The numbers of a contiguous vector of this many finite float64, which needs no other check; null
 // for any other object.
 inline const double* finite_vector(const pybind11::handle& object, pybind11::ssize_t size) {
   using Vector = pybind11::array_t<double, pybind11::array::c_style>;
-  if (!pybind11::isinstance<Vector>(object)) return nullptr;
+  if (!is_plain_array(object)) return nullptr;
   const auto vector = pybind11::reinterpret_borrow<Vector>(object);
   if (vector.ndim() != 1 || vector.shape(0) != size) return nullptr;
   const double* values = vector.data();

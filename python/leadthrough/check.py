@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from textwrap import wrap
@@ -326,6 +326,27 @@ def array(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Arr
     return _checked(_numeric(value, name), name, shape)
 
 
+def rank(value: object) -> int:
+    """Number of axes of an array; 1 of what is none, which its check refuses by name."""
+    try:
+        axes = np.ndim(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, RuntimeError):
+        return 1
+    return axes if isinstance(axes, int) else 1  # a class of arrays has none yet
+
+
+def regular(value: object, name: str) -> NDArray[Any]:
+    """`value` as an array of its own type; raises InvalidInput where it has none."""
+    if np.ma.is_masked(value):
+        raise refused(name, "numbers", "masked ones, which are missing")
+    try:
+        return np.asarray(value)
+    except (InvalidInput, TypeError, RuntimeError, OverflowError) as error:  # of the object itself
+        raise refused(name, "numbers", f"a {type(value).__name__} ({error})") from None
+    except ValueError:
+        raise refused(name, "a regular array of numbers", "ragged rows") from None
+
+
 def with_gaps(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     """`value` checked as by `array`, but NaN and infinity may stand for missing numbers."""
     return _of_shape(_numeric(value, name), name, shape)
@@ -390,7 +411,7 @@ def quaternions(value: object, name: str, *, shape: Sequence[int | str]) -> Floa
 
 def row(value: object, name: str, *, width: int) -> Float64Array:
     """`value` as numbers (width,), read-only; a single number stands for all of them."""
-    given = frozen(value, name, shape=() if np.ndim(value) == 0 else (width,))  # type: ignore[arg-type]
+    given = frozen(value, name, shape=() if rank(value) == 0 else (width,))
     return np.broadcast_to(given, (width,))
 
 
@@ -447,7 +468,7 @@ def affordable_count(value: object, name: str, *, each: int) -> int:
         raise refused(
             name,
             f"at most {MAX_NUMBERS // each:,}",
-            f"{count:,}, which would take {count * each * 8 / 2**30:,.1f} GiB",
+            f"{count:,}, which would take {count * each * 8 >> 30:,} GiB",
             count,
         )
     return count
@@ -520,30 +541,24 @@ def _numeric(value: object, name: str) -> Float64Array:
     # The quick way: single poses come in a control loop.
     if type(value) is np.ndarray and value.dtype is _FLOAT64 and value.flags.c_contiguous:
         return value
-    try:
-        raw = np.asarray(value if (gaps := _without_mask(value)) is None else gaps)
-    except InvalidInput:  # of one of our own types, which is asked for its parts
-        raise refused(name, "numbers", f"a {type(value).__name__}") from None
-    except ValueError:
-        raise refused(name, "a regular array of numbers", "ragged rows") from None
+    with suppress(ValueError):  # of ragged rows, which are named below
+        value = _without_mask(value)
+    raw = regular(value, name)
     if raw.dtype.kind not in "fiu":
         # Booleans, complex numbers, strings and objects would be turned into something plausible.
-        raise refused(
-            name, "numbers", f"{_short(value)} of dtype {raw.dtype}{part_to_give(value)}", value
-        )
+        got = f"{_short(value)} of dtype {raw.dtype}{part_to_give(value)}"
+        raise refused(name, "numbers", got, value)
     with enough_memory(f"{name}: an array of shape {raw.shape}"):
         return np.ascontiguousarray(raw, dtype=np.float64).reshape(raw.shape)
 
 
-def _without_mask(value: object) -> NDArray[Any] | None:
-    """Masked numbers with NaN where they are missing; None for all else."""
+def _without_mask(value: object) -> object:
+    """Masked numbers with NaN where they are missing; all else as it is."""
     parts = value if isinstance(value, list | tuple) else [value]
     if not any(isinstance(each, np.ma.MaskedArray) for each in parts):
-        return None
+        return value
     given: Any = np.ma.asarray(value)
-    numeric = given.dtype.kind in "fiu"
-    gaps: NDArray[Any] = given.astype(np.float64).filled(np.nan) if numeric else given.data
-    return gaps
+    return given.astype(np.float64).filled(np.nan) if given.dtype.kind in "fiu" else given.data
 
 
 def part_to_give(value: object) -> str:
@@ -572,7 +587,7 @@ def _shape_text(shape: Sequence[int | str]) -> str:
 
 def _short(value: object) -> str:
     """A value as a message shows it: a number of NumPy like any other, at most 60 characters."""
-    text = repr(value.item() if isinstance(value, np.generic) else value)
+    text = " ".join(repr(value.item() if isinstance(value, np.generic) else value).split())
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

@@ -98,15 +98,15 @@ class Sampled(Drawn):
 
     def _places(self, times: ArrayLike) -> tuple[bool, Float64Array, Float64Array]:
         """Whether there are several times, these (m,), and the positions (m, d) then."""
-        several = np.ndim(times) > 0
-        at = check.array(times if several else [times], "time", shape=("m",))
+        given = check.array_of_rank(times, "time", shapes=((), ("m",)))
+        at = np.atleast_1d(given)
         first, last = self.times[0], self.times[-1]
         outside = (at < first) | (at > last)
         if outside.any():
             raise InvalidInput(
                 f"time: expected {first:.6g} to {last:.6g} s, got {at[outside][0]:.6g} s"
             )
-        return several, at, lerp(at, self.times, self.positions)
+        return given.ndim > 0, at, lerp(at, self.times, self.positions)
 
     def _repr_parts(self) -> list[str]:
         span = f"{len(self.times)} samples over {self.duration:.4g} s"

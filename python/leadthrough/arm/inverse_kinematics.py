@@ -194,14 +194,14 @@ def many_starts(
     chain: core.Chain, q0: ArrayLike | None, count: int, posture: ArrayLike | None = None
 ) -> Float64Array:
     """Configurations (count, joints) from as many rows of q0, or from one for all."""
-    if q0 is not None and np.ndim(q0) == 2:
+    if q0 is not None and check.rank(q0) == 2:
         return check.array(q0, "q0", shape=(count, chain.joints))
     return np.tile(one_start(chain, q0, posture), (count, 1))
 
 
 def random_seed(seed: int) -> int:
     """A checked seed of the random number generator."""
-    if np.ndim(seed) > 0:
+    if check.rank(seed) > 0:
         raise InvalidInput(
             "seed: expected an integer, the seed of the random number generator, got an array; "
             "pass the configuration to start from as q0"
@@ -286,7 +286,7 @@ def checked_options(
 
 def _tolerance(value: ArrayLike, name: str) -> tuple[float, Float64Array]:
     """Bounds on the length of the error and on each axis; one of the two does not bind."""
-    if np.ndim(value) == 0:
+    if check.rank(value) == 0:
         return check.number(value, name, above=0.0), np.full(3, math.inf)
     return math.inf, _positive(value, name, 3)
 

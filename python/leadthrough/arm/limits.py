@@ -189,12 +189,7 @@ def read_limits(
 def _values(names: tuple[str, ...], column: ArrayLike, key: str) -> Float64Array:
     """A read-only copy (joints,) of one limit; infinite where there is none."""
     count = len(names)
-    try:
-        values = np.array(column, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidInput(f"{key}: expected {count} numbers, got {column!r}") from None
-    if values.shape != (count,):
-        raise InvalidInput(f"{key}: expected shape ({count},), got {values.shape}")
+    values = check.with_gaps(column, key, shape=(count,)).copy()
     wrong = np.isnan(values) | ((values < 0) & (key in _RATES))
     if wrong.any():
         i = int(np.argmax(wrong))

@@ -141,9 +141,9 @@ def tube_around(path: TipPath, deviation: tuple[ArrayLike, ArrayLike]) -> Float6
 
 def _room(value: ArrayLike, name: str, samples: int) -> Float64Array:
     """Squares (3, 3) along the axes, or the matrices (n, 3, 3) as they are."""
-    if np.ndim(value) == 0:
+    if check.rank(value) == 0:
         return np.diag(np.full(3, check.number(value, name, at_least=0.0) ** 2))
-    if np.ndim(value) == 1:
+    if check.rank(value) == 1:
         lengths = check.array(value, name, shape=(3,))
         if lengths.min() < 0.0:
             raise InvalidInput(f"{name}: expected numbers >= 0, got {lengths.min()}")

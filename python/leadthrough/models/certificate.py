@@ -59,8 +59,7 @@ class TargetRegion(ShortRepr):
             turn: as the attribute.
         """
         middle = check.array(position, "position", shape=("d",))
-        given = np.broadcast_to(np.asarray(reach, dtype=np.float64), middle.shape)
-        half = check.array(given, "reach", shape=middle.shape)
+        half = check.row(reach, "reach", width=len(middle))
         if (half < 0.0).any():
             raise InvalidInput(f"reach: expected distances >= 0, got {half}")
         return TargetRegion(middle - half, middle + half, turn)

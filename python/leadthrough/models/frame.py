@@ -32,6 +32,8 @@ class Frame(ShortRepr):
     def __init__(self, origin: ArrayLike, axes: ArrayLike | None = None) -> None:
         own_origin = check.frozen(origin, "origin", shape=("d",))
         size = len(own_origin)
+        if size == 0:
+            raise check.refused("origin", "at least one number", "none")
         given = np.eye(size) if axes is None else axes
         own_axes = check.frozen(given, "axes", shape=(size, size))
         off = float(np.abs(own_axes.T @ own_axes - np.eye(size)).max())

@@ -52,9 +52,9 @@ class CheckedQuery:
     limits: tuple[ArrayLike, ArrayLike] | None = None
 
     def __post_init__(self) -> None:
-        check.number(self.dt, "dt", above=0.0)
+        vars(self)["dt"] = check.number(self.dt, "dt", above=0.0)
         if self.duration is not None:
-            check.number(self.duration, "duration", above=0.0)
+            vars(self)["duration"] = check.number(self.duration, "duration", above=0.0)
         object.__setattr__(self, "obstacles", check_shapes(self.obstacles))
 
     def given(self) -> dict[str, Any]:
@@ -113,7 +113,7 @@ def _numbers(value: Any, count: int) -> Float64Array | None:
     """The finite numbers (count,) of a position or quaternion; None if it is malformed."""
     try:
         numbers = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, RuntimeError, OverflowError):
         return None
     if numbers.shape != (count,) or not all(map(math.isfinite, numbers.tolist())):
         return None
@@ -168,6 +168,8 @@ def generate_all(
         UnsupportedQuery: for a part of a query that the skill does not support.
         NoPath: if obstacles leave no path. The first query without an answer raises.
     """
+    if not isinstance(queries, Sequence):
+        raise check.refused("queries", "a sequence", type(queries).__name__)
     for i, query in enumerate(queries):
         if not isinstance(query, Mapping):
             raise InvalidInput(

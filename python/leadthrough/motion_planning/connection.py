@@ -64,7 +64,7 @@ def connect_configurations(
     joints = len(arm.joint_names)
     around = CollisionTest(arm._collision, as_scene(scene))
     begin = check.array(start, "start", shape=(joints,))
-    ends = check.array(np.atleast_2d(np.asarray(goals)), "goals", shape=("k", joints))
+    ends = np.atleast_2d(check.array_of_rank(goals, "goals", shapes=((joints,), ("k", joints))))
     for name, q in (("start", begin[None]), ("goals", ends)):
         if np.any(q < arm.limits.lower) or np.any(q > arm.limits.upper):
             raise InvalidInput(f"{name}: expected joints inside the arm's limits, got {q.tolist()}")

@@ -74,6 +74,8 @@ def plan_motion(
             reason and, if obstacles block it, the bodies.
     """
     check_arm(arm)
+    if not callable(getattr(skill, "generate", None)) or isinstance(skill, type):
+        raise check.refused("skill", "a skill, as `fit` returns", type(skill).__name__)
     around = None if scene is None else as_scene(scene)
     if not isinstance(query, Query | None):
         raise check.refused("query", "a Query", query)

@@ -239,7 +239,7 @@ def _offset_fraction(tip: TipMotion, part: BlockedSegment, offset: float) -> Flo
 
 def _frozen_target(value: Target, name: str) -> Target:
     """A read-only copy of a target of finite numbers, an orientation of unit length."""
-    if isinstance(value, tuple | list) and len(value) == 2 and np.ndim(value[0]) > 0:
+    if isinstance(value, tuple | list) and len(value) == 2 and check.rank(value[0]) > 0:
         position = check.frozen(value[0], name, shape=("d",))
         return position, check.unit_quaternions(value[1], name, shape=(4,))
     return check.frozen(value, name, shape=("d",))

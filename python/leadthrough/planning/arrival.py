@@ -146,7 +146,7 @@ def nearest_sources(
     Returns:
         Indices of the shape of `arrival`.
     """
-    raw = regular(arrival, "arrival")
+    raw = check.regular(arrival, "arrival")
     if raw.dtype.kind != "f" or raw.ndim not in (2, 3) or raw.size == 0 or not raw.min() >= 0.0:
         raise InvalidInput(
             "arrival: expected a 2-D or 3-D array of times >= 0, "
@@ -199,7 +199,7 @@ class ArrivalField:
             raise InvalidInput(
                 f"speed: expected the grid's shape {grid.shape}, got shape {field.shape}"
             )
-        points = regular(sources, "sources")
+        points = check.regular(sources, "sources")
         cells = grid.cells_of(points[None] if points.ndim == 1 else points)
         self._sources = source_cells(cells, field)
         self._grid = grid
@@ -256,7 +256,7 @@ class ArrivalField:
         Raises:
             InvalidInput: if the map puts a source in a wall; nothing is changed then.
         """
-        field = regular(speed, "speed")
+        field = check.regular(speed, "speed")
         if field.shape != self._grid.shape or field.dtype.kind not in "fiu":
             raise InvalidInput(
                 f"speed: expected numbers of shape {self._grid.shape}, "
@@ -365,17 +365,9 @@ def precision_of(dtype: DTypeLike) -> Precision:
     return precision
 
 
-def regular(value: ArrayLike, name: str) -> Numbers:
-    """`value` as an array of its own type; raises InvalidInput for ragged rows."""
-    try:
-        return np.asarray(value)
-    except ValueError:
-        raise InvalidInput(f"{name}: expected a regular array, got ragged rows") from None
-
-
 def checked_speeds(speed: ArrayLike) -> Numbers:
     """`speed` as a 2-D or 3-D array of finite numbers >= 0; raises InvalidInput for others."""
-    field = regular(speed, "speed")
+    field = check.regular(speed, "speed")
     if field.dtype.kind not in "fiu" or field.ndim not in (2, 3) or field.size == 0:
         raise InvalidInput(
             "speed: expected a 2-D or 3-D array of numbers, "
@@ -435,7 +427,7 @@ def source_cells(sources: ArrayLike, speed: Numbers) -> NDArray[np.int64]:
 
 def flat_indices(indices: ArrayLike, name: str, shape: tuple[int, ...]) -> NDArray[np.int64]:
     """Flat indices (k,) of cells given as (d,) or (k, d), k > 0; raises InvalidInput for others."""
-    cells = regular(indices, name)
+    cells = check.regular(indices, name)
     dimensions = len(shape)
     if cells.dtype.kind not in "iu" or cells.ndim not in (1, 2) or cells.shape[-1] != dimensions:
         raise InvalidInput(
@@ -453,7 +445,7 @@ def flat_indices(indices: ArrayLike, name: str, shape: tuple[int, ...]) -> NDArr
 
 
 def _fitting(speed: ArrayLike, shape: tuple[int, ...]) -> Numbers:
-    values = regular(speed, "speed")
+    values = check.regular(speed, "speed")
     if values.dtype.kind not in "fiu" or values.shape not in ((), shape):
         raise InvalidInput(
             f"speed: expected a number or numbers of the part's shape {shape}, "

@@ -100,7 +100,7 @@ def _times(arrival: ArrayLike, grid: Grid) -> FloatArray:
 
 
 def _floats(arrival: ArrayLike, grid: Grid) -> FloatArray:
-    raw = np.asarray(arrival)
+    raw = check.regular(arrival, "arrival")
     if raw.dtype.kind != "f" or raw.shape != grid.shape:
         raise InvalidInput(
             f"arrival: expected floats of the grid's shape {grid.shape}, "
@@ -198,7 +198,7 @@ def plan_many(speed: ArrayLike, grid: Grid, starts: ArrayLike, goal: ArrayLike) 
     """
     points = check.array(starts, "starts", shape=("k", grid.dimensions))
     end = check.array(goal, "goal", shape=(grid.dimensions,))
-    field = np.asarray(speed)
+    field = check.regular(speed, "speed")
     if field.shape != grid.shape:
         raise InvalidInput(f"speed: expected the grid's shape {grid.shape}, got {field.shape}")
     if not grid.contains(end[None])[0]:
@@ -211,7 +211,7 @@ def plan_many(speed: ArrayLike, grid: Grid, starts: ArrayLike, goal: ArrayLike) 
 
 
 def _walls(walls: ArrayLike, grid: Grid) -> NDArray[np.bool_]:
-    blocked = np.asarray(walls)
+    blocked = check.regular(walls, "walls")
     if blocked.dtype != np.bool_ or blocked.shape != grid.shape:
         raise InvalidInput(
             f"walls: expected booleans of the grid's shape {grid.shape}, "

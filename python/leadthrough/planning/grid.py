@@ -142,7 +142,7 @@ class Grid(ShortRepr):
 
 def spacings(spacing: ArrayLike, dimensions: int) -> Float64Array:
     """A spacing for every axis, (dimensions,), read-only; one number holds for all axes."""
-    raw = check.array(spacing, "spacing", shape=("d",)) if np.ndim(spacing) else None
+    raw = check.array(spacing, "spacing", shape=("d",)) if check.rank(spacing) else None
     steps = np.full(dimensions, check.number(spacing, "spacing")) if raw is None else raw.copy()
     if steps.shape != (dimensions,):
         raise InvalidInput(f"spacing: expected {dimensions} numbers, got {len(steps)}")

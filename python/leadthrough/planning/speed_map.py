@@ -103,7 +103,7 @@ def distance_transform(mask: ArrayLike, *, spacing: ArrayLike = 1.0) -> Float64A
     Returns:
         Distances in the unit of the spacing, of the mask's shape.
     """
-    cells = np.asarray(mask)
+    cells = check.regular(mask, "mask")
     if cells.dtype != np.bool_ or cells.ndim not in (2, 3) or not 0 < cells.size <= MAX_CELLS:
         raise InvalidInput(
             f"mask: expected a 2-D or 3-D array of booleans with 1 to {MAX_CELLS:.0e} cells, "

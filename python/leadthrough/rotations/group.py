@@ -229,7 +229,7 @@ def mean(quaternions: ArrayLike, *, weights: ArrayLike | None = None) -> Float64
         globally convergent numerical algorithm for computing the centre of mass on compact Lie
         groups".
     """
-    single = _is_one_column(quaternions)
+    single = check.rank(quaternions) == 2
     shape = ("k", 4) if single else ("k", "n", 4)
     layers = check.quaternions(quaternions, "quaternions", shape=shape)
     if len(layers) == 0:
@@ -245,13 +245,6 @@ def mean(quaternions: ArrayLike, *, weights: ArrayLike | None = None) -> Float64
             f"got one {np.degrees(reach[i]):.4g} degrees away{where}"
         )
     return means[0] if single else means
-
-
-def _is_one_column(quaternions: ArrayLike) -> bool:
-    try:
-        return np.ndim(quaternions) == 2
-    except ValueError:  # ragged rows, which the check names
-        return False
 
 
 def _weights(weights: ArrayLike | None, count: int) -> Float64Array:

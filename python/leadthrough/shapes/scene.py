@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,11 +34,19 @@ def names_of(kind: type[Shape]) -> str:
     return f"{', '.join(others)} or {last}"
 
 
+_Item = TypeVar("_Item")
+
+
+def _items(obstacles: Iterable[_Item]) -> tuple[_Item, ...]:
+    try:
+        return tuple(obstacles)
+    except TypeError:  # also of arrays without axes, which say that they can be iterated
+        raise check.refused("obstacles", "a sequence", type(obstacles).__name__) from None
+
+
 def check_shapes(obstacles: Iterable[Shape]) -> tuple[Shape, ...]:
     """The obstacles, if all are shapes."""
-    if not isinstance(obstacles, Iterable):
-        raise InvalidInput(f"obstacles: expected a sequence, got {type(obstacles).__name__}")
-    shapes = tuple(obstacles)
+    shapes = _items(obstacles)
     for shape in shapes:
         if not isinstance(shape, Shape):
             raise InvalidInput(f"obstacles: expected {names_of(Shape)}, got {type(shape).__name__}")
@@ -130,9 +139,7 @@ class Scene(ShortRepr):
         margin: float = 0.005,
         self_collision_margin: float = 0.0,
     ) -> None:
-        if not isinstance(obstacles, Iterable):
-            check_shapes(obstacles)
-        things = tuple(obstacles)
+        things = _items(obstacles)
         check_shapes(map(_shape, things))
         vars(self).update(
             obstacles=things,

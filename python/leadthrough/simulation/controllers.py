@@ -420,7 +420,7 @@ def _root(matrices: Float64Array) -> Float64Array:
 
 def _matrices(stiffness: ArrayLike) -> Float64Array:
     """Stiffnesses (n, 3, 3), each symmetric and positive definite."""
-    if np.ndim(stiffness) == 0:
+    if check.rank(stiffness) == 0:
         stiffness = check.number(stiffness, "stiffness", above=0.0) * np.eye(3)
     given = check.array_of_rank(stiffness, "stiffness", shapes=((3, 3), ("n", 3, 3)))
     matrices = given if given.ndim == 3 else given[None]

@@ -176,7 +176,7 @@ def per_joint(
 ) -> Float64Array:
     """A number for each joint (joints,), from as many or from one for all."""
     count = len(arm.joint_names)
-    if np.ndim(value) == 0:
+    if check.rank(value) == 0:
         value = np.full(count, value)
     numbers = check.array(value, name, shape=(count,))
     for number in numbers:

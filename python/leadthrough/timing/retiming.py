@@ -42,6 +42,7 @@ from leadthrough.trajectories import Curve
 # Short sections lose digits: where that shows, the path is timed again, slightly slower.
 _MAX_ATTEMPTS = 4
 _TIGHTER = 0.999
+_MIN_RATE = 1e-3  # 1/s; the law is computed a thousand times a second, or more
 # A path that leaves the position limits by so much is bounded by this much more inside them.
 _INSIDE = 1.5
 PathT = TypeVar("PathT")
@@ -69,7 +70,7 @@ def retime(
             by straight lines; those within 1e-9 rad (m) of each other are one. Its rows are its
             samples, knots or way-points.
         limits: velocity, acceleration and jerk limits of the joints.
-        rate: samples per second.
+        rate: samples per second, >= 0.001.
         path_tolerance: how far a fitted path may lie off the samples, rad (m), or a TipTolerance.
             Of smooth paths within tolerances up to this one, the fastest is taken: more never takes
             longer.
@@ -98,7 +99,7 @@ def retime(
     path = _named(path, limits, "path")
     route = _route(path, limits)
     request = Request(
-        rate=check.number(rate, "rate", above=0.0),
+        rate=check.number(rate, "rate", at_least=_MIN_RATE),
         lower=limits.lower,
         upper=limits.upper,
         path_tolerance=checks.joint_tolerance(path_tolerance, route.joints),
@@ -160,7 +161,7 @@ def keep_timing(
     motion = _named(motion, limits, "motion")
     route = _route(motion, limits)
     request = Request(
-        rate=check.number(rate, "rate", above=0.0),
+        rate=check.number(rate, "rate", at_least=_MIN_RATE),
         lower=limits.lower,
         upper=limits.upper,
         path_tolerance=checks.joint_tolerance(path_tolerance, route.joints),

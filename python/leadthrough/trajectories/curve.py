@@ -125,7 +125,7 @@ def points(
     value: ArrayLike, name: str, *, count: int | None = None, least: int = 1
 ) -> Float64Array:
     """Points (n, d), read-only; (n,) are points in one dimension."""
-    rows = np.ndim(value) == 1
+    rows = check.rank(value) == 1
     try:
         table = np.reshape(value, (-1, 1)) if rows else value
     except (TypeError, ValueError):

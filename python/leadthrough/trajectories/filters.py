@@ -244,7 +244,7 @@ def check_period(period: float) -> float:
 
 def rate_limit(value: ArrayLike, name: str) -> Float64Array:
     """A limit > 0, (d,) or one number for all dimensions, read-only."""
-    limit = check.frozen(value, name, shape=() if np.ndim(value) == 0 else ("d",))
+    limit = check.frozen(value, name, shape=() if check.rank(value) == 0 else ("d",))
     if (limit <= 0.0).any():
         raise InvalidInput(f"{name}: expected limits > 0, got {limit.min()}")
     return limit

@@ -26,6 +26,8 @@ from leadthrough.trajectories.spline import Spline
 # its ends, for its rise from 0, its slope at 0 and its slope at 1 (columns).
 QUINTIC = np.array([[10.0, -6.0, -4.0], [-15.0, 8.0, 7.0], [6.0, -3.0, -3.0]])
 
+_ROUNDING = 1e-9  # by which a fraction may leave [0, 1]
+
 
 @dataclass(frozen=True, eq=False, init=False)
 class State(ShortRepr):
@@ -52,7 +54,7 @@ class State(ShortRepr):
         )
 
 
-def minimum_jerk_time_scaling(u: Float64Array, height: float | Float64Array = 1.0) -> Float64Array:
+def minimum_jerk_time_scaling(u: ArrayLike, height: ArrayLike = 1.0) -> Float64Array:
     """The minimum-jerk rise from 0 at u = 0 to a height at u = 1, at rest at both ends.
 
     Args:
@@ -65,7 +67,12 @@ def minimum_jerk_time_scaling(u: Float64Array, height: float | Float64Array = 1.
     Source: Flash and Hogan 1985.
     """
     cubic, quartic, quintic = QUINTIC[:, 0].tolist()
-    return np.asarray(height * u**3 * (cubic + quartic * u + quintic * u**2))
+    x = check.array_of_rank(u, "u", shapes=((), ("n",)))
+    if x.size and not (x.min() >= -_ROUNDING and x.max() <= 1.0 + _ROUNDING):
+        raise InvalidInput(f"u: expected fractions from 0 to 1, got {x.min():.6g} to {x.max():.6g}")
+    shape = () if check.rank(height) == 0 else x.shape
+    top = check.array(height, "height", shape=shape)
+    return np.asarray(top * x**3 * (cubic + quartic * x + quintic * x**2))
 
 
 def quintic_coefficients(

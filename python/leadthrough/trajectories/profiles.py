@@ -130,7 +130,7 @@ def _move(
 
 def _row(rate: ArrayLike, name: str, size: int) -> Float64Array:
     """A velocity (d,); a single number is that of one dimension, or rest."""
-    given = check.array(rate, name, shape=() if np.ndim(rate) == 0 else (size,))
+    given = check.array(rate, name, shape=() if check.rank(rate) == 0 else (size,))
     if given.ndim == 0 and size > 1 and given != 0.0:
         raise InvalidInput(f"{name}: expected a velocity ({size},) or 0, got {given}")
     return np.broadcast_to(given, (size,))
@@ -166,6 +166,8 @@ def _straight(
 ) -> Spline:
     """A move whose derivative of an order is constant in each phase; it begins at a rate."""
     total = sum(duration for duration, _ in phases)
+    if not math.isfinite(total):
+        raise InvalidInput("velocity, acceleration: the limits are so low that no motion ends")
     factorials = np.array([math.factorial(k) for k in range(order + 1)], dtype=np.float64)
     state, knots, rows = np.zeros(order), [0.0], []
     state[1] = rate

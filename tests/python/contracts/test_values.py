@@ -218,6 +218,13 @@ def test_a_mask_is_a_missing_value():
         lambda given: lt.retime(given, lt.arm.JointLimits("abc", *np.ones((5, 3)))),
     ):
         refused("got nan at index", call, MASKED)
+    ur3, row = arm("ur3"), np.ma.masked_array(np.full(6, 0.1), mask=[0, 0, 1, 0, 0, 0])
+    for call in (ur3.jacobian, ur3.forward_kinematics):  # of one configuration, in the core
+        refused("q: expected finite numbers, got nan at index 2", call, row)
+    limits = lt.arm.JointLimits("abcdef", *np.ones((5, 6)))
+    refused("velocity", dataclasses.replace, limits, velocity=row)
+    field = np.ma.masked_array(np.ones((3, 3)), mask=np.eye(3))
+    refused("speed: expected numbers, got masked ones", lt.arrival_times, field, [[0, 1]])
     whole = np.ma.masked_array(POINTS, mask=False)
     np.testing.assert_array_equal(lt.Trajectory(TIMES, whole).positions, POINTS)
     recorded = lt.io.Recording(TIMES, MASKED)

@@ -42,6 +42,86 @@ def test_ragged_times_of_a_curve_are_refused(curve):
     refused("t: expected a regular array", curve.evaluate, [[1, 2, 3], [4, 5]])
 
 
+class Tensor:
+    """A tensor on another device, or under differentiation, refuses to be an array."""
+
+    def __array__(self, *_, **__):
+        raise RuntimeError("can't call numpy() on a tensor that requires grad")
+
+
+ODD = [
+    Tensor(), [[1.0], [2.0, 3.0]], [10**400, 1.0], [1j, 0j], ["1", "2"], [None, 1.0], np.ndarray,
+    np.array([True, False]), np.array([1, 2], "M8[s]"), np.zeros(2, [("x", float)]), [np.nan, 0.0],
+]  # fmt: skip
+STATE = trajectories.FilterState.at_rest([0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("positions", lambda x: lt.Trajectory([0.0, 1.0], x)),
+        ("time", LINE.at),
+        ("position", lambda x: lt.Sphere(0.1, x)),
+        ("q", arm("ur3").forward_kinematics),
+        ("q0", lambda x: arm("ur3").inverse_kinematics(np.zeros(3), q0=x)),
+        ("goal", lambda x: lt.DMP(weights=10).fit([LINE]).generate(goal=x)),
+        ("time", lambda x: lt.ProMP(weights=5).fit([LINE]).condition(x, [0.1, 0.1])),
+        ("target", lambda x: trajectories.JerkFilter(1.0, 1.0, 1.0).step(STATE, x, 0.1)),
+        ("velocity", lambda x: trajectories.TimeOptimalFilter(x, 1.0)),
+        ("u", trajectories.minimum_jerk_time_scaling),
+        ("speed", lambda x: lt.arrival_times(x, [[0, 0]])),
+        ("obstacles", lambda x: lt.Scene([x])),
+    ],
+)
+def test_what_is_no_array_of_numbers_is_refused_by_name(name, call):
+    for value in ODD:
+        refused(f"^{name}", call, value)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        lambda a: a.astype(">f8"),
+        lambda a: a[::-1].copy()[::-1],
+        lambda a: np.repeat(a, 2, axis=0)[::2],
+        np.asfortranarray,
+        lambda a: a.view(np.recarray),
+        lambda a: np.frombuffer(b"x" + a.tobytes(), np.uint8)[1:].view(float).reshape(a.shape),
+        memoryview,
+    ],
+)
+def test_numbers_in_any_layout_are_the_same_numbers(given):
+    made, ur3 = LINE.positions.copy(), arm("ur3")
+    np.testing.assert_array_equal(lt.Trajectory(LINE.times, given(made)).positions, made)
+    rows = np.outer(np.linspace(0.0, 1.0, 5), REST)
+    one, other = (ur3.forward_kinematics(each)[0] for each in (rows, given(rows)))
+    np.testing.assert_array_equal(one, other)
+    for row in rows[1:2]:
+        np.testing.assert_array_equal(ur3.jacobian(row), ur3.jacobian(given(row)))
+
+
+def test_limits_and_rates_without_an_end_are_refused():
+    motion = lt.JointTrajectory([0.0, 1.0], [[0.0], [1.0]])
+    refused(
+        "rate: .* >= 0.001",
+        lt.retime,
+        motion,
+        lt.arm.JointLimits("a", *np.ones((5, 1))),
+        rate=5e-324,
+    )
+    refused(
+        "no motion ends",
+        trajectories.double_s,
+        [0.0],
+        [1.0],
+        velocity=5e-324,
+        acceleration=1.0,
+        jerk=1.0,
+    )
+    refused("skill: expected a skill", lt.plan_motion, "skill.npz", arm("ur3"))
+    refused("queries: expected a sequence", lt.models.generate_all, None, 3)
+
+
 def test_times_whose_rates_overflow_are_refused():
     refused(
         "times: expected steps of at least 1e-60 s",

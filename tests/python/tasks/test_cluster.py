@@ -192,7 +192,7 @@ def test_without_its_scheduler_a_study_keeps_what_is_finished(
     monkeypatch.setitem(catalogue.STUDIES, "ur3", of_numbers.study_of(todo))
     result, document = failing_experiment(cluster, tmp_path)
     assert "scheduler" in result.stderr and "Traceback" not in result.stderr
-    assert not [each for each in caplog.records if each.exc_info]  # which Dask prints
+    assert not [each for each in caplog.records if each.exc_info]  # Dask prints them
     done = of_numbers.COUNT - document["unfinished"]
     assert 8 <= len(document["rows"]) == done < of_numbers.COUNT
     assert len(list(tmp_path.glob("cache/??/[!.]*.json"))) == done

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.promp.basis import Basis
 from leadthrough.models.promp.gaussian import (
@@ -49,11 +50,8 @@ def checked(lower: ArrayLike, upper: ArrayLike, width: int) -> Bounds:
     """Limits of `width` columns as read-only arrays."""
     limits = []
     for value, name in ((lower, "lower"), (upper, "upper")):
-        try:
-            limit = np.array(value, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise InvalidInput(f"{name}: expected {width} numbers, got {value!r}") from None
-        if limit.shape != (width,) or np.isnan(limit).any():
+        limit = check.with_gaps(value, name, shape=(width,)).copy()
+        if np.isnan(limit).any():
             raise InvalidInput(f"{name}: expected shape ({width},) without NaN, got {value!r}")
         limit.setflags(write=False)
         limits.append(limit)

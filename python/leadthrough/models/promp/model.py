@@ -298,7 +298,7 @@ class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
             if observed is not None:
                 return self.with_weights(observed)
         check.integer(order, "order", at_least=0, at_most=2)
-        several = isinstance(time, list | tuple) or getattr(time, "ndim", 0) > 0
+        several = check.rank(time) > 0
         phases = self._phases(time if several else [cast(float, time)], "time", at_least=1)
         if columns is None and order == 0 and self.coordinates.kind == "poses":
             if several:
