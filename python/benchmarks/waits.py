@@ -127,6 +127,7 @@ def rows(scenes: int) -> Iterator[Row]:
     yield _plans("in space, from 5 m away and past a box", shown, both, most=150.0)
     flat = [{"start": PLACE + 1000.0 * LENGTH * each} for each in directions(2)]
     yield _plans("in the plane, from 1,000 lengths away", demonstrations(2), flat, most=50.0)
+    yield from _learning()
     yield from _random_scenes(scenes)
 
 
@@ -151,6 +152,35 @@ def directions(dimensions: int) -> Float64Array:
         return around
     height = np.sin(5.0 * AROUND)
     return np.column_stack([around * np.sqrt(1.0 - height**2)[:, None], height])
+
+
+def _learning(repeats: int = 5) -> Iterator[Row]:
+    """The choice of a family, its fit and a query, of eight strokes of 200 samples."""
+    u, rng = np.linspace(0.0, 1.0, 200), np.random.default_rng(0)
+    hump = np.column_stack([u, 0.3 * np.sin(np.pi * u)])
+    offsets = rng.normal(0.0, 0.05, (8, 2)), rng.normal(0.0, 0.03, (8, 1))
+    shown = [
+        lt.Trajectory(2.0 * u, hump * (1.0 + wide) + (1.0 - u)[:, None] ** 2 * off)
+        for off, wide in zip(*offsets, strict=True)
+    ]
+    skill = lt.AlignedMean().fit(shown)
+    start = shown[0].positions[0]
+    calls: tuple[tuple[str, Callable[[], Any], float], ...] = (
+        ("lt.learn, eight demonstrations", lambda: lt.learn(shown), 1000.0),
+        ("AlignedMean, the same: fit", lambda: lt.AlignedMean().fit(shown), 60.0),
+        ("AlignedMean, the same: query", lambda: skill.generate(start=start), 5.0),
+    )
+    wrong = "" if np.allclose(skill.generate(start=start).positions[0], start) else "another start"
+    for name, call, most in calls:
+        call()
+        taken = []
+        for _ in range(repeats):
+            begin = time.process_time()
+            call()
+            taken.append(1e3 * (time.process_time() - begin))
+        yield Row(
+            name, repeats, statistics.median(taken), max(taken), most, limited="median", wrong=wrong
+        )
 
 
 def _plans(

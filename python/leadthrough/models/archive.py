@@ -311,10 +311,10 @@ def write(
 
 def read(
     path: StrPath,
-) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]], Certificate | None]:
-    """Kind, settings, arrays and certificate of a skill in a file."""
+) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]], Choice | None]:
+    """Kind, settings and arrays of a skill in a file, and the reason for its family, if any."""
     head, arrays = _read(path)
-    return head["kind"], head["settings"], arrays, head.get(_CERTIFICATE)
+    return head["kind"], head["settings"], arrays, head.get(_CHOICE)
 
 
 def _read(path: StrPath) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:

@@ -124,10 +124,12 @@ def _bag(path: Path, title: str, request: Request) -> FileInfo:
 
 def _skill(path: Path) -> FileInfo | None:
     try:
-        kind, settings, arrays, _ = archive.read(path)
+        kind, settings, arrays, choice = archive.read(path)
     except InvalidInput:
         return None  # an archive of something else
-    facts = {"model": kind, **settings, "arrays": [f"{n} {a.shape}" for n, a in arrays.items()]}
+    why = {} if choice is None or not choice.left_out else {"left_out_errors": choice.table}
+    held = [f"{n} {a.shape}" for n, a in arrays.items()]
+    facts = {"model": kind, **why, **settings, "arrays": held}
     return FileInfo(str(path), "NumPy archive", "skill", facts)
 
 

@@ -90,6 +90,7 @@ def test_the_learned_motions_are_compared_with_each_recording(folder):
     assert re.search(
         r"within 0\.0\d+ rad", run("learn", "recorded", "--joints", "-o", "j.npz").stdout
     )
+    assert "left out errors: aligned-mean" in run("info", "reach.npz").stdout
     near = facts("learn", "recorded", "-o", "reach.npz")["reproduction"]
     assert 0.0 < near["position"] < 2e-3
     assert 0.0 < near["orientation"] < 0.01
