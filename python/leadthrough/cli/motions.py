@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -15,6 +16,7 @@ import leadthrough as lt
 from leadthrough.cli import options, output
 
 _NO_LIMIT = "no limit"
+_MAX_THREADS = 8  # of a check of collisions
 _TIP_TOLERANCE = "1e-4,1e-3"  # m and rad
 _NOISE = (1e-5, 2e-3)  # rad (m): less is rounding, more the motion's own
 _ROUNDED = 1e-2  # rad (m), the tolerance of a path that is free of a hand's tremor
@@ -289,7 +291,7 @@ def _clearance(
 ) -> lt.arm.CollisionReport | None:
     """The report on collisions; None, with a warning, if neither arm nor scene has a shape."""
     if scene.obstacles or arm.attached or arm._robot.collisions:
-        return arm.check(joints, scene)
+        return arm.check(joints, scene, threads=min(os.cpu_count() or 1, _MAX_THREADS))
     print(
         "warning: --robot: no link has collision geometry, so the limits are checked and "
         "collisions are not",

@@ -13,6 +13,7 @@ differences of the positions at that rate.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
@@ -162,14 +163,8 @@ def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Bin
     trajectory, joints = _ordered(trajectory, limits), limits.joint_names
     if len(trajectory.times) == 1:
         return []
-    used = _used_in_steps(with_derivatives(trajectory))
-    each = (limits.velocity, limits.acceleration, limits.jerk)
-    ratios = [
-        np.zeros_like(values) if limit is None else _ratios(values, limit)
-        for values, limit in zip(used, each, strict=True)
-    ]
-    flat = np.hstack(ratios)
-    nearest, binds = flat.argmax(axis=1), flat.max(axis=1) >= _BINDS
+    nearest, most = _nearest_in_steps(with_derivatives(trajectory), limits)
+    binds = most >= _BINDS
     changes = np.flatnonzero(np.diff(nearest) | np.diff(binds)) + 1
     return [
         Binding(
@@ -177,7 +172,7 @@ def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Bin
             end=float(trajectory.times[last]),
             joint=joints[int(nearest[first]) % len(joints)],
             kind=KINDS[int(nearest[first]) // len(joints)],
-            ratio=float(flat[first:last].max()),
+            ratio=float(most[first:last].max()),
         )
         for first, last in pairwise([0, *changes, len(nearest)])
     ]
@@ -249,12 +244,34 @@ def extremes(motion: JointTrajectory, rests: tuple[bool, bool]) -> Extremes:
     return Extremes(values, np.full(values.shape, motion.times[0]), np.zeros_like(values))
 
 
-def _used_in_steps(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float64Array]:
+def _nearest_in_steps(
+    motion: JointTrajectory, limits: JointLimits
+) -> tuple[NDArray[np.intp], Float64Array]:
+    """The limit of which each step uses most, by kind and joint, and its ratio, (steps,)."""
+    steps = len(motion.times) - 1
+    nearest, most = np.zeros(steps, dtype=np.intp), np.zeros(steps)
+    for first, (kind, used) in enumerate(_used_in_steps(motion)):
+        limit = getattr(limits, kind)
+        if limit is None:
+            continue
+        ratios = _ratios(used, limit)
+        worst = ratios.max(axis=1)
+        nearer = worst > most
+        nearest[nearer] = first * used.shape[1] + ratios[nearer].argmax(axis=1)
+        most[nearer] = worst[nearer]
+    return nearest, most
+
+
+def _used_in_steps(motion: JointTrajectory) -> Iterator[tuple[Kind, Float64Array]]:
     """The largest velocities, accelerations and jerks (steps, joints) of each step."""
     arrays = _arrays(motion)
+    velocities, accelerations = core.step_extremes(motion.times, *arrays)
+    yield "velocity", velocities
+    del velocities
+    yield "acceleration", accelerations
+    del accelerations
     with np.errstate(over="ignore", invalid="ignore"):
-        jerks = np.abs(np.diff(arrays[2], axis=0)) / np.diff(motion.times)[:, None]
-    return *core.step_extremes(motion.times, *arrays), jerks
+        yield "jerk", np.abs(np.diff(arrays[2], axis=0)) / np.diff(motion.times)[:, None]
 
 
 def _standing(motion: JointTrajectory, rests: tuple[bool, bool]) -> JointTrajectory:

@@ -149,7 +149,7 @@ def joint_tolerance(path_tolerance: float | TipTolerance, joints: int) -> float:
     if not isinstance(path_tolerance, TipTolerance):
         return check.number(path_tolerance, "path_tolerance", above=0.0)
     check.array(path_tolerance.levers, "path_tolerance: levers", shape=(joints,))
-    return path_tolerance.in_joints
+    return min(path_tolerance.in_joints, _NOMINAL_TOLERANCE)
 
 
 def checked_dwell_times(dwell_times: Mapping[int, float] | None, rows: int) -> dict[int, float]:
