@@ -12,7 +12,7 @@ Marquardt 1963.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +22,7 @@ from leadthrough import rotations
 from leadthrough.arm.tip_path import TipPath, Track
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
+from leadthrough.preprocess.resample import without_noise
 
 # m per rad: through a singularity of the wrist the tip turns, and hardly moves, off its path.
 _PER_RADIAN = 0.1
@@ -39,7 +40,8 @@ def track_on_branch(
     chain: core.Chain, path: TipPath, allowed: tuple[float, float], max_step: float
 ) -> Track:
     """The track near a path's postures, all samples, with errors as small as these allow."""
-    q = closer = np.clip(path.postures, chain.lower, chain.upper)
+    path = replace(path, postures=without_noise(path.postures))
+    q = closer = np.ascontiguousarray(np.clip(path.postures, chain.lower, chain.upper))
     for cost in _RATE_COSTS:
         closer = _Branch(chain, path, cost).solve(closer)
         if np.abs(np.diff(closer, axis=0)).max(initial=0.0) > max_step:

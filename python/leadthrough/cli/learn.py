@@ -21,6 +21,7 @@ from leadthrough.cli import options, output
 # Fraction of the extent from which on a demonstration counts as not reproduced.
 _SOUND = 0.01
 _JUDGED = 2  # recordings that `judge` needs
+_LEAST_NOISE = 1e-6  # m or rad
 _ALIGN = "preprocess.align_by_time_warping"
 _SPACE = 3  # coordinates of points in m; drawings have two, in their own unit
 _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
@@ -118,10 +119,25 @@ def learn(
         **_family(model, skill, as_json=as_json),
         "demonstrations": [each.name for each in demonstrations],
         "reproduction": near.as_dict() if as_json else _nearness(near, demonstrations),
+        **_smoothed(skill, demonstrations, as_json=as_json),
     }
     output.facts(found, as_json=as_json)
     if not as_json:
         _hint(ctx, near, model)
+
+
+def _smoothed(
+    skill: lt.models.Skill, demonstrations: list[lt.Demonstration], *, as_json: bool
+) -> dict[str, Any]:
+    """How much white noise of the recordings the learned motion leaves out, in m or rad."""
+    from leadthrough.preprocess.resample import noise_of
+
+    recorded = max(noise_of(each.motion.positions) for each in demonstrations)
+    left_out = math.sqrt(max(recorded**2 - noise_of(skill.generate().positions) ** 2, 0.0))
+    if left_out < _LEAST_NOISE:
+        return {}
+    unit = "mrad" if isinstance(demonstrations[0].motion, lt.JointTrajectory) else "mm"
+    return {"smoothed": left_out if as_json else f"noise of {1e3 * left_out:.2g} {unit}"}
 
 
 def _asked_for(

@@ -190,3 +190,20 @@ def test_a_long_recording_is_learned_by_the_family_that_reproduces_it(empty_fold
     assert "left_out_errors" not in found
     assert found["reproduction"]["fraction"] < 0.01
     assert type(lt.load_skill("s.npz").model) is lt.AlignedMean
+
+
+def test_how_much_noise_of_the_recordings_is_smoothed_is_printed(tmp_path):
+    times = np.linspace(0.0, 2.0, 201)
+    u = times / 2.0
+    points = np.column_stack([u, np.sin(3.0 * u), u**2])
+    rng = np.random.default_rng(0)
+    for name, noise in (("steady", 0.0), ("shaken", 2e-4)):
+        rows = np.column_stack([times, points + noise * rng.normal(size=points.shape)])
+        write_table(tmp_path / f"{name}.csv", "time,x,y,z", rows)
+    skill = tmp_path / "skill.npz"
+    shaken = facts("learn", tmp_path / "shaken.csv", "--model", "dmp", "-o", skill)
+    assert shaken["smoothed"] == pytest.approx(2e-4, rel=0.2)
+    said = run("learn", tmp_path / "shaken.csv", "--model", "dmp", "-o", skill).output
+    assert "smoothed" in said
+    assert "mm" in said
+    assert "smoothed" not in facts("learn", tmp_path / "steady.csv", "--model", "dmp", "-o", skill)
