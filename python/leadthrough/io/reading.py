@@ -189,7 +189,9 @@ def listed(paths: Sequence[Path], *, also: Sequence[str] = ()) -> list[Path]:
     """
     files = []
     for path in paths:
-        found = _inside(path, also) if _is_folder(path) and not can_read(path) else [path]
+        # Path.is_dir raises for a name that is too long.
+        is_folder = os.path.isdir(path)  # noqa: PTH112
+        found = _inside(path, also) if is_folder and not can_read(path) else [path]
         if not found:
             raise InvalidInput(
                 f"{path}: nothing to read in this folder; name one with recordings, such as .csv, "
@@ -197,10 +199,6 @@ def listed(paths: Sequence[Path], *, also: Sequence[str] = ()) -> list[Path]:
             )
         files += found
     return files
-
-
-def _is_folder(path: Path) -> bool:
-    return os.path.isdir(path)  # noqa: PTH112  (Path.is_dir raises for a name that is too long)
 
 
 def _inside(folder: Path, also: Sequence[str]) -> list[Path]:

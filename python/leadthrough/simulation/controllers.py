@@ -280,8 +280,7 @@ class CartesianImpedance(Controller):
     damping_ratio: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("turning", "posture", "damping_ratio"):
-            check.number(getattr(self, name), name, above=0.0)
+        _require_positive(self, "turning", "posture", "damping_ratio")
         object.__setattr__(self, "stiffness", check.freeze(_matrices(self.stiffness)))
 
     @classmethod
