@@ -3,10 +3,12 @@
 import inspect
 import pickle
 import re
+from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
 
 import numpy as np
 import pytest
+from contracts.public import public_callables
 from hypothesis import given, strategies as st
 from refusals import raised, refused
 
@@ -172,3 +174,37 @@ def test_errors_travel_between_processes(error):
 )
 def test_an_error_knows_the_argument_that_its_message_names(message, argument):
     assert errors.InvalidInput(message).argument == argument
+
+
+def test_large_arrays_are_told_by_their_shape_and_small_ones_by_their_numbers():
+    @dataclass(frozen=True, eq=False)
+    class Answer(check.ShortRepr):
+        small: object
+        large: object
+        names: object
+
+    text = repr(Answer(np.array([0.25, -1e-20]), np.zeros((50, 7)), tuple("abcdefg")))
+    assert text == "Answer(small=(0.25, 0), large=array (50, 7), names=('a' ... 'g', 7 in all))"
+
+
+def test_long_values_are_cut_off():
+    @dataclass(frozen=True, eq=False)
+    class Answer(check.ShortRepr):
+        words: object
+
+    assert len(repr(Answer("word " * 500))) < 100
+
+
+def test_a_class_keeps_its_own_repr():
+    class Answer(check.ShortRepr):
+        def __repr__(self):
+            return "mine"
+
+    assert repr(Answer()) == "mine"
+
+
+def test_public_results_with_arrays_are_frozen_too():
+    for name, value in public_callables():
+        if inspect.isclass(value) and is_dataclass(value):
+            holds = any("Array" in str(each.type) for each in fields(value))
+            assert not holds or issubclass(value, check.Frozen), name

@@ -1,14 +1,11 @@
 """Every public result shows itself in one to five lines."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 
 import leadthrough as lt
 from leadthrough import planning, trajectories
 from leadthrough.arm import JointState, PoseTask, PostureTask, TaskStack
-from leadthrough.check import ShortRepr
 from leadthrough.models import Frame, choose_components, infer, kmeans
 from leadthrough_studies.damped_least_squares import follow_path
 
@@ -56,30 +53,3 @@ def test_results_are_told_in_one_to_five_lines(results):
         assert 1 <= len(lines) <= 5, text
         assert max(map(len, lines)) <= 100, text
         assert text.startswith(type(each).__name__), text
-
-
-def test_large_arrays_are_told_by_their_shape_and_small_ones_by_their_numbers():
-    @dataclass(frozen=True, eq=False)
-    class Answer(ShortRepr):
-        small: object
-        large: object
-        names: object
-
-    text = repr(Answer(np.array([0.25, -1e-20]), np.zeros((50, 7)), tuple("abcdefg")))
-    assert text == "Answer(small=(0.25, 0), large=array (50, 7), names=('a' ... 'g', 7 in all))"
-
-
-def test_long_values_are_cut_off():
-    @dataclass(frozen=True, eq=False)
-    class Answer(ShortRepr):
-        words: object
-
-    assert len(repr(Answer("word " * 500))) < 100
-
-
-def test_a_class_keeps_its_own_repr():
-    class Answer(ShortRepr):
-        def __repr__(self):
-            return "mine"
-
-    assert repr(Answer()) == "mine"

@@ -8,7 +8,6 @@ from refusals import refused
 
 import leadthrough as lt
 from leadthrough.preprocess import clean, segment, trim
-from leadthrough.rest import white_noise
 
 BEFORE, AFTER, MOTION = 0.8, 0.9, 2.5  # s
 EXACTLY = 0.12  # s, how exactly the ends of a rest are found
@@ -101,14 +100,6 @@ def test_the_speed_may_be_stated():
     for name in ("speed", "angular_speed", "rest"):
         for value in (-1.0, math.nan, "fast"):
             refused(f"{name}: ", trim, whole, **{name: value})
-
-
-def test_noise_is_found_in_spite_of_spikes_and_motion():
-    whole = recorded(np.random.default_rng(9), noise=5e-4)
-    rows = whole.positions.copy()
-    rows[::37] += 0.2
-    np.testing.assert_allclose(white_noise(whole.positions), 5e-4, rtol=0.15)
-    np.testing.assert_allclose(white_noise(rows), 5e-4, rtol=0.25)
 
 
 def test_real_demonstrations_keep_their_motion(recordings):

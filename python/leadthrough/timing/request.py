@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array, Frozen, InvalidInput
 
 Jacobian = Callable[[Float64Array], Float64Array]
 InverseDynamics = Callable[[Float64Array, Float64Array, Float64Array], Float64Array]
@@ -42,7 +42,7 @@ class TipSpeed:
 
 
 @dataclass(frozen=True, eq=False)
-class TipTolerance:
+class TipTolerance(Frozen):
     """How far a fitted path may take an arm from the samples.
 
     No point of the arm moves by more: the bound adds up what each joint moves.
@@ -65,7 +65,7 @@ class TipTolerance:
         levers = check.frozen(self.levers, "levers", shape=("joints",))
         turns = np.ones(len(levers)) if self.turns is None else np.asarray(self.turns, dtype=float)
         object.__setattr__(self, "levers", levers)
-        object.__setattr__(self, "turns", turns)
+        object.__setattr__(self, "turns", check.frozen(turns, "turns", shape=levers.shape))
 
     @property
     def in_joints(self) -> float:

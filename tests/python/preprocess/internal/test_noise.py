@@ -8,6 +8,7 @@ from leadthrough.io import lasa
 from leadthrough.preprocess import arc_length
 from leadthrough.preprocess.resample import noise_of, without_noise
 from leadthrough.preprocess.smooth import smooth_path
+from leadthrough.rest import white_noise
 
 
 def reach(count):
@@ -93,3 +94,10 @@ def test_refused_candidates_get_closer_to_the_path_and_end_in_the_path_itself():
     assert result is corner
     assert len(deviations) == 5
     assert deviations[-1] < 0.3 * deviations[0]
+
+
+def test_noise_of_joints_is_found_in_spite_of_spikes():
+    rows = reach(500) + np.random.default_rng(9).normal(0.0, 5e-4, (500, 2))
+    np.testing.assert_allclose(white_noise(rows), 5e-4, rtol=0.15)
+    rows[::37] += 0.2
+    np.testing.assert_allclose(white_noise(rows), 5e-4, rtol=0.25)
