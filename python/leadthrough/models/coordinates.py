@@ -187,9 +187,8 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
     def columns(self, motion: Motion, phases: Float64Array, name: str) -> Float64Array:
         """The columns (n, width) of a motion."""
         if not isinstance(motion, _TYPES[self.kind]) or motion.positions.shape[1] != self.size:
-            raise InvalidInput(
-                f"{name}: expected {self.kind} of {self.size} columns, got {_described(motion)}"
-            )
+            got = f"{type(motion).__name__} of {motion.positions.shape[1]} columns"
+            raise check.refused(name, f"{self.kind} of {self.size} columns", got)
         if isinstance(motion, JointTrajectory):
             return in_order(motion, self.joint_names, name).positions
         if isinstance(motion, Trajectory):
@@ -409,10 +408,6 @@ def carried(before: Float64Array, after: Float64Array) -> Float64Array:
     """Matrices (n, 3, 3) that carry small deviations from one tangent space to another."""
     # log(exp(d) exp(v)) = d + J_r(d)^-1 v + ..., with J_r(d) = J_l(-d); Sola et al. 2018, eq. 151.
     return np.asarray(rotations.left_jacobian_inverse(-after) @ rotations.left_jacobian(-before))
-
-
-def _described(motion: Motion) -> str:
-    return f"{type(motion).__name__} of {motion.positions.shape[1]} columns"
 
 
 def events_by_round(events: Events, first: float, last: float) -> list[Events]:
