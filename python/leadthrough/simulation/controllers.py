@@ -49,6 +49,8 @@ class Law(ABC):
         self.arm = arm
         self.gravity = gravity
         self.rotors = rotors
+        # kg m^2 (kg) per joint, of the rotors whose acceleration is part of the torques.
+        self.fed_forward = np.zeros_like(rotors)
         self._dynamics = arm._dynamics
         # N m s/rad (N s/m) per joint, of dampers in the drives: these know their joint's velocity
         # at once, at a far higher rate.
@@ -142,6 +144,7 @@ class _Linearised(Law):
         lacking: Float64Array,
     ) -> None:
         super().__init__(arm, gravity, rotors)
+        self.fed_forward = rotors
         self._k = made.frequency**2
         self._d = 2.0 * made.damping_ratio * made.frequency
         self._springs = self._k * lacking

@@ -123,6 +123,7 @@ class SimulatedArm(ShortRepr):
         self._seen = deque([self.drives.encoded(start.q)] * (late + 1), maxlen=late + 1)
         self._seen_qd = deque([start.qd] * (late + 1), maxlen=late + 1)
         self._last_seen = before
+        self._last_qd = start.qd
         self.demanded = self.torques = np.zeros(len(start.q))
         self._mujoco.mj_forward(self.plant.model, self.data)
 
@@ -172,7 +173,7 @@ class SimulatedArm(ShortRepr):
         # the period, when the target's is another.
         self.data.ctrl[:] = asked + self.law.drive_damping * (qd + self.period * command.qdd)
         # Torque limits hold behind the gears, where the rotors' own acceleration has no part.
-        spin = self.drives.rotors * command.qdd
+        spin = self._spin(before, command.qdd)
         self.demanded = asked + self.law.drive_damping * (qd - before) - spin
         self._shift_limits(spin)
         if self.drives.pushes:
@@ -191,6 +192,13 @@ class SimulatedArm(ShortRepr):
         if not values.max() < most:
             joint = int(values.argmax())
             raise RunawayError(self.arm.joint_names[joint], self.time, joint)
+
+    def _spin(self, qd: Float64Array, qdd: Float64Array) -> Float64Array:
+        """Torques (joints,) that the rotors take in a period: as fed forward, or as in the last."""
+        last = (qd - self._last_qd) / self.period
+        self._last_qd = qd
+        fed = self.law.fed_forward
+        return np.asarray(fed * qdd + (self.drives.rotors - fed) * last)
 
     def _shift_limits(self, spin: Float64Array) -> None:
         """Adds the torques (joints,) of the rotors to the motors' limits for a period."""
