@@ -21,7 +21,7 @@ from leadthrough.simulation.model import LINK, plant
 
 # No arm moves so fast, rad/s (m/s), or has such motors, N m (N); MuJoCo would soon give up and
 # write a file about it.
-_RUNAWAY, _STRONGEST = 1e3, 2e4
+_RUNAWAY, _STRONGEST = 1e3, 1e6
 
 
 @dataclass(frozen=True, eq=False)

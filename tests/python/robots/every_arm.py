@@ -173,12 +173,10 @@ def error_of(result):
 def write_page(rows):
     """Writes the table between its marks on the page."""
     passed = sum(not found.failed for _, found in rows)
-    table = [
-        f"{passed} of {len(rows)} arms pass.",
-        "",
-        "| arm | file, first and last link | joints | result |",
-    ]
-    table.append("|---|---|---|---|")
+    lacking = sum(found.lacks for _, found in rows)
+    said = f"{passed} of {len(rows)} arms pass; {lacking} others lack sound masses or meshes."
+    heads = ["| arm | file, first and last link | joints | result |", "|---|---|---|---|"]
+    table = [said, "", *heads]
     for entry, found in rows:
         result = f"{found.failed}: {_plain(found.reason)}" if found.failed else "passes"
         links = f"`{entry.urdf}`, `{entry.base}` to `{entry.tip}`"
@@ -190,6 +188,7 @@ def write_page(rows):
 
 def _plain(reason):
     """A reason without the folders of this machine."""
+    reason = reason.removeprefix("leadthrough.toml: ")
     return re.sub(r"\s*\([^()]*/[^()]*\)|(?<=[ '])/[^ ',;]*/", "", reason).replace("|", "\\|")
 
 

@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 from refusals import refused
 from simulation.conftest import AWAY, HOME, IDEAL, disturbed
+from urdfs import one_joint
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, MissingDependency
@@ -33,6 +35,19 @@ def test_a_motion_that_the_arm_can_run_is_fit_to_run(simulated, swing):
     first, last = simulated.span
     assert last - first == pytest.approx(swing.duration)
     assert simulated.plot().axes
+
+
+def test_an_arm_of_some_tonnes_does_not_run_away():
+    body = (
+        '<inertial><origin xyz="1 0 0"/><mass value="3000"/>'
+        '<inertia ixx="9" iyy="9" izz="9" ixy="0" ixz="0" iyz="0"/></inertial>'
+    )
+    arm = lt.Arm.from_urdf(one_joint('<origin rpy="1.5707963 0 0"/>', link=body))
+    times = np.linspace(0.0, 2.0, 50)
+    motion = lt.JointTrajectory(times, 0.2 * minimum_jerk(times / 2.0)[:, None])
+    report = lt.simulate(arm, motion, disturbances=IDEAL)
+    assert report.ok, report
+    assert np.abs(report.torques).max() > 0.98 * 3000 * 9.81  # that of gravity, by hand
 
 
 def test_equal_calls_have_equal_answers(loaded, swing, simulated):
