@@ -312,6 +312,27 @@ def test_a_moving_target_is_followed():
     assert max(misses[1500:]) < 0.3
 
 
+def test_from_any_state_a_moving_target_is_followed_inside_the_limits_and_reached_where_it_stops():
+    rng, count, period = np.random.default_rng(9), 2000, 0.05
+    made = random_filter(rng, count)
+    now = random_start(rng, made, count, beyond=10.0)
+    pace, size = rng.uniform(0.0, 3.0, count), 10.0 ** rng.uniform(-3.0, 1.0, count)
+    for k in range(80):
+        target = size * np.sin(pace * k * period)
+        before, now = now, made.step(now, target, period)
+        assert keeps_its_jerk(made, before, now, period)
+        assert inside(made, now)[inside(made, before)].all()
+        least, most = (
+            pick([limit, before.velocity, released(made, before)], axis=0)
+            for pick, limit in ((np.min, -made.velocity_down), (np.max, made.velocity))
+        )  # of velocities that no filter could avoid
+        assert (now.velocity <= most + 1e-9).all() and (now.velocity >= least - 1e-9).all()
+    durations = made.durations(now, target)
+    assert rests(made.step(now, target, durations.max() + 1e-3), target).all()
+    soon = made.step(now, target, 0.99 * durations[durations > 0.0].min())
+    assert not rests(soon, target)[durations > 0.0].any()
+
+
 def test_dimensions_that_go_together_arrive_together_when_the_slowest_can():
     rng = np.random.default_rng(6)
     for _ in range(60):
