@@ -113,6 +113,7 @@ _ORDER = 3  # of the differences that smoothing penalises: parabolas stay as the
 # smooths over 200 samples. In a longer path it is that of a few windows.
 _WEAKEST, _STRONGEST, _TOLERANCE = -3.0, 12.0, 1e-3
 _MAX_SMOOTHED, _WINDOWS = 2000, 8
+_SPREAD = 3.0  # standard deviations: hardly a sample has noise so much longer than the mean
 # The steps of a random walk are unrelated to those before: all their correlations are near 0. Those
 # of a motion with white noise are not: noise makes neighbouring steps turn back, the motion keeps
 # steps farther apart alike. With fewer steps chance decides.
@@ -144,19 +145,25 @@ def is_random_walk(path: Float64Array) -> bool:
 
 
 def without_noise(path: Float64Array) -> Float64Array:
-    """The path smoothed until what it loses is as large as its white noise.
+    """The path smoothed until what it loses is as large as its white noise, detail aside.
 
     Source: Whittaker 1923, "On a new method of graduation"; the strength by Morozov's discrepancy
     principle.
     """
-    if noise_of(path) == 0.0:
+    noise = noise_of(path)
+    if noise == 0.0:
         return path
     first = max(len(path) - _MAX_SMOOTHED, 0)
     starts = np.unique(np.linspace(0, first, _WINDOWS).astype(int)).tolist()
     windows = (path[start : start + _MAX_SMOOTHED] for start in starts)
-    strengths = [_strength(window, noise) for window in windows if (noise := noise_of(window))]
+    strengths = [_strength(window, own) for window in windows if (own := noise_of(window))]
     strength = float(np.median(strengths)) if strengths else _WEAKEST
-    return path if strength <= _WEAKEST else _smoothed(path, _penalty(len(path)), strength)
+    if strength <= _WEAKEST:
+        return path
+    lost = _smoothed(path, _penalty(len(path)), strength) - path
+    most = noise * (np.sqrt(path.shape[1]) + _SPREAD)
+    shares = most / np.maximum(np.linalg.norm(lost, axis=1), most)
+    return np.asarray(path + shares[:, None] * lost)
 
 
 def _strength(path: Float64Array, noise: float) -> float:

@@ -53,6 +53,18 @@ def test_one_sample_moved_a_little_changes_the_path_a_little():
         assert np.linalg.norm(without_noise(spiked) - clean, axis=1).max() <= 1.01 * off
 
 
+def test_detail_beyond_the_noise_is_kept():
+    """A long still recording with a few quick wiggles: most of it asks for much smoothing."""
+    t = np.linspace(0.0, 60.0, 1500)
+    wiggles = sum(np.exp(-(((t - at) / 0.15) ** 2)) for at in (10.0, 30.0, 50.0))
+    clean = np.column_stack([0.001 * t, 0.02 * wiggles, 0.0 * t])
+    noisy = clean + np.random.default_rng(5).normal(0.0, 3e-4, clean.shape)
+    assert np.linalg.norm(without_noise(noisy) - noisy, axis=1).max() <= 5.0 * 3e-4
+    still = np.abs(wiggles) < 1e-9
+    errors = [np.std((path - clean)[still]) for path in (without_noise(noisy), noisy)]
+    assert errors[0] < 0.5 * errors[1]
+
+
 def test_noise_scales_with_the_unit_and_turns_with_the_frame():
     noisy = reach(300) + np.random.default_rng(2).normal(0.0, 0.01, (300, 2))
     angle = np.deg2rad(37.0)
