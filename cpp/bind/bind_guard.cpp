@@ -32,7 +32,8 @@ StepLimits make_limits(const Eigen::VectorXd& lower, const Eigen::VectorXd& uppe
   const Index joints = velocity.size();
   require(joints > 0 && lower.size() == joints && upper.size() == joints &&
           acceleration.size() == joints && jerk.size() == joints && period > 0.0);
-  require(velocity.minCoeff() > 0.0 && acceleration.minCoeff() > 0.0 && jerk.minCoeff() > 0.0);
+  for (const Eigen::VectorXd* bound : {&velocity, &acceleration, &jerk})
+    require((bound->array() > 0.0).all());
   return {lower, upper, velocity, acceleration, jerk, period};
 }
 
@@ -41,7 +42,7 @@ void require_rows(const StepLimits& limits, const RowsRef& rows, Index least) {
 }
 
 void require_start(const StepLimits& limits, const RowsRef& start) {
-  require(start.cols() == 3 * limits.joints() && start.rows() == 1);
+  require(start.cols() == 3 * limits.joints() && start.rows() == 1 && start.allFinite());
 }
 
 // order, sample, joint, ratio; for order 0 the position.
@@ -120,7 +121,7 @@ std::optional<std::tuple<double, std::string, std::string>> first_contact(
     long most_work) {
   const CollisionScene& scene = guarded.arm.scene;
   const Index joints = scene.chain.joints();
-  require(start.size() == joints || start.size() == 3 * joints);
+  require((start.size() == joints || start.size() == 3 * joints) && most_work >= 0);
   require(samples.cols() == joints || samples.cols() == 3 * joints);
   const Unlocked unlocked;
   const auto found =

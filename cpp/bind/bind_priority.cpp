@@ -1,6 +1,8 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <cmath>
+
 #include "bind/parts.hpp"
 #include "leadthrough/ik/arm_tasks.hpp"
 #include "leadthrough/ik/differential_ik.hpp"
@@ -71,13 +73,14 @@ StackWorkspace workspace_for(const TaskStack& stack) {
   return workspace;
 }
 
-void require_joints(const TaskStack& stack, const Vector& q, const Vector& qd, bool qd_optional) {
-  require(q.size() == stack.chain.joints() &&
+void require_joints(const TaskStack& stack, const Vector& q, const Vector& qd, double dt,
+                    bool qd_optional) {
+  require(q.size() == stack.chain.joints() && dt > 0.0 && std::isfinite(dt) &&
           (qd.size() == q.size() || (qd_optional && qd.size() == 0)));
 }
 
 py::tuple velocity(const TaskStack& stack, const Vector& q, const Vector& qd, double dt) {
-  require_joints(stack, q, qd, true);
+  require_joints(stack, q, qd, dt, true);
   StackMotion solution;
   {
     const Unlocked unlocked;
@@ -88,7 +91,7 @@ py::tuple velocity(const TaskStack& stack, const Vector& q, const Vector& qd, do
 }
 
 py::tuple acceleration(const TaskStack& stack, const Vector& q, const Vector& qd, double dt) {
-  require_joints(stack, q, qd, false);
+  require_joints(stack, q, qd, dt, false);
   StackMotion solution;
   {
     const Unlocked unlocked;
@@ -99,7 +102,7 @@ py::tuple acceleration(const TaskStack& stack, const Vector& q, const Vector& qd
 }
 
 py::tuple step(const TaskStack& stack, const Vector& q, const Vector& qd, double dt) {
-  require_joints(stack, q, qd, false);
+  require_joints(stack, q, qd, dt, false);
   StackStep next;
   {
     const Unlocked unlocked;

@@ -22,7 +22,7 @@ from leadthrough import rotations
 from leadthrough.arm.tip_path import TipPath, Track
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array
-from leadthrough.preprocess.resample import without_noise
+from leadthrough.noise import without_noise
 
 # m per rad: through a singularity of the wrist the tip turns, and hardly moves, off its path.
 _PER_RADIAN = 0.1

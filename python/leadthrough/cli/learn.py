@@ -130,7 +130,7 @@ def _smoothed(
     skill: lt.models.Skill, demonstrations: list[lt.Demonstration], *, as_json: bool
 ) -> dict[str, Any]:
     """How much white noise of the recordings the learned motion leaves out, in m or rad."""
-    from leadthrough.preprocess.resample import noise_of
+    from leadthrough.noise import noise_of
 
     recorded = max(noise_of(each.motion.positions) for each in demonstrations)
     left_out = math.sqrt(max(recorded**2 - noise_of(skill.generate().positions) ** 2, 0.0))

@@ -131,7 +131,7 @@ def _at_tip(arm: lt.Arm, text: str) -> lt.timing.TipTolerance:
 
 def _without_noise(path: lt.JointTrajectory) -> tuple[lt.JointTrajectory, float]:
     """The path without its white noise, and how strong that was, rad (m); 0 if it is not noise."""
-    from leadthrough.preprocess.resample import noise_of, without_noise
+    from leadthrough.noise import noise_of, without_noise
 
     noise = noise_of(path.positions)
     if not _NOISE[0] < noise < _NOISE[1]:

@@ -12,7 +12,7 @@ from leadthrough import check
 from leadthrough.cli import output, robot as robots
 from leadthrough.models.contradictions import contradictions
 from leadthrough.models.protocol import motions_of
-from leadthrough.preprocess.resample import noise_of
+from leadthrough.noise import noise_of
 
 _WINDOW = 0.05  # s, over which a speed is taken, so that noise does not count
 _QUANTILE = 0.999  # of a recording's speeds; the few above it are spikes

@@ -7,14 +7,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 import leadthrough as lt
-from leadthrough.arm import robot_files
-from leadthrough.cli import options, output, questions, reading, robot as robots
+from leadthrough.cli import options, output
 from leadthrough.cli.command import PROFILE, read_profile
-from leadthrough.io.headers import joint
+
+if TYPE_CHECKING:
+    from leadthrough.cli import questions
 
 _SKILL, _MOTION, _TIMED, _PAGE = "skill.npz", "motion.json", "timed.json", "motion.html"
 _RATE = "500"  # Hz, which most controllers take
@@ -39,6 +41,8 @@ def start(
         arm: URDF of the robot, or a robot's name, as for --robot.
         yes: Take all proposals instead of asking.
     """
+    from leadthrough.cli import questions, reading, robot as robots
+
     ask = questions.taken if yes else questions.asked
     recordings = reading.listed(files)
     reading.refuse_skills(recordings)
@@ -69,6 +73,10 @@ def _with_ends(
     ask: questions.Ask, arm: str, details: options.ArmDetails, names: Sequence[str]
 ) -> options.ArmDetails:
     """The details with the arm's base and tip, proposed around the joints that were recorded."""
+    from leadthrough.arm import robot_files
+    from leadthrough.cli import robot as robots
+    from leadthrough.io.headers import joint
+
     with output.naming(path_or_xml="ARM", name="ARM"):
         document = robot_files.read(robots.urdf_of(arm))
     base, tip = robot_files.proposed_ends(document, [joint(name) for name in names])
@@ -95,6 +103,8 @@ def _write_profile(
     ctx: typer.Context, ask: questions.Ask, arm: str, details: options.ArmDetails
 ) -> dict[str, str]:
     """Writes leadthrough.toml, and a limits file where limits are not known; the profile."""
+    from leadthrough.cli import robot as robots
+
     if Path(PROFILE).exists():
         raise lt.errors.InvalidInput(
             f"{PROFILE}: is there already, for another robot; start in another folder"

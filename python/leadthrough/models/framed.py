@@ -73,7 +73,7 @@ class Framed(Unfitted):
         back = [Frame(-frame.origin @ frame.axes, frame.axes.T) for frame in given]
         seen = [frame.base(motion) for frame, motion in zip(back, motions, strict=True)]
         learned = cast(Skill[MotionT], self.model.fit(seen))  # of the demonstrated type
-        return FramedSkill(self, learned, given[0], poses)
+        return FramedSkill(Framed(learned.model), learned, given[0], poses)
 
 
 @dataclass(frozen=True, eq=False)

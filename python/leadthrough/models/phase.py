@@ -8,7 +8,8 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.motion import normalised_times
-from leadthrough.preprocess.resample import arc_length, without_noise
+from leadthrough.noise import without_noise
+from leadthrough.preprocess.resample import arc_length
 from leadthrough.trajectories import minimum_jerk_time_scaling
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
 from leadthrough.motion import lerp
+from leadthrough.noise import without_noise
 from leadthrough.preprocess.align import FREE, warp
 from leadthrough.preprocess.moved_ends import with_ends
-from leadthrough.preprocess.resample import without_noise
 from leadthrough.preprocess.smooth import in_pieces
 
 # Rows of a curve: as few as keep all samples within a fraction of the extent, doubled from the

@@ -34,7 +34,7 @@ _TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
-class Mode(Generic[MotionT_co]):
+class Mode(check.Frozen, Generic[MotionT_co]):
     """Aligned demonstrations of one mode.
 
     Attributes:

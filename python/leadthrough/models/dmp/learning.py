@@ -68,7 +68,7 @@ from leadthrough.motion import (
     normalised_times,
     plain_events,
 )
-from leadthrough.preprocess.resample import noise_of
+from leadthrough.noise import noise_of
 
 # A period whose last samples are missing, up to this fraction of it, counts as whole.
 _SLACK = 0.02

@@ -18,7 +18,7 @@ from leadthrough.models.dynamical.field import MAX_DURATION, Field, endpoints
 from leadthrough.models.dynamical.skill import DynamicalSkill
 from leadthrough.models.protocol import Demonstrations, Unfitted, motions_of
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, lerp, normalised_times
-from leadthrough.preprocess.resample import without_noise
+from leadthrough.noise import without_noise
 
 # Evenly spaced samples of each demonstration, and the deviation over which they are smoothed.
 _SAMPLES, _SMOOTHING = 201, 2.0

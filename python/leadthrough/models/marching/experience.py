@@ -29,7 +29,8 @@ from leadthrough.motion import (
     events_of_plain,
     moved_events,
 )
-from leadthrough.preprocess.resample import arc_length, by_arc_length, is_random_walk, without_noise
+from leadthrough.noise import is_random_walk, without_noise
+from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.trajectories import minimum_jerk_time_scaling
 
 # A demonstration is reversed where that brings its ends nearer to start and goal, in sum, by half

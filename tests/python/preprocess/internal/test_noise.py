@@ -5,8 +5,8 @@ import pytest
 from motions import minimum_jerk
 
 from leadthrough.io import lasa
+from leadthrough.noise import noise_of, without_noise
 from leadthrough.preprocess import arc_length
-from leadthrough.preprocess.resample import noise_of, without_noise
 from leadthrough.preprocess.smooth import smooth_path
 from leadthrough.rest import white_noise
 
