@@ -228,8 +228,12 @@ JointRange sampled_range(const Chain& chain, int joint) {
   const double lower = chain.lower[joint], upper = chain.upper[joint];
   const bool from = std::isfinite(lower), to = std::isfinite(upper);
   const double reach = chain.periodic[static_cast<std::size_t>(joint)] ? kPi : 1.0;
-  return {from ? lower : to ? upper - 2.0 * reach : -reach,
-          to ? upper : from ? lower + 2.0 * reach : reach};
+  return {from ? lower
+          : to ? upper - 2.0 * reach
+               : -reach,
+          to     ? upper
+          : from ? lower + 2.0 * reach
+                 : reach};
 }
 
 double reach(const Chain& chain) {

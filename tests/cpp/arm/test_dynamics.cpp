@@ -51,7 +51,7 @@ TEST(Dynamics, TheMassMatrixIsTheTorqueOfUnitAccelerations) {
   const Rows q = random_rows(1, n, 4);
   const Rows zero = Rows::Zero(n, n);
   const Rows torques = Dynamics(chain).torques(q.replicate(n, 1), zero, Rows::Identity(n, n),
-                                              Eigen::Vector3d::Zero());
+                                               Eigen::Vector3d::Zero());
   const Rows mass = Dynamics(chain).mass_matrices(q);
   EXPECT_LE((Eigen::Map<const Rows>(mass.data(), n, n) - torques).cwiseAbs().maxCoeff(), 1e-12);
 }
