@@ -1,5 +1,6 @@
 """Motions and arms that tests share; none is built before a test asks for it."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -64,6 +65,14 @@ def ring(kind, shift=0.0, scale=1.0):
     positions = np.pad(flat, ((0, 0), (0, kind == "poses")))
     swing = np.outer(0.5 * np.sin(2 * np.pi * t), [1.0, 0.0, 0.0])
     return motion_of(kind, 1.5 * t, scale * positions, swing)
+
+
+def backwards(motion):
+    """A motion from its last sample to its first, at the same times."""
+    turned = {"positions": motion.positions[::-1]}
+    if isinstance(motion, lt.PoseTrajectory):
+        turned["orientations"] = motion.orientations[::-1]
+    return replace(motion, **turned)
 
 
 def reach(kind, seed, *, pace=1.0):

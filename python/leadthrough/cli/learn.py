@@ -69,6 +69,7 @@ def learn(
     """
     from leadthrough import check
     from leadthrough.cli import outliers, reading, robot as robots
+    from leadthrough.models.protocol import fit_all
 
     reading.check_suffix(out, reading.SKILL, "--out")
     if model is not None:
@@ -111,7 +112,7 @@ def learn(
         if "rhythmic" not in repr(chosen).lower():  # a rhythm may be any number of periods long
             outliers.refuse_contradictions(ctx, demonstrations)
         with _reporting_misalignment(ctx, demonstrations):
-            skill = lt.learn(demonstrations) if chosen is None else chosen.fit(demonstrations)
+            skill = lt.learn(demonstrations) if chosen is None else fit_all(chosen, demonstrations)
         near = lt.models.reproduction(skill, demonstrations)
         skill.save(out)
     found: dict[str, Any] = {

@@ -25,7 +25,7 @@ from leadthrough import check, tasks
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, ShortRepr
 from leadthrough.io.files import replacing
 from leadthrough.models import Model, ProMP, Skill, Target, TargetRegion
-from leadthrough.models.protocol import Demonstrations, motions_of
+from leadthrough.models.protocol import Demonstrations, fit_all, motions_of
 from leadthrough.motion import Demonstration, Motion, lerp, target_of
 from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.align import features
@@ -428,7 +428,7 @@ def _learned(common: Material, without: set[int]) -> Skill[Motion] | None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the judgement reports it
         try:
-            return common.model.fit(others)
+            return fit_all(common.model, others)
         except LeadthroughError:
             return None
 

@@ -27,6 +27,7 @@ from leadthrough.models.protocol import (
     Distributed,
     Parameter,
     Skill,
+    fit_all,
 )
 from leadthrough.models.queries import CheckedQuery, Via, checked_query
 from leadthrough.models.registry import entry_of_skill
@@ -127,8 +128,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
 
     def _fitted_again(self, model: Any, demonstrations: Demonstrations[Motion]) -> Skill[Any]:
         """The skill of a model with another setting."""
-        again: Skill[Any] = model.fit(demonstrations)
-        return again
+        return fit_all(model, demonstrations)
 
     @property
     def certificate(self) -> Certificate | None:

@@ -36,6 +36,8 @@ class Contradiction:
 
 def contradictions(motions: Sequence[Motion]) -> list[Contradiction]:
     """Lone motions that contradict all others; of two, the second may be reversed."""
+    if len(motions) < 2:
+        return []
     paths = [by_arc_length(each, _ALONG) for each in features(motions, _SAMPLES)]
     found: dict[int, str] = {}
     for index, text in (

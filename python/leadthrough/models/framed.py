@@ -24,8 +24,10 @@ from leadthrough.models.protocol import (
     Demonstrations,
     Guided,
     Model,
+    Outliers,
     Skill,
     Unfitted,
+    fit_all,
     motions_of,
 )
 from leadthrough.models.queries import CheckedQuery, Via
@@ -52,6 +54,7 @@ class Framed(Unfitted):
         demonstrations: Demonstrations[MotionT],
         *,
         frames: Sequence[Sequence[Frame]] | None = None,
+        outliers: Outliers = "refuse",
     ) -> FramedSkill[MotionT]:
         """A skill from demonstrations and their frames; it is in the frame of the first one.
 
@@ -59,11 +62,13 @@ class Framed(Unfitted):
             demonstrations: those that the model learns from, in the base frame.
             frames: one for each demonstration, in a sequence of its own as for `TaskGMR`. Right-
                 handed for poses. By default that of its last sample.
+            outliers: treatment of one that contradicts all others, seen from the frames, as for
+                `learn`: "refuse", "drop", "keep".
 
         Raises:
             InvalidInput: if the frames do not fit the demonstrations, or for motions that the model
                 does not learn.
-            FitError: as the model raises it.
+            FitError: as the model raises it, and for one that contradicts all others.
         """
         motions = motions_of(demonstrations)
         if frames is None:
@@ -72,7 +77,8 @@ class Framed(Unfitted):
         given = _one_each(frames, len(motions), motions[0].positions.shape[1], poses=poses)
         back = [Frame(-frame.origin @ frame.axes, frame.axes.T) for frame in given]
         seen = [frame.base(motion) for frame, motion in zip(back, motions, strict=True)]
-        learned = cast(Skill[MotionT], self.model.fit(seen))  # of the demonstrated type
+        seen = motions_of(seen, outliers=outliers)
+        learned = cast(Skill[MotionT], fit_all(self.model, seen))  # of the demonstrated type
         return FramedSkill(Framed(learned.model), learned, given[0], poses)
 
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
-from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
-from leadthrough.check import FitError, InvalidInput, LeadthroughError
-from leadthrough.models.contradictions import contradictions
+from leadthrough.check import InvalidInput, LeadthroughError
 from leadthrough.models.protocol import (
     Choice,
     Demonstrations,
     MisalignmentWarning,
     Model,
+    Outliers,
     Skill,
+    fit_all,
     motions_of,
 )
 from leadthrough.models.registry import model_entry
@@ -34,7 +34,7 @@ def learn(
     demonstrations: Demonstrations[MotionT],
     *,
     candidates: Sequence[str | Model] = CANDIDATES,
-    outliers: Literal["refuse", "drop"] = "refuse",
+    outliers: Outliers = "refuse",
 ) -> Skill[MotionT]:
     """A skill of the family that predicts left-out demonstrations best.
 
@@ -47,25 +47,20 @@ def learn(
             that do not learn this type of motion are left out.
         outliers: treatment of a demonstration that contradicts all others: one that runs
             backwards, of another task, rotated by more than 70 degrees, or four times as fast or
-            slow. Two that agree with each other are a second way, and stay.
+            slow. "refuse" raises an error, "drop" leaves it out, "keep" learns it all the same.
+            Two that agree with each other are a second way, and stay.
 
     Raises:
         FitError: if no candidate can learn the demonstrations; with outliers="refuse" also for one
             that contradicts all others, with the place.
         InvalidInput: if no candidate is of this type of motion.
     """
-    check.choice(outliers, "outliers", ("refuse", "drop"))
-    motions = motions_of(demonstrations)
-    found = {each.index: each.text for each in contradictions(motions)}
-    if found and outliers == "refuse":
-        texts = (f"demonstrations[{i}]: {text}" for i, text in found.items())
-        raise FitError(f"{'; '.join(texts)}; leave out, or set outliers='drop'")
-    motions = [each for i, each in enumerate(motions) if i not in found]
+    motions = motions_of(demonstrations, outliers=outliers)
     models = _models(candidates, motions[0])
     folds = _left_out(len(motions))
     errors = {name: _mean_error(model, motions, folds) for name, model in models.items()}
     chosen = min(errors, key=lambda name: errors[name])
-    fitted: Any = models[chosen].fit(motions)
+    fitted: Any = fit_all(models[chosen], motions)
     skill: Skill[MotionT] = fitted.with_choice(Choice(chosen, errors, len(folds)))
     return skill
 
@@ -101,7 +96,7 @@ def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> fl
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", MisalignmentWarning)
                 start, goal = (target_of(motions[i], row) for row in (0, -1))
-                made = model.fit(rest).generate(start=start, goal=goal)
+                made = fit_all(model, rest).generate(start=start, goal=goal)
         except LeadthroughError:
             return float("inf")
         errors.append(mean_distance(motions[i], made))

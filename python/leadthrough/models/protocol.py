@@ -4,15 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, NoReturn, Protocol, TypeAlias, runtime_checkable
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Generic,
+    Literal,
+    NoReturn,
+    Protocol,
+    TypeAlias,
+    get_args,
+    runtime_checkable,
+)
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import sanity
+from leadthrough import check, sanity
 from leadthrough.check import MAX_NUMBER, FitError, Float64Array, InvalidInput, NotFitted, ShortRepr
 from leadthrough.io.files import StrPath
 from leadthrough.models.certificate import Certificate
+from leadthrough.models.contradictions import contradictions
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,
@@ -32,6 +43,9 @@ if TYPE_CHECKING:
 
 # Argument of every `fit`: demonstrations, or the motions alone.
 Demonstrations: TypeAlias = Sequence[Demonstration[MotionT] | MotionT]
+
+# Treatment of a demonstration that contradicts all others.
+Outliers: TypeAlias = Literal["refuse", "drop", "keep"]
 
 KINDS = (Trajectory, PoseTrajectory, JointTrajectory)
 # Demonstrations that are late by this fraction of the latest one are named.
@@ -245,8 +259,10 @@ def motions_of(
     *,
     kinds: tuple[type[Motion], ...] = KINDS,
     at_least: int = 1,
+    outliers: Outliers = "keep",
 ) -> list[MotionT]:
     """The motions of demonstrations, all of one type and size, each of which moves."""
+    check.choice(outliers, "outliers", get_args(Outliers))
     if not isinstance(demonstrations, Sequence):
         raise InvalidInput(
             "demonstrations: expected a sequence of demonstrations, got one "
@@ -262,7 +278,27 @@ def motions_of(
     for i, motion in enumerate(motions):
         _refuse_unfit(motion, f"demonstrations[{i}]")
         sanity.clock(motion.times, f"demonstrations[{i}]")
-    return motions
+    return motions if outliers == "keep" else _agreeing(motions, outliers)
+
+
+def _agreeing(motions: list[Any], outliers: Outliers) -> list[Any]:
+    """The motions without those that contradict all others, which are refused or dropped."""
+    found = {each.index: each.text for each in contradictions(motions)}
+    if found and outliers == "refuse":
+        texts = (f"demonstrations[{i}]: {text}" for i, text in found.items())
+        raise FitError(
+            f"{'; '.join(texts)}; leave out, or set outliers to 'drop', or to 'keep' if meant"
+        )
+    return [each for i, each in enumerate(motions) if i not in found]
+
+
+def fit_all(model: Model, demonstrations: Demonstrations[Motion]) -> Skill:
+    """A skill of all demonstrations, of those that contradict the others too."""
+    if isinstance(model, Unfitted):  # one of ours
+        ours: Any = model
+        skill: Skill = ours.fit(demonstrations, outliers="keep")
+        return skill
+    return model.fit(demonstrations)
 
 
 def _motion(demonstration: object, index: int, kinds: tuple[type[Motion], ...]) -> object:

@@ -4,6 +4,7 @@ from dataclasses import replace
 from xml.etree import ElementTree
 
 import kinds
+import motions
 import numpy as np
 import pytest
 
@@ -66,6 +67,15 @@ def test_fit_leaves_model_and_demonstrations_alone_and_returns_a_frozen_skill(ki
         np.testing.assert_array_equal(rows(motion), rows(untouched))
     with pytest.raises(AttributeError):
         skill.model = ()
+
+
+def test_a_demonstration_that_runs_backwards_is_named_and_dropped_on_request(model, demonstrated):
+    first, second, third = demonstrated
+    shown = [first, motions.backwards(second), third]
+    with pytest.raises(FitError, match=r"demonstrations\[1\]: runs backwards"):
+        model.fit(shown)
+    kept = model.fit(shown, outliers="drop").generate()
+    assert rows(kept).tobytes() == rows(model.fit([first, third]).generate()).tobytes()
 
 
 def test_generated_motion_is_of_the_demonstrated_type_and_like_it(skill, demonstrated):

@@ -7,13 +7,10 @@ import pytest
 import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput
+from leadthrough.models import Frame, Framed, TaskGMR
 
 POSES = [motions.arch("poses", shift) for shift in (-0.02, 0.0, 0.02)]
 POINTS = [motions.arch("points", shift) for shift in (-0.02, 0.0, 0.02)]
-
-
-def reversed_(motion):
-    return lt.Trajectory(motion.times, motion.positions[::-1])
 
 
 def rotated(motion, degrees):
@@ -36,7 +33,7 @@ def slowed(motion, factor):
 @pytest.mark.parametrize(
     ("odd", "said"),
     [
-        (reversed_(POINTS[1]), "runs backwards"),
+        (motions.backwards(POINTS[1]), "runs backwards"),
         (wave(POINTS[1]), "takes a path of its own"),
         (slowed(POINTS[1], 0.1), "10 times as fast"),
         (slowed(POINTS[1], 10.0), "10 times as slow"),
@@ -57,7 +54,7 @@ def test_a_pose_that_is_rotated_by_136_degrees_is_named_with_the_angle():
 
 
 def test_two_that_agree_are_a_second_way():
-    back = [reversed_(POINTS[0]), reversed_(POINTS[1])]
+    back = [motions.backwards(POINTS[0]), motions.backwards(POINTS[1])]
     lt.learn([*POINTS, *back], candidates=["aligned-mean"])
     waves = [wave(POINTS[0]), wave(POINTS[1])]
     lt.learn([*POINTS, *waves], candidates=["aligned-mean"])
@@ -65,7 +62,7 @@ def test_two_that_agree_are_a_second_way():
 
 def test_of_two_the_second_may_run_backwards():
     with pytest.raises(FitError, match=r"demonstrations\[1\]: runs backwards"):
-        lt.learn([POINTS[0], reversed_(POINTS[1])])
+        lt.learn([POINTS[0], motions.backwards(POINTS[1])])
 
 
 def test_demonstrations_to_other_goals_do_not_contradict():
@@ -77,6 +74,29 @@ def test_demonstrations_to_other_goals_do_not_contradict():
     lt.learn(shown, candidates=["dmp"])
 
 
-def test_outliers_are_refused_or_dropped():
+def test_one_that_is_meant_is_kept_on_request():
+    shown = [POINTS[0], wave(POINTS[1]), POINTS[2]]
+    kept = lt.DMP().fit(shown, outliers="keep").generate().positions
+    assert np.abs(kept - lt.DMP().fit(POINTS).generate().positions).max() > 0.05
+    lt.learn(shown, candidates=["dmp"], outliers="keep")
     with pytest.raises(InvalidInput, match="outliers"):
-        lt.learn(POINTS, outliers="keep")
+        lt.learn(POINTS, outliers="refused")
+
+
+def test_motions_at_given_phases_and_those_seen_from_their_frames_are_not_contradictions():
+    shown = [POINTS[0], wave(POINTS[1]), POINTS[2]]
+    with pytest.raises(FitError, match=r"demonstrations\[1\]"):
+        lt.ProMP().fit(shown)
+    lt.ProMP().fit(shown, phases=[np.linspace(0.0, 1.0, 150)] * 3)
+
+    quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
+    turned = lt.Trajectory(POINTS[1].times, POINTS[1].positions @ quarter.T)
+    shown, frames = [POINTS[0], turned, POINTS[2]], [Frame((0.0, 0.0)) for _ in range(3)]
+    frames[1] = Frame((0.0, 0.0), quarter)
+    with pytest.raises(FitError, match=r"demonstrations\[1\]"):
+        lt.DMP().fit(shown)
+    for model in (Framed(lt.DMP()), TaskGMR(components=4)):
+        model.fit(shown, frames=[[each] for each in frames])
+    frames[1] = Frame((0.0, 0.0))
+    with pytest.raises(FitError, match=r"demonstrations\[1\]"):
+        Framed(lt.DMP()).fit(shown, frames=[[each] for each in frames])

@@ -14,7 +14,7 @@ from leadthrough.check import Float64Array
 from leadthrough.models.aligned.mode import Mode, learned, restored
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
-from leadthrough.models.protocol import Demonstrations, Unfitted, motions_of
+from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, checked_query
 from leadthrough.motion import MotionT, MotionT_co, Target
 from leadthrough.shapes import Shape
@@ -29,18 +29,22 @@ class AlignedMean(Unfitted):
     It has no settings.
     """
 
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> AlignedMeanSkill[MotionT]:
+    def fit(
+        self, demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "refuse"
+    ) -> AlignedMeanSkill[MotionT]:
         """A skill from demonstrations.
 
         Args:
             demonstrations: one or more demonstrations, or motions: all of points, all of the same
                 joints or all of poses. Several modes are told apart, each with its own mean.
+            outliers: treatment of one that contradicts all others: "refuse", "drop" or "keep", as
+                for `learn`.
 
         Raises:
-            FitError: if there is none, one does not move, or the last orientations of those of one
-                mode have no mean.
+            FitError: if there is none, one does not move or contradicts all others, or the last
+                orientations of those of one mode have no mean.
         """
-        return AlignedMeanSkill(self, learned(motions_of(demonstrations)))
+        return AlignedMeanSkill(self, learned(motions_of(demonstrations, outliers=outliers)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ from leadthrough.models.dmp.learning import (
 )
 from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.query import check_final_velocity, check_state, check_step
-from leadthrough.models.protocol import Demonstrations, Skill, Unfitted
+from leadthrough.models.protocol import Demonstrations, Outliers, Skill, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, even_phases
 from leadthrough.motion import Motion, MotionT, MotionT_co, Target, moved_events
 from leadthrough.shapes import Shape
@@ -87,20 +87,24 @@ class DMP(Unfitted):
         """
         return DMP(weights, form="ijspeert", regression="lwr", orientation="lifted")
 
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> DMPSkill[MotionT]:
+    def fit(
+        self, demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "refuse"
+    ) -> DMPSkill[MotionT]:
         """A skill from demonstrations; several are averaged over normalised time first.
 
         Args:
             demonstrations: all of points, all of joints or all of poses.
+            outliers: treatment of one that contradicts all others: "refuse", "drop" or "keep", as
+                for `learn`.
 
         Raises:
             InvalidInput: for other motions, and for poses with the form "ijspeert" and the
                 orientation "anchored".
-            FitError: for one that does not move, and with the form "ijspeert" for one of which a
-                channel ends where it began; for several whose orientations lie too far apart for a
-                mean, and where "lifted" would spin.
+            FitError: for one that does not move or contradicts all others, and with the form
+                "ijspeert" for one of which a channel ends where it began; for several whose
+                orientations lie too far apart for a mean, and where "lifted" would spin.
         """
-        mean, parts = learn_motion(demonstrations, **asdict(self))
+        mean, parts = learn_motion(motions_of(demonstrations, outliers=outliers), **asdict(self))
         model = replace(self, weights=len(parts["system"].weights))
         return DMPSkill(model=model, duration=mean.duration, size=mean.size, **parts)
 

@@ -30,7 +30,7 @@ from leadthrough.models.dmp.query import (
     pose_acceleration,
 )
 from leadthrough.models.dmp.transformation import RHYTHMIC, Ends
-from leadthrough.models.protocol import Demonstrations, Unfitted
+from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, checked_query, even_times
 from leadthrough.motion import (
     Event,
@@ -68,16 +68,23 @@ class RhythmicDMP(Unfitted):
         if self.period is not None:
             check.number(self.period, "period", above=0.0)
 
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> RhythmicDMPSkill[MotionT]:
+    def fit(
+        self, demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "refuse"
+    ) -> RhythmicDMPSkill[MotionT]:
         """A skill from demonstrations; all whole periods in them are averaged.
 
         Args:
             demonstrations: all of points, all of joints or all of poses.
+            outliers: without a period, treatment of one that contradicts all others, as for
+                `learn`: "refuse", "drop", "keep". With a period none is compared.
 
         Raises:
-            FitError: for one that does not move or is shorter than a period.
+            FitError: for one that does not move, contradicts all others or is shorter than a
+                period.
         """
-        mean, parts = learn_rhythm(demonstrations, self.weights, self.period)
+        kept: Outliers = outliers if self.period is None else "keep"
+        motions = motions_of(demonstrations, outliers=kept)
+        mean, parts = learn_rhythm(motions, self.weights, self.period)
         return RhythmicDMPSkill(model=self, period=mean.duration, **parts)
 
 

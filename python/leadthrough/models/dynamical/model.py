@@ -16,7 +16,7 @@ from leadthrough.check import FitError, Float64Array, Frozen
 from leadthrough.models.coordinates import Coordinates, coordinates_of, mean_orientations
 from leadthrough.models.dynamical.field import MAX_DURATION, Field, endpoints
 from leadthrough.models.dynamical.skill import DynamicalSkill
-from leadthrough.models.protocol import Demonstrations, Unfitted, motions_of
+from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
 from leadthrough.motion import Motion, MotionT, MotionT_co, PoseTrajectory, lerp, normalised_times
 from leadthrough.noise import without_noise
 
@@ -67,9 +67,11 @@ class Samples(Frozen, Generic[MotionT_co]):
         return np.concatenate(self.velocities)
 
 
-def samples_about_goals(demonstrations: Demonstrations[MotionT]) -> Samples[MotionT]:
+def samples_about_goals(
+    demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "keep"
+) -> Samples[MotionT]:
     """Samples of demonstrations, each about its own goal."""
-    motions = motions_of(demonstrations)
+    motions = motions_of(demonstrations, outliers=outliers)
     phases = [normalised_times(motion.times) for motion in motions]
     coordinates = coordinates_of(motions, phases, middle=_goal)
     columns = [_about_goal(motion) for motion in motions]
@@ -161,19 +163,24 @@ class DynamicalModel(Unfitted, ABC):
     slider: ClassVar[tuple[str, int, int]]
 
     @one_blas_thread
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> DynamicalSkill[MotionT]:
+    def fit(
+        self, demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "refuse"
+    ) -> DynamicalSkill[MotionT]:
         """A skill from demonstrations.
 
         Args:
             demonstrations: one or more demonstrations, or motions: all of points, all of the same
                 joints or all of poses.
+            outliers: treatment of one that contradicts all others: "refuse", "drop" or "keep", as
+                for `learn`.
 
         Raises:
-            FitError: if there is none, one does not move, orientations have no mean at the goal or
-                turn by a full turn or more, or the goal is reached from no start.
+            FitError: if there is none, one does not move or contradicts all others, orientations
+                have no mean at the goal or turn by a full turn or more, or the goal is reached from
+                no start.
             MissingDependency: if the model needs the extra `stable` and it is not installed.
         """
-        samples = samples_about_goals(demonstrations)
+        samples = samples_about_goals(demonstrations, outliers=outliers)
         field = self.learn(samples)
         return DynamicalSkill(
             self,

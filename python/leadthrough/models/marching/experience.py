@@ -19,7 +19,7 @@ from leadthrough.models.coordinates import (
     mean_orientations,
 )
 from leadthrough.models.phase import SAMPLES, progress_of
-from leadthrough.models.protocol import Demonstrations, motions_of
+from leadthrough.models.protocol import Demonstrations, Outliers, motions_of
 from leadthrough.motion import (
     Event,
     MotionT,
@@ -130,9 +130,12 @@ class Experience(ShortRepr):
         )
 
 
-def experience_of(demonstrations: Demonstrations[MotionT]) -> tuple[Experience, ...]:
+def experience_of(
+    demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "keep"
+) -> tuple[Experience, ...]:
     """Experience of demonstrations: all of points in two or three dimensions, or all of poses."""
-    motions: list[Any] = motions_of(demonstrations, kinds=(Trajectory, PoseTrajectory), at_least=0)
+    kinds = (Trajectory, PoseTrajectory)
+    motions: list[Any] = motions_of(demonstrations, kinds=kinds, at_least=0, outliers=outliers)
     for i, motion in enumerate(motions):
         width = motion.positions.shape[1]
         if width not in (2, 3):

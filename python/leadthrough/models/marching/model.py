@@ -28,7 +28,7 @@ from leadthrough.models.marching.planner import planned
 from leadthrough.models.marching.policy import Policy, policy_to
 from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, split
 from leadthrough.models.marching.time_law import TIMINGS, timed
-from leadthrough.models.protocol import Demonstrations, Parameter, Unfitted
+from leadthrough.models.protocol import Demonstrations, Outliers, Parameter, Unfitted
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.motion import (
     Motion,
@@ -115,18 +115,23 @@ class FastMarching(Unfitted):
         check.choice(self.timing, "timing", TIMINGS)
         check.choice(self.obstacle_map, "obstacle_map", OBSTACLE_MAPS)
 
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> FastMarchingSkill[MotionT]:
+    def fit(
+        self, demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "refuse"
+    ) -> FastMarchingSkill[MotionT]:
         """A skill from demonstrations.
 
         Args:
             demonstrations: all of points in two or three dimensions, or all of poses. Without any,
                 the skill takes the shortest path.
+            outliers: treatment of one that contradicts all others: "refuse", "drop" or "keep", as
+                for `learn`.
 
         Raises:
-            FitError: for a demonstration of a single sample, or whose position does not move, and
-                for demonstrations of one path whose orientations along it have no mean.
+            FitError: for a demonstration of a single sample, whose position does not move, or that
+                contradicts all others, and for demonstrations of one path whose orientations along
+                it have no mean.
         """
-        demonstrated = experience_of(demonstrations)
+        demonstrated = experience_of(demonstrations, outliers=outliers)
         if len(demonstrated) > 1:
             refuse_opposed(demonstrated)
         return FastMarchingSkill(self, demonstrated)

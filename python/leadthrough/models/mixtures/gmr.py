@@ -20,7 +20,7 @@ from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mixtures.phases import SAMPLES, adapted, fit_phases, sampled, timed_columns
-from leadthrough.models.protocol import Demonstrations, Unfitted, motions_of
+from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, asked_times, even_times
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 from leadthrough.preprocess.moved_ends import with_ends
@@ -52,18 +52,22 @@ class GMR(Unfitted):
         check.integer(self.starts, "starts", at_least=1)
 
     @one_blas_thread
-    def fit(self, demonstrations: Demonstrations[MotionT]) -> GMRSkill[MotionT]:
+    def fit(
+        self, demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "refuse"
+    ) -> GMRSkill[MotionT]:
         """A skill from demonstrations, each resampled at 200 evenly spaced times.
 
         Args:
             demonstrations: one or more demonstrations, or motions: all of points, all of the same
                 joints or all of poses.
+            outliers: treatment of one that contradicts all others: "refuse", "drop" or "keep", as
+                for `learn`.
 
         Raises:
-            FitError: if there is none, one does not move, or the orientations of poses have no
-                mean.
+            FitError: if there is none, one does not move or contradicts all others, or the
+                orientations of poses have no mean.
         """
-        samples = sampled(demonstrations)
+        samples = sampled(demonstrations, outliers=outliers)
         search = {"seed": self.seed, "starts": self.starts}
         poses = samples.coordinates.kind == "poses"
         fit = fit_phases(samples.points, self.components, poses=poses, **search)

@@ -33,7 +33,7 @@ from leadthrough.models.gaussians.mixture import (
     fit_blocks,
     sums_of,
 )
-from leadthrough.models.protocol import Demonstrations, motions_of, warn_of_misalignment
+from leadthrough.models.protocol import Demonstrations, Outliers, motions_of, warn_of_misalignment
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
 
 # Points of each demonstration, so that all count the same and the work is bounded.
@@ -155,9 +155,10 @@ def sampled(
     demonstrations: Demonstrations[MotionT],
     *,
     middle: Callable[[Sequence[Float64Array]], Float64Array] = mean_orientations,
+    outliers: Outliers = "keep",
 ) -> Sampled[MotionT]:
     """Demonstrations, resampled at evenly spaced times."""
-    motions = motions_of(demonstrations)
+    motions = motions_of(demonstrations, outliers=outliers)
     phases = [normalised_times(motion.times) for motion in motions]
     coordinates = coordinates_of(motions, phases, middle=middle)
     warn_of_misalignment(motions)

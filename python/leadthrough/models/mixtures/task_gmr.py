@@ -32,7 +32,7 @@ from leadthrough.models.mixtures.task_frames import (
     placed,
     shrunk,
 )
-from leadthrough.models.protocol import Demonstrations, Parameter, Unfitted
+from leadthrough.models.protocol import Demonstrations, Outliers, Parameter, Unfitted
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.motion import Motion, MotionT, MotionT_co, target_of
 
@@ -69,6 +69,7 @@ class TaskGMR(Unfitted):
         demonstrations: Demonstrations[MotionT],
         *,
         frames: Sequence[Sequence[Frame]] | None = None,
+        outliers: Outliers = "refuse",
     ) -> TaskGMRSkill[MotionT]:
         """A skill from demonstrations, each resampled at 200 evenly spaced times.
 
@@ -77,12 +78,15 @@ class TaskGMR(Unfitted):
                 joints or all of poses.
             frames: the frames of each demonstration, in the same order in all. By default two, at
                 its start and at its goal; for poses with the tool's axes there.
+            outliers: without frames, treatment of a demonstration that contradicts all others, as
+                for `learn`: "refuse", "drop", "keep". With frames none is compared.
 
         Raises:
-            FitError: if there is no demonstration, one does not move, or the orientations of poses
-                fall into two groups.
+            FitError: if there is no demonstration, one does not move or contradicts all others, or
+                the orientations of poses fall into two groups.
         """
-        samples = sampled(demonstrations, middle=middle_orientations)
+        kept: Outliers = outliers if frames is None else "keep"
+        samples = sampled(demonstrations, middle=middle_orientations, outliers=kept)
         motions, poses = samples.motions, samples.coordinates.kind == "poses"
         seen_from: Sequence[tuple[Frame, ...]]
         if frames is None:

@@ -44,7 +44,9 @@ from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.limits import Truncated
 from leadthrough.models.protocol import (
     Demonstrations,
+    Outliers,
     Unfitted,
+    fit_all,
     motions_of,
     warn_of_misalignment,
 )
@@ -112,6 +114,7 @@ class ProMP(Unfitted):
         demonstrations: Demonstrations[MotionT],
         *,
         phases: Sequence[ArrayLike] | None = None,
+        outliers: Outliers = "refuse",
     ) -> ProMPSkill[MotionT]:
         """A skill from demonstrations, all of points, of the same joints, or of poses.
 
@@ -120,15 +123,18 @@ class ProMP(Unfitted):
             phases: for each demonstration, the phases (n,) of its samples, increasing in [0, 1];
                 of rhythmic motions in periods. By default its normalised times. A demonstration
                 of a part of the motion covers a part of [0, 1], which needs estimator="em".
+            outliers: without phases, treatment of a demonstration that contradicts all others, as
+                for `learn`: "refuse", "drop", "keep". With phases none is compared.
 
         Raises:
-            FitError: if there is no demonstration, one does not move, one shows too small a part
-                for its estimator, or none shows some part of the motion.
+            FitError: if there is no demonstration, one does not move or contradicts all others, one
+                shows too small a part for its estimator, or none shows some part of the motion.
 
         Warns:
             MisalignmentWarning: if demonstrations are misaligned in time and no phases are given.
         """
-        motions = motions_of(demonstrations)
+        kept: Outliers = outliers if phases is None else "keep"
+        motions = motions_of(demonstrations, outliers=kept)
         at = (
             [normalised_times(motion.times) for motion in motions]
             if phases is None
@@ -424,7 +430,7 @@ class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
         self, model: ProMP, demonstrations: Demonstrations[Motion]
     ) -> ProMPSkill[MotionT_co]:
         """With the same duration and limits, but without via points."""
-        again = cast(ProMPSkill[MotionT_co], model.fit(demonstrations)).lasting(self.duration)
+        again = cast(ProMPSkill[MotionT_co], fit_all(model, demonstrations)).lasting(self.duration)
         return again if self.bounds is None else again.within(*self.bounds)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
