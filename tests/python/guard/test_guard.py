@@ -13,7 +13,6 @@ from refusals import refused
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 import leadthrough as lt
-from leadthrough.errors import InvalidInput
 from leadthrough.guard import CommandedState
 from leadthrough.guard.admission import chunk_of
 from leadthrough.guard.connect import changed
@@ -411,8 +410,7 @@ def test_a_stop_that_leaves_a_limit_is_reported_when_it_does(panda):
     ],
 )
 def test_a_commanded_state_that_is_none_is_refused(q, qd, qdd):
-    with pytest.raises(InvalidInput, match=r"^q(d|dd)?: expected"):
-        CommandedState(q, qd, qdd)
+    refused(r"^q(d|dd)?: expected", CommandedState, q, qd, qdd)
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda each: pickle.loads(pickle.dumps(each))])

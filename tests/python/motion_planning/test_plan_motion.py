@@ -319,8 +319,7 @@ def test_a_skill_without_a_covariance_is_refused(panda, pose_skill):
     for other in (lt.DMP().fit([shown]), lt.ProMP().fit([panda.follow(shown.motion)])):
         with pytest.raises(InvalidInput, match="standard_deviations: this skill has no covariance"):
             lt.plan_motion(other, panda, standard_deviations=2.0)
-    with pytest.raises(InvalidInput, match="standard_deviations"):
-        lt.plan_motion(pose_skill, panda, standard_deviations=0.0)
+    refused("standard_deviations", lt.plan_motion, pose_skill, panda, standard_deviations=0.0)
     with pytest.raises(InvalidInput, match="deviation: not used together with standard_deviations"):
         lt.plan_motion(pose_skill, panda, standard_deviations=2.0, deviation=(0.1, 0.0))
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 from motions import minimum_jerk, with_derivatives
+from refusals import refused
 from scipy.interpolate import BPoly, CubicSpline
 
 import leadthrough as lt
@@ -247,8 +248,7 @@ def test_wrong_arguments_are_named():
         (None, LIMITS, "trajectory"),
     ]:
         for call in [timing.check_limits, timing.binding_limits]:
-            with pytest.raises(InvalidInput, match=f"^{argument}: expected"):
-                call(motion, limits)
+            refused(f"^{argument}: expected", call, motion, limits)
     with pytest.raises(InvalidInput, match="linear_rate"):
         timing.check_limits(between([0, 0], [1, 1], 1.0), LIMITS, linear_rate=0.0)
 

@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 import pytest
 from kinds import kind
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
@@ -167,8 +168,7 @@ def test_motion_that_goes_on_for_ever_has_no_goal(panda):
 
 def test_drawings_and_wrong_moves_are_refused(skills, panda):
     drawing = lt.Trajectory([0.0, 1.0, 2.0], [[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]])
-    with pytest.raises(InvalidInput, match="poses in 3-D"):
-        Replanner(panda, lt.DMP().fit([lt.Demonstration(drawing)]))
+    refused("poses in 3-D", Replanner, panda, lt.DMP().fit([lt.Demonstration(drawing)]))
     planner = Replanner(panda, skills["pose DMP"], scene=[BOX])
     for index, place in ((1, (0, 0, 0)), (-1, (0, 0, 0)), (0, (0, np.nan, 0))):
         with pytest.raises(InvalidInput):
