@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-_FOLDERS = ("cpp", "python", "robots", "tests")
+_FOLDERS = ("cpp", "docs", "python", "robots", "tests")
 _FILES = ("CMakeLists.txt", "pyproject.toml")
 _MEMORY = 12 * 2**30  # bytes of addresses, for what a fault allocates without end
 _PATIENCE = 20  # times as long as its processor time a test may wait, s
