@@ -122,6 +122,16 @@ def test_a_path_with_a_jump_is_refused_as_one(arm, posture):
     assert failure.value.status == "jump"
 
 
+def test_by_default_no_joint_moves_by_more_than_half_a_radian_between_samples():
+    turned = HOME + np.array([1.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    motion = lt.PoseTrajectory([0.0, 1.0], *PANDA.forward_kinematics(np.stack([HOME, turned])))
+    steps = []
+    for options in (FollowOptions(), FollowOptions(max_step=1.0)):
+        joints = PANDA.follow(motion, q0=HOME, options=options, on_rate_limit="exceed_limits")
+        steps.append(np.abs(np.diff(joints.positions, axis=0)).max())
+    assert steps[0] <= 0.5 < steps[1]
+
+
 def swing(arm, posture):
     """Joints that bring a redundant arm elsewhere while the tool goes round, and their poses."""
     bow = 0.15 * np.sin(np.pi * TIMES / TIMES[-1]) ** 2
