@@ -14,7 +14,7 @@ from leadthrough_studies.study import run, selected
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     config = ElbowConfig(scenes=12, searched=False, connected=False)
-    return run(STUDY, config, out=tmp_path_factory.mktemp("elbow"), on="local:1")
+    return run(STUDY, config, out=tmp_path_factory.mktemp("elbow"))
 
 
 def test_scenes_that_can_be_solved_are(outcome):
