@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 import leadthrough as lt
-from leadthrough import planning, preprocess
+from leadthrough import planning, preprocess, trajectories
 from leadthrough_studies.damped_least_squares import damped_inverse_kinematics
 
 AFTER = 0.3  # s; each call takes several
@@ -46,6 +46,9 @@ def calls() -> Iterator[tuple[str, Callable[[], object]]]:
     yield "arrival_times", lambda: lt.arrival_times(speed, [(2, 2, 2)])
     yield "the same of order 2", lambda: lt.arrival_times(speed, [(2, 2, 2)], order=2)
     yield "nearest_sources", lambda: planning.nearest_sources(speed, [(2, 2, 2), (9, 9, 9)])
+
+    through = trajectories.Lagrange(trajectories.chebyshev_nodes(200), rng.normal(size=(200, 3)))
+    yield "Lagrange.evaluate", lambda: through.evaluate(np.linspace(-1.0, 1.0, 5_000_000))
 
     u = np.linspace(0.0, 1.0, 40)
     shown = [

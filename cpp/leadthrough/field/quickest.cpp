@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/field/descent.hpp"
 #include "leadthrough/field/sparse_march.hpp"
@@ -32,7 +33,8 @@ constexpr double kBall = 8.0;
 // Width of the border of blocks about those that the quickest path may pass, in their edges: the
 // scheme's gradients at the band's border are those of a wall.
 constexpr double kRoom = 1.5;
-constexpr double kStep = 0.5;  // of the descent, in cells
+constexpr double kStep = 0.5;           // of the descent, in cells
+constexpr double kMaxDistance = 1e150;  // between the ends; squares of larger ones overflow
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -273,6 +275,7 @@ bool Search::holds(double arrival, double hope, bool is_open) {
 }  // namespace
 
 Quickest quickest_path(const SpeedMap& map, const Point& start, const Point& goal) {
+  check_argument(distance(start, goal) < kMaxDistance, "an end is too far away, or no number");
   const std::optional<Index> first = map.cells().find(start), last = map.cells().find(goal);
   const auto is_wall = [&](const std::optional<Index>& cell) {
     return cell && map.at({*cell}).front() == 0.0;

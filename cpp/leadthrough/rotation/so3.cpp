@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough::so3 {
 
 namespace {
@@ -72,29 +74,36 @@ Quaternion from_matrix(const Matrix3& m) {
 
 Quaternions exp_batch(const Eigen::Ref<const Vectors>& rotation_vectors) {
   Quaternions result(rotation_vectors.rows(), 4);
-  for (Eigen::Index i = 0; i < rotation_vectors.rows(); ++i)
+  for (Eigen::Index i = 0; i < rotation_vectors.rows(); ++i) {
+    check_interrupt(i);
     result.row(i) = exp(Vector3(rotation_vectors.row(i)));
+  }
   return result;
 }
 
 Vectors log_batch(const Eigen::Ref<const Quaternions>& quaternions) {
   Vectors result(quaternions.rows(), 3);
-  for (Eigen::Index i = 0; i < quaternions.rows(); ++i)
+  for (Eigen::Index i = 0; i < quaternions.rows(); ++i) {
+    check_interrupt(i);
     result.row(i) = log(Quaternion(quaternions.row(i)));
+  }
   return result;
 }
 
 Quaternions compose_batch(const Eigen::Ref<const Quaternions>& a,
                           const Eigen::Ref<const Quaternions>& b) {
   Quaternions result(a.rows(), 4);
-  for (Eigen::Index i = 0; i < a.rows(); ++i)
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    check_interrupt(i);
     result.row(i) = compose(Quaternion(a.row(i)), Quaternion(b.row(i)));
+  }
   return result;
 }
 
 Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions) {
   Matrices result(quaternions.rows(), 9);
   for (Eigen::Index i = 0; i < quaternions.rows(); ++i) {
+    check_interrupt(i);
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> m =
         to_matrix(Quaternion(quaternions.row(i)));
     result.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(m.data());
@@ -105,6 +114,7 @@ Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions) {
 Quaternions from_matrix_batch(const Eigen::Ref<const Matrices>& matrices) {
   Quaternions result(matrices.rows(), 4);
   for (Eigen::Index i = 0; i < matrices.rows(); ++i) {
+    check_interrupt(i);
     const Eigen::Matrix<double, 1, 9> row = matrices.row(i);
     result.row(i) =
         from_matrix(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(row.data()));
@@ -116,16 +126,20 @@ Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
                         const Eigen::Ref<const Quaternions>& b,
                         const Eigen::Ref<const Eigen::VectorXd>& fractions) {
   Quaternions result(a.rows(), 4);
-  for (Eigen::Index i = 0; i < a.rows(); ++i)
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    check_interrupt(i);
     result.row(i) = slerp(Quaternion(a.row(i)), Quaternion(b.row(i)), fractions[i]);
+  }
   return result;
 }
 
 Eigen::VectorXd distance_batch(const Eigen::Ref<const Quaternions>& a,
                                const Eigen::Ref<const Quaternions>& b) {
   Eigen::VectorXd result(a.rows());
-  for (Eigen::Index i = 0; i < a.rows(); ++i)
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    check_interrupt(i);
     result[i] = distance(Quaternion(a.row(i)), Quaternion(b.row(i)));
+  }
   return result;
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough {
 
 using Eigen::Index;
@@ -15,6 +17,7 @@ namespace {
 void solve_tridiagonal(VectorXd& below, VectorXd& diagonal, VectorXd& above, Rows& right) {
   const Index n = diagonal.size();
   for (Index i = 0; i + 1 < n; ++i) {
+    check_interrupt(i);
     double further = 0.0;  // to the right of `above`, where rows are exchanged
     if (std::abs(diagonal[i]) < std::abs(below[i])) {
       std::swap(diagonal[i], below[i]);
@@ -29,6 +32,7 @@ void solve_tridiagonal(VectorXd& below, VectorXd& diagonal, VectorXd& above, Row
     below[i] = further;
   }
   for (Index i = n - 1; i >= 0; --i) {
+    check_interrupt(i);
     if (i + 1 < n) right.row(i) -= above[i] * right.row(i + 1);
     if (i + 2 < n) right.row(i) -= below[i] * right.row(i + 2);
     right.row(i) /= diagonal[i];
@@ -42,6 +46,7 @@ Rows slopes_of(const VectorXd& steps, const Rows& chords, SplineEnds ends) {
   VectorXd below(n - 1), diagonal(n), above(n - 1);
   Rows slopes(n, chords.cols());
   for (Index i = 1; i + 1 < n; ++i) {
+    check_interrupt(i);
     below[i - 1] = steps[i];
     diagonal[i] = 2.0 * (steps[i - 1] + steps[i]);
     above[i] = steps[i - 1];
@@ -108,6 +113,7 @@ Rows cubic_through(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Re
   const Rows slopes = spline_slopes(parameters, q, SplineEnds::kSmooth);
   Rows table(4 * pieces, q.cols());
   for (Index i = 0; i < pieces; ++i) {
+    check_interrupt(i);
     const Eigen::RowVectorXd bend =
         (slopes.row(i) + slopes.row(i + 1) - 2.0 * chords.row(i)) / steps[i];
     table.row(4 * i) = q.row(i);

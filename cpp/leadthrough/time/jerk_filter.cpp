@@ -18,6 +18,8 @@
 #include <cmath>
 #include <limits>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough {
 
 namespace {
@@ -228,6 +230,7 @@ template <typename Step>
 AxisColumns stepped(const AxisBatch& axes, const AxisTargets& targets, const Step& step) {
   AxisColumns result(3, axes.size());
   for (Eigen::Index i = 0; i < axes.size(); ++i) {
+    check_interrupt(i);
     const Approach approach(axes.state(i), targets[i], axes.limit(i));
     const AxisState s = approach.placed(step(approach), targets[i]);
     result.col(i) << s.position, s.velocity, s.acceleration;
@@ -239,15 +242,19 @@ AxisColumns stepped(const AxisBatch& axes, const AxisTargets& targets, const Ste
 
 Eigen::VectorXd resting_places(const AxisBatch& axes) {
   Eigen::VectorXd places(axes.size());
-  for (Eigen::Index i = 0; i < axes.size(); ++i)
+  for (Eigen::Index i = 0; i < axes.size(); ++i) {
+    check_interrupt(i);
     places[i] = end_of(stop_of(axes.state(i), axes.limit(i)), axes.state(i)).position;
+  }
   return places;
 }
 
 Eigen::VectorXd times_to_rest(const AxisBatch& axes, const AxisTargets& targets) {
   Eigen::VectorXd times(axes.size());
-  for (Eigen::Index i = 0; i < axes.size(); ++i)
+  for (Eigen::Index i = 0; i < axes.size(); ++i) {
+    check_interrupt(i);
     times[i] = Approach(axes.state(i), targets[i], axes.limit(i)).time();
+  }
   return times;
 }
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, check_arm
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.guard.admission import Chunk, CommandedState, chunk_of, trajectory as motion_of
 from leadthrough.guard.rules import Contact, Rules, row_of, rules_for
@@ -51,6 +51,7 @@ def connect(
         LimitsInfeasible: if no bridge inside the limits leads onto the trajectory, or to rest.
         NoPath: if the bridge would come too near something; `reason` is "ease_in" or "ease_out".
     """
+    check_arm(arm)
     trajectory = in_order(trajectory, arm.joint_names, "trajectory")
     if len(trajectory.times) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")

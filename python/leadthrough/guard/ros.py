@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard.admission import Admission
 from leadthrough.guard.guard import Guard
@@ -65,6 +66,8 @@ def message_of(trajectory: JointTrajectory, *, header: Any = None) -> Any:
         InvalidInput: if the joints have no names.
         MissingDependency: if rosbags is not installed.
     """
+    if not isinstance(trajectory, JointTrajectory):
+        raise check.refused("trajectory", "a JointTrajectory", type(trajectory).__name__)
     if not trajectory.joint_names:
         raise InvalidInput("trajectory: expected the names of its joints, got none")
     types = humble_types().types

@@ -254,6 +254,12 @@ class MisalignmentWarning(UserWarning):
     """Demonstrations are misaligned in time: the message names them and the remedy."""
 
 
+def check_skill(skill: object) -> None:
+    """Refuses what is no skill, such as its class; a model refuses by itself."""
+    if not callable(getattr(skill, "generate", None)) or isinstance(skill, type):
+        raise check.refused("skill", "a skill, as `fit` returns", type(skill).__name__)
+
+
 def motions_of(
     demonstrations: Demonstrations[MotionT],
     *,

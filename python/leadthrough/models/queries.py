@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, sanity
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.models.protocol import Generator
+from leadthrough.models.protocol import Generator, check_skill
 from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, Target, Trajectory
 from leadthrough.shapes import Shape, check_shapes
 
@@ -168,6 +168,7 @@ def generate_all(
         UnsupportedQuery: for a part of a query that the skill does not support.
         NoPath: if obstacles leave no path. The first query without an answer raises.
     """
+    check_skill(skill)
     if not isinstance(queries, Sequence):
         raise check.refused("queries", "a sequence", type(queries).__name__)
     for i, query in enumerate(queries):

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from leadthrough import rotations
-from leadthrough.check import Float64Array, LeadthroughError, ShortRepr
-from leadthrough.models.protocol import Demonstrations, Skill, motions_of
+from leadthrough.check import Float64Array, LeadthroughError, NoPath, ShortRepr, refused
+from leadthrough.models.protocol import Demonstrations, Skill, check_skill, motions_of
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, in_order, lerp, target_of
 from leadthrough.preprocess import arc_length, by_arc_length, frechet_distance
 from leadthrough.preprocess.align import MIN_TURN, TURNING
@@ -72,18 +72,32 @@ def reproduction(skill: Skill[Any], demonstrations: Demonstrations[Motion]) -> R
 
     Raises:
         FitError: if there is no demonstration, or one does not move.
+        InvalidInput: if they are of another type, size or arm than the skill's motions.
 
     Source: Eiter and Mannila 1994, the discrete Frechet distance, of up to 4000 points evenly
         spaced along each path.
     """
-    motions = motions_of(demonstrations)
-    if isinstance(motions[0], JointTrajectory):
-        names = skill.generate().joint_names
-        motions = [in_order(each, names, f"demonstrations[{i}]") for i, each in enumerate(motions)]
+    check_skill(skill)
+    motions = _of_skill(skill, motions_of(demonstrations))
     pairs = np.array([_distances(skill, each) for each in motions])
     posed = isinstance(motions[0], PoseTrajectory)
     extents = [float(np.linalg.norm(np.ptp(each.positions, axis=0))) for each in motions]
     return Reproduction(pairs[:, 0], pairs[:, 1] if posed else None, np.array(extents))
+
+
+def _of_skill(skill: Skill[Any], motions: list[Motion]) -> list[Motion]:
+    """The motions, with their joints in the skill's order; of another type they are refused."""
+    try:
+        nominal = skill.generate()
+    except NoPath:
+        return motions
+    one, other = (f"{type(m).__name__} of {m.positions.shape[1]}" for m in (nominal, motions[0]))
+    if one != other:
+        raise refused("demonstrations", f"motions as the skill's, {one} columns", other)
+    if not isinstance(nominal, JointTrajectory):
+        return motions
+    names = nominal.joint_names
+    return [in_order(each, names, f"demonstrations[{i}]") for i, each in enumerate(motions)]
 
 
 def _distances(skill: Skill[Any], demonstrated: Motion) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import Arm, FollowOptions, check_arm
 from leadthrough.check import IkFailure, InvalidInput, ShortRepr
-from leadthrough.models.protocol import Distributed, Skill
+from leadthrough.models.protocol import Distributed, Skill, check_skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times
 from leadthrough.motion_planning.blocked_segment import CollisionFreeIk
 from leadthrough.motion_planning.bypass import bypass
@@ -74,8 +74,7 @@ def plan_motion(
             reason and, if obstacles block it, the bodies.
     """
     check_arm(arm)
-    if not callable(getattr(skill, "generate", None)) or isinstance(skill, type):
-        raise check.refused("skill", "a skill, as `fit` returns", type(skill).__name__)
+    check_skill(skill)
     around = None if scene is None else as_scene(scene)
     if not isinstance(query, Query | None):
         raise check.refused("query", "a Query", query)

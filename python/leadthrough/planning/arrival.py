@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.planning.grid import MAX_CELLS, Grid, bounds_of, spacings
+from leadthrough.planning.grid import MAX_CELLS, Grid, bounds_of, check_grid, spacings
 
 FloatArray = NDArray[np.float32] | NDArray[np.float64]
 # Any: numbers of every type may come in, and which precision they get is known only then.
@@ -195,7 +195,7 @@ class ArrivalField:
     ) -> None:
         self._precision = precision_of(dtype)
         field = checked_speeds(speed)
-        if field.shape != grid.shape:
+        if field.shape != check_grid(grid).shape:
             raise InvalidInput(
                 f"speed: expected the grid's shape {grid.shape}, got shape {field.shape}"
             )

@@ -16,7 +16,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
 from leadthrough.planning.arrival import FloatArray, Numbers, arrival_times
-from leadthrough.planning.grid import Grid
+from leadthrough.planning.grid import Grid, check_grid
 from leadthrough.planning.speed_map import distance_transform
 
 _REASONS = {
@@ -79,6 +79,7 @@ def direction(arrival: ArrayLike, grid: Grid, positions: ArrayLike) -> Float64Ar
         NoPath: if a position lies in a wall or is walled off, with reason "start_unreached", or
             lies outside the grid, with reason "start_outside".
     """
+    check_grid(grid)
     points = check.array(positions, "positions", shape=("n", grid.dimensions))
     times = _floats(arrival, grid)
     status, count, vectors = core.directions(times, grid.spacing.tolist(), grid.coordinates(points))
@@ -101,7 +102,7 @@ def _times(arrival: ArrayLike, grid: Grid) -> FloatArray:
 
 def _floats(arrival: ArrayLike, grid: Grid) -> FloatArray:
     raw = check.regular(arrival, "arrival")
-    if raw.dtype.kind != "f" or raw.shape != grid.shape:
+    if raw.dtype.kind != "f" or raw.shape != check_grid(grid).shape:
         raise InvalidInput(
             f"arrival: expected floats of the grid's shape {grid.shape}, "
             f"got {raw.shape} of {raw.dtype}"
@@ -196,6 +197,7 @@ def plan_many(speed: ArrayLike, grid: Grid, starts: ArrayLike, goal: ArrayLike) 
     Returns:
         A plan for each start; one without a path says why.
     """
+    check_grid(grid)
     points = check.array(starts, "starts", shape=("k", grid.dimensions))
     end = check.array(goal, "goal", shape=(grid.dimensions,))
     field = check.regular(speed, "speed")
@@ -212,7 +214,7 @@ def plan_many(speed: ArrayLike, grid: Grid, starts: ArrayLike, goal: ArrayLike) 
 
 def _walls(walls: ArrayLike, grid: Grid) -> NDArray[np.bool_]:
     blocked = check.regular(walls, "walls")
-    if blocked.dtype != np.bool_ or blocked.shape != grid.shape:
+    if blocked.dtype != np.bool_ or blocked.shape != check_grid(grid).shape:
         raise InvalidInput(
             f"walls: expected booleans of the grid's shape {grid.shape}, "
             f"got shape {blocked.shape} of {blocked.dtype}"

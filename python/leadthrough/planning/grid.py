@@ -175,3 +175,10 @@ def bounds_of(cells: NDArray[np.bool_]) -> tuple[slice, ...] | None:
             return None
         part.append(slice(int(where[0]), int(where[-1]) + 1))
     return tuple(part)
+
+
+def check_grid(grid: object) -> Grid:
+    """`grid`, if it is a Grid."""
+    if not isinstance(grid, Grid):
+        raise check.refused("grid", "a Grid", type(grid).__name__)
+    return grid

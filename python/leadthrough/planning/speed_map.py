@@ -15,7 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, NoPath
-from leadthrough.planning.grid import MAX_CELLS, CellArray, CellNumbers, Grid, bounds_of, spacings
+from leadthrough.planning.grid import (
+    MAX_CELLS,
+    CellArray,
+    CellNumbers,
+    Grid,
+    bounds_of,
+    check_grid,
+    spacings,
+)
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape, check_shapes, compiled
 
@@ -29,7 +37,7 @@ def occupied(grid: Grid, obstacles: Iterable[Shape], *, margin: float = 0.0) -> 
         margin: in the grid's unit, >= 0.
     """
     room = check.number(margin, "margin", at_least=0.0)
-    result = np.zeros(grid.shape, dtype=np.bool_)
+    result = np.zeros(check_grid(grid).shape, dtype=np.bool_)
     for obstacle in check_shapes(obstacles):
         near = _neighbourhood(grid, obstacle, room)
         if all(part.stop > part.start for part in near):
@@ -48,6 +56,7 @@ def occupied_by_points(grid: Grid, points: ArrayLike, *, radius: float) -> NDArr
     """
     from scipy.spatial import cKDTree
 
+    check_grid(grid)
     cloud = check.array(points, "points", shape=("n", grid.dimensions))
     reach = check.number(radius, "radius", above=0.0)
     if len(cloud) == 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
 
@@ -14,6 +15,9 @@ from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 # Times computed by adding steps miss the end of a domain by rounding: this fraction of its length.
 _SLACK = 1e-9
+# Times that are evaluated together: more would take memory by times and points, and leave Ctrl-C
+# waiting.
+_BLOCK = 16_384
 
 
 @runtime_checkable
@@ -71,7 +75,8 @@ class PointCurve(ShortRepr, ABC):
             t: times of the domain, (n,) or one.
             derivative: order of the derivative, 0 for values.
         """
-        return self._values(times_inside(t, self.domain), order(derivative))
+        times, k = times_inside(t, self.domain), order(derivative)
+        return in_blocks(lambda block: self._values(block, k), times)
 
     def transformed(self, matrix: ArrayLike, offset: ArrayLike = 0.0) -> Self:
         """The curve of matrix @ x + offset for every x of this one.
@@ -106,6 +111,13 @@ def times_inside(t: ArrayLike, domain: tuple[float, float]) -> Float64Array:
             f"t: expected times from {first:.6g} to {last:.6g}, got {wrong.flat[0]:.6g}"
         )
     return np.clip(times, first, last)
+
+
+def in_blocks(values: Callable[[Float64Array], Float64Array], times: Float64Array) -> Float64Array:
+    """Values at times (n,) or at one, some thousand times after the others."""
+    if times.size <= _BLOCK:
+        return values(times)
+    return np.concatenate([values(times[i : i + _BLOCK]) for i in range(0, len(times), _BLOCK)])
 
 
 def order(derivative: int) -> int:

@@ -218,7 +218,8 @@ class TimeOptimalFilter(ShortRepr):
         # With limits just lowered the speed may be above the top: it falls as fast as it may.
         slowest = speed - change
         fastest = np.maximum(slowest, np.minimum(speed + change, top - side * drift))
-        chosen = np.clip(best, slowest, fastest)
+        # A target beyond the limit overtakes: behind it already, too, no faster than the limit.
+        chosen = np.clip(np.maximum(best, -top - side * drift), slowest, fastest)
         moved = x + side * 0.5 * (speed + chosen) * dt + drift * dt
         rests = (np.abs(goal - moved) <= _REACHED * (np.abs(goal) + np.abs(x))) & (
             np.abs(chosen) <= 1e-9 * change

@@ -17,6 +17,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike
 
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.motion import PoseTrajectory
 from leadthrough.trajectories import curve
@@ -53,6 +54,9 @@ def run_by(
     Raises:
         InvalidInput: if the law is not in one dimension, or leaves the path's domain.
     """
+    for name, given in (("path", path), ("law", law)):
+        if not isinstance(given, Curve | PoseCurve):
+            raise check.refused(name, "a curve", type(given).__name__)
     _check_law(path.domain, law)
     if isinstance(path, PoseCurve):
         return PoseCurve(_run(path.positions, law), _Rotations(path.orientations, law))

@@ -65,13 +65,14 @@ class RotationCurve(ShortRepr, ABC):
         """
         order = check.integer(derivative, "derivative", at_least=0, at_most=2)
         times = curve.times_inside(t, self.domain)
-        at = np.atleast_1d(times)
-        if order == 0:
-            result = self._rotations(at)
-        else:
-            turning = self._turning(at)
-            result = turning.velocity if order == 1 else turning.acceleration
+        result = curve.in_blocks(lambda at: self._derivative(at, order), np.atleast_1d(times))
         return result if np.ndim(t) else result[0]
+
+    def _derivative(self, at: Float64Array, order: int) -> Float64Array:
+        if order == 0:
+            return self._rotations(at)
+        turning = self._turning(at)
+        return turning.velocity if order == 1 else turning.acceleration
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -108,6 +108,14 @@ TEST(Quickest, SpeedsThatAreNoSpeedsAreRefused) {
   EXPECT_THROW(GivenSpeeds(cells, 0.0, {1.0}), std::invalid_argument);
 }
 
+TEST(Quickest, EndsWhoseDistanceOverflowsAreRefused) {
+  const auto map = tube_past_ball(cells_about_arc(0.15));
+  const Point start = arc().front();
+  EXPECT_EQ(quickest_path(*map, start, {1e100, 0.0, 0.0}).status, QuickestStatus::kFound);
+  for (const double wrong : {1e200, 1e300, kInfinity, std::nan("")})
+    EXPECT_THROW(quickest_path(*map, start, {wrong, 0.0, 0.0}), std::invalid_argument);
+}
+
 TEST(Blocks, CountFromTheFirstCellAndReachTheirCells) {
   const Blocks cells{{{1, 9, 6}, {0.5, 0.5, 0.25}}, {0.0, 1.0, 2.0}, 2};
   const Blocks blocks = blocks_of(cells, 2);

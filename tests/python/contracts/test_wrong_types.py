@@ -1,17 +1,24 @@
 """A wrong type, or a value that nothing can be made of, is refused by name in every part."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from motions import arm, minimum_jerk, reach
 from refusals import refused
 
 import leadthrough as lt
-from leadthrough import arm as arms, trajectories
+from leadthrough import arm as arms, planning, trajectories
 from leadthrough.errors import FitError, IkFailure, LimitsInfeasible
+from leadthrough.guard.ros import message_of
 
 LINE = lt.Trajectory(np.linspace(0.0, 1.0, 50), np.outer(np.linspace(0.0, 1.0, 50), [1.0, 0.5]))
 TURNS = lt.rotations.exp([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 REST = np.array([0.0, -1.6, 1.9, -1.9, -1.6, 0.0])
+UR3 = arm("ur3")
+LIMITS_FILE = Path(__file__).parents[3] / "robots" / "ur3" / "limits.toml"
+LAW = trajectories.linear([0.0, 1.0], [[0.0], [1.0]])
+MEAN = lt.ProMP(weights=5).fit([LINE])
 
 
 def test_what_is_no_path_is_named():
@@ -40,6 +47,43 @@ def test_what_is_no_state_is_named(model):
 )
 def test_ragged_times_of_a_curve_are_refused(curve):
     refused("t: expected a regular array", curve.evaluate, [[1, 2, 3], [4, 5]])
+
+
+OPEN = np.ones((4, 4))
+
+
+@pytest.mark.parametrize(
+    ("message", "call"),
+    [
+        ("grid: expected a Grid", lambda x: planning.ArrivalField(OPEN, x, [0.0, 0.0])),
+        ("grid: expected a Grid", lambda x: planning.descend(OPEN, x, [0.0, 0.0], [0.3, 0.3])),
+        ("grid: expected a Grid", lambda x: planning.direction(OPEN, x, [[0.0, 0.0]])),
+        ("grid: expected a Grid", lambda x: planning.fm2_speed(x, OPEN > 2.0, saturation=0.5)),
+        ("grid: expected a Grid", lambda x: planning.occupied(x, [])),
+        ("grid: expected a Grid", lambda x: planning.occupied_by_points(x, [[0, 0]], radius=0.1)),
+        ("grid: expected a Grid", lambda x: planning.plan(OPEN, x, [0.0, 0.0], [0.3, 0.3])),
+        ("arm: expected an Arm", lambda x: lt.connect(REST, lt.retime([REST], UR3.limits), x)),
+        ("urdf: expected a JointLimits", lambda x: arms.read_limits(LIMITS_FILE, x)),
+        ("path: expected a curve", lambda x: trajectories.run_by(x, LAW)),
+        ("law: expected a curve", lambda x: trajectories.run_by(LAW, x)),
+        ("skill: expected a skill", lambda x: lt.models.generate_all(x, [{}])),
+        ("skill: expected a skill", lambda x: lt.models.reproduction(x, [LINE])),
+        ("skill: expected a skill", lambda x: lt.plan_motion(x, UR3)),
+        ("columns: expected a sequence", lambda x: MEAN.condition(0.5, [0.1], columns=x)),
+        ("trajectory: expected a JointTrajectory", message_of),
+    ],
+)
+def test_another_object_than_the_one_that_is_asked_for_is_named(message, call):
+    for other in (3, "x", object(), lt.DMP):
+        refused(message, call, other)
+
+
+def test_demonstrations_of_another_kind_than_the_skill_are_refused():
+    skill = lt.DMP(weights=10).fit([LINE])
+    poses = lt.PoseTrajectory(LINE.times, np.eye(3)[np.arange(50) % 3], np.eye(4)[[0] * 50])
+    refused(
+        "expected motions as the skill's, Trajectory of 2", lt.models.reproduction, skill, [poses]
+    )
 
 
 class Tensor:
@@ -119,7 +163,7 @@ def test_limits_and_rates_without_an_end_are_refused():
         jerk=1.0,
     )
     refused("skill: expected a skill", lt.plan_motion, "skill.npz", arm("ur3"))
-    refused("queries: expected a sequence", lt.models.generate_all, None, 3)
+    refused("queries: expected a sequence", lt.models.generate_all, MEAN, 3)
 
 
 def test_times_whose_rates_overflow_are_refused():

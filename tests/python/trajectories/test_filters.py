@@ -114,6 +114,18 @@ LIMITS = [
 ]
 
 
+def test_a_target_faster_than_the_limit_is_left_behind_inside_the_limits():
+    rng, count, period = np.random.default_rng(5), 2000, 0.05
+    top, push = 10.0 ** rng.uniform(0.0, 1.3, (2, count))
+    now = unaccelerated(rng.normal(size=count), rng.uniform(-1.0, 1.0, count) * top)
+    drift, start = 3.0 * rng.uniform(-1.0, 1.0, count) * top, rng.normal(size=count)
+    for k in range(1, 100):
+        before, target = now, start + drift * period * k
+        now = tr.TimeOptimalFilter(top, push).step(now, target, period, velocity=drift)
+        assert (np.abs(now.velocity) <= top + 1e-9).all()
+        assert (np.abs(now.velocity - before.velocity) <= push * period + 1e-9).all()
+
+
 def state(x, v, a):
     return tr.FilterState(np.array(x), np.array(v), np.array(a))
 

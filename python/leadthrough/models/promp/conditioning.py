@@ -134,6 +134,8 @@ def chosen(columns: Sequence[int] | None, coordinates: Coordinates) -> NDArray[n
     """A user's choice of columns."""
     if columns is None:
         return coordinates.every
+    if check.rank(columns) != 1:
+        raise check.refused("columns", "a sequence of integers", type(columns).__name__)
     most = coordinates.width - 1
     result = [check.integer(each, "columns", at_least=0, at_most=most) for each in columns]
     if not result or len(set(result)) != len(result):
