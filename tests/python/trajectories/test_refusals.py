@@ -19,7 +19,7 @@ REST, MOVING = tr.FilterState.at_rest([0.0]), tr.FilterState(*np.array([[0.0], [
 BOUNDED, OPTIMAL = tr.JerkFilter(1.0, 1.0, 1.0), tr.TimeOptimalFilter(1.0, 1.0)
 
 REFUSED = {
-    None: [
+    "": [
         lambda: tr.BSpline(np.zeros((3, 1)), [0, 0, 1, 1], 2),
         lambda: tr.BSpline(np.zeros((3, 1)), [0, 0, 0, 0, 0, 0], 2),
         lambda: tr.BSpline(np.zeros((3, 1)), [0, 1, 0, 1, 2, 3], 2),
