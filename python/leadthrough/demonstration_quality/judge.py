@@ -50,6 +50,7 @@ _FAULTS: dict[Trait, Fault] = {
 }
 _GOALS = 100  # at random, of which the least certain is suggested
 _SAMPLES = 200
+_MAX_ROWS = 4000  # of a demonstration that models are learned from; a long log has 600,000
 _WINDOW = 11  # samples, of a twentieth of the duration: quicker movements are tremor
 _ALONG = 100  # points of a path at which shapes are compared
 _STILL = 0.1  # of the mean speed: slower is a rest
@@ -158,7 +159,8 @@ def judge_demonstrations(
     suspicion = np.max([differences[trait] for trait in TRAITS], axis=0)
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        run = LeftOut(Material(learner, tuple(motions), region), folder, on, task_timeout)
+        few = tuple(_thinned(motion) for motion in motions)
+        run = LeftOut(Material(learner, few, region), folder, on, task_timeout)
         sound = [i for i, each in enumerate(suspicion) if each < SUSPICIOUS]
         worth = run.worth(len(motions))
         remove, before, after = run.removable(sound, np.argsort(-suspicion, kind="stable"))
@@ -176,6 +178,12 @@ def judge_demonstrations(
         for i, each in enumerate(demonstrations)
     )
     return Judgement(verdicts, before, after, suggestion)
+
+
+def _thinned(motion: Motion) -> Motion:
+    """Every few samples of a long motion, with the last one, to which it leads."""
+    step = -(-len(motion.times) // _MAX_ROWS)
+    return motion[(len(motion.times) - 1) % step :: step]
 
 
 def _goals(goals: TargetRegion, motions: Sequence[Motion]) -> TargetRegion:

@@ -110,3 +110,15 @@ def test_the_command_names_the_recordings(lasa, tmp_path):
     assert [f"shown{spoiled}" in name for name in marked] == [True]
     assert found["without_those"] < found["left_out_error"]
     assert len(found["show_next"]) == 2
+
+
+def test_long_recordings_are_judged_by_some_of_their_samples():
+    u = np.linspace(0.0, 1.0, 20_000)
+    shown = [
+        lt.Trajectory(20.0 * u, np.column_stack([u, bow * np.sin(np.pi * u)]))
+        for bow in (0.18, 0.2, 0.22)
+    ]
+    few = [each[4::5] for each in shown]
+    whole, part = lt.judge_demonstrations(shown), lt.judge_demonstrations(few)
+    assert whole.error == part.error
+    assert [each.worth for each in whole.verdicts] == [each.worth for each in part.verdicts]
