@@ -13,23 +13,6 @@ namespace leadthrough {
 
 namespace {
 
-using PointsRef = Eigen::Ref<const Points>;
-
-// `compare` for two curves in one space, neither of them empty.
-template <typename Result, typename... Options, typename... Names>
-void def_comparison(py::module_& module, const char* name,
-                    Result (*compare)(const PointsRef&, const PointsRef&, Options...),
-                    const Names&... names) {
-  module.def(
-      name,
-      [compare](const PointsRef& a, const PointsRef& b, Options... options) {
-        require(a.rows() > 0 && b.rows() > 0 && a.cols() == b.cols() && (... && (options > 0)));
-        const Unlocked unlocked;
-        return compare(a, b, options...);
-      },
-      py::arg("a").noconvert(), py::arg("b").noconvert(), names...);
-}
-
 Polyline polyline_of(const CArray<double>& points) {
   require(points.ndim() == 2 && points.size() > 0);
   return {points.data(), static_cast<std::size_t>(points.shape(0)),
@@ -57,7 +40,7 @@ py::object resampled(const CArray<double>& points, std::size_t count) {
     if (std::isfinite(lengths.back())) rows = by_arc_length(curve, lengths, count);
   }
   if (rows.empty()) return py::none();
-  return moved_array(std::move(rows)).reshape({static_cast<py::ssize_t>(count), points.shape(1)});
+  return moved_array(std::move(rows), {static_cast<py::ssize_t>(count), points.shape(1)});
 }
 
 // A row and a column for each of the curves (k, n, d).
@@ -71,15 +54,18 @@ py::array_t<double> between_curves(const CArray<double>& curves) {
     const UnlockedIf unlocked(curves.size() * curves.shape(0) >= kLong);
     apart = rms_apart(first, count);
   }
-  return moved_array(std::move(apart)).reshape({curves.shape(0), curves.shape(0)});
+  return moved_array(std::move(apart), {curves.shape(0), curves.shape(0)});
 }
 
 }  // namespace
 
 void bind_alignment(py::module_& module) {
-  def_comparison(module, "dtw_distance", &dtw_distance, py::arg("band"));
-  def_comparison(module, "dtw_path", &dtw_path);
-  def_comparison(module, "frechet_distance", &frechet_distance, py::arg("band"));
+  for (const auto& [name, compare] :
+       {std::pair("dtw_distance", &dtw_distance), std::pair("frechet_distance", &frechet_distance)})
+    module.def(name, compare, py::arg("a").noconvert(), py::arg("b").noconvert(), py::arg("band"),
+               Unlocking());
+  module.def("dtw_path", &dtw_path, py::arg("a").noconvert(), py::arg("b").noconvert(),
+             Unlocking());
   module.def("arc_lengths", &lengths_along, py::arg("points").noconvert());
   module.def("rms_apart", &between_curves, py::arg("curves").noconvert());
   module.def("by_arc_length", &resampled, py::arg("points").noconvert(), py::arg("count"));

@@ -265,7 +265,6 @@ void bind_chain(py::module_& module) {
       .def(
           "forward_kinematics",
           [](const Chain& chain, const Eigen::Ref<const Rows>& q) {
-            require(q.cols() == chain.joints());
             Poses poses;
             {
               const Unlocked unlocked;

@@ -20,9 +20,6 @@ namespace {
 using Pairs = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
 
-// Between two samples of a motion; more would take minutes.
-constexpr double kMaxSteps = 1e6;
-
 CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const std::string& base,
                           const std::string& tip, const std::vector<Rows3>& meshes,
                           const std::vector<Shape>& attached) {
@@ -71,7 +68,6 @@ std::vector<std::array<std::string, 3>> left_out(const CollisionModel& model) {
 }
 
 py::tuple nearest(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, int threads) {
-  require(q.cols() == scene.chain.joints());
   Eigen::VectorXd distances(q.rows());
   Pairs bodies(q.rows(), 2);
   Points points(q.rows(), 6);
@@ -95,8 +91,6 @@ py::tuple to_tuple(const ClosestPair& pair) {
 
 py::tuple check(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, double margin,
                 double tolerance, int threads) {
-  require(q.cols() == scene.chain.joints() && q.rows() > 0);
-  require(std::isfinite(margin) && longest_step(scene, q) <= kMaxSteps * tolerance);
   MotionReport report;
   Eigen::VectorXd distances(q.rows());
   {
@@ -133,7 +127,6 @@ void bind_collision(py::module_& module) {
       "clear_batch",
       [](const CollisionModel& model, const std::vector<Shape>& obstacles,
          const Eigen::Ref<const Rows>& q, double margin, double self_collision_margin) {
-        require(q.cols() == model.chain.joints());
         const Unlocked unlocked;
         return clear_batch(
             whole_arm(model, placed_shapes(obstacles), margin, self_collision_margin), q);
@@ -144,14 +137,8 @@ void bind_collision(py::module_& module) {
              py::arg("threads"));
   module.def("check_motion", &check, py::arg("scene"), py::arg("q").noconvert(), py::arg("margin"),
              py::arg("tolerance"), py::arg("threads"));
-  module.def(
-      "longest_step",
-      [](const CollisionScene& scene, const Eigen::Ref<const Rows>& q) {
-        require(q.cols() == scene.chain.joints() && q.rows() > 0);
-        const Unlocked unlocked;
-        return longest_step(scene, q);
-      },
-      py::arg("scene"), py::arg("q").noconvert());
+  module.def("longest_step", &longest_step, py::arg("scene"), py::arg("q").noconvert(),
+             Unlocking());
 }
 
 }  // namespace leadthrough

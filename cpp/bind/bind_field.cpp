@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -42,14 +43,6 @@ void require_speeds(const CArray<Real>& speed) {
   require(std::all_of(speed.data(), speed.data() + speed.size(), is_speed));
 }
 
-// A numpy array that takes the vector over.
-template <typename T>
-py::array_t<T> owning(std::vector<T> values, std::vector<py::ssize_t> shape) {
-  auto* kept = new std::vector<T>(std::move(values));
-  const py::capsule owner(kept, [](void* data) { delete static_cast<std::vector<T>*>(data); });
-  return py::array_t<T>(std::move(shape), kept->data(), owner);
-}
-
 std::vector<py::ssize_t> shape_of(const py::array& array) {
   return {array.shape(), array.shape() + array.ndim()};
 }
@@ -84,7 +77,7 @@ py::array_t<Real> march_one(const CArray<Real>& speed, const std::vector<double>
     const Unlocked unlocked;
     arrival = march(grid, problem, {order, source_radius, stop});
   }
-  return owning(std::move(arrival), shape_of(speed));
+  return moved_array(std::move(arrival), shape_of(speed));
 }
 
 // One speed map a problem, all of one shape.
@@ -108,11 +101,11 @@ py::list march_many(const std::vector<CArray<Real>>& speeds, const std::vector<d
   }
   py::list result;
   for (std::vector<Real>& arrival : arrivals)
-    result.append(owning(std::move(arrival), shape_of(speeds[0])));
+    result.append(moved_array(std::move(arrival), shape_of(speeds[0])));
   return result;
 }
 
-// The field with what numpy needs to know about it.
+// The field with what numpy needs to know about it, for one thread at a time.
 template <typename Real>
 class BoundArrivalField {
  public:
@@ -141,6 +134,7 @@ class BoundArrivalField {
     Update update{};
     {
       const Unlocked unlocked;
+      const std::lock_guard<std::mutex> lock(mutex_);
       update = field_->update(region, speed.data());
     }
     return py::make_tuple(name(update.kind), update.invalidated);
@@ -150,9 +144,10 @@ class BoundArrivalField {
     std::vector<Real> times;
     {
       const Unlocked unlocked;
+      const std::lock_guard<std::mutex> lock(mutex_);
       times = field_->times();
     }
-    return owning(std::move(times), shape_);
+    return moved_array(std::move(times), shape_);
   }
 
  private:
@@ -170,6 +165,7 @@ class BoundArrivalField {
 
   std::vector<py::ssize_t> shape_;
   std::unique_ptr<ArrivalField<Real>> field_;
+  std::mutex mutex_;
 };
 
 template <typename Real>
@@ -192,7 +188,7 @@ py::array_t<std::int32_t> label_sources(const CArray<double>& arrival,
     const Unlocked unlocked;
     labels = nearest_sources(grid, arrival.data(), cells);
   }
-  return owning(std::move(labels), shape_of(arrival));
+  return moved_array(std::move(labels), shape_of(arrival));
 }
 
 py::array_t<double> transform(const CArray<bool>& mask, const std::vector<double>& spacing) {
@@ -202,7 +198,7 @@ py::array_t<double> transform(const CArray<bool>& mask, const std::vector<double
     const Unlocked unlocked;
     distance = distance_transform(grid, reinterpret_cast<const std::uint8_t*>(mask.data()));
   }
-  return owning(std::move(distance), shape_of(mask));
+  return moved_array(std::move(distance), shape_of(mask));
 }
 
 template <typename Real>

@@ -130,30 +130,15 @@ py::tuple curves_over_basis(const Eigen::Ref<const Eigen::VectorXd>& phases,
 }  // namespace
 
 void bind_gaussian(py::module_& module) {
-  module.def(
-      "sample_truncated_gaussian",
-      [](const Eigen::Ref<const Rows>& walls, const Eigen::Ref<const Eigen::VectorXd>& limits,
-         const Eigen::Ref<const Eigen::VectorXd>& start, const Eigen::Ref<const Rows>& velocities) {
-        require(limits.size() == walls.rows() && start.size() == walls.cols() &&
-                velocities.cols() == walls.cols() &&
-                (walls.rowwise().squaredNorm().array() > 0.0).all());
-        const Unlocked unlocked;
-        return sample_truncated_gaussian(walls, limits, start, velocities);
-      },
-      py::arg("walls").noconvert(), py::arg("limits").noconvert(), py::arg("start").noconvert(),
-      py::arg("velocities").noconvert());
+  module.def("sample_truncated_gaussian", &sample_truncated_gaussian, py::arg("walls").noconvert(),
+             py::arg("limits").noconvert(), py::arg("start").noconvert(),
+             py::arg("velocities").noconvert(), Unlocking());
   module.def(
       "condition_weights",
       [](const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::Ref<const Rows>& covariance,
          const Eigen::Ref<const Rows>& basis, const Eigen::Ref<const Columns>& columns,
          const Eigen::Ref<const Rows>& values, const Eigen::Ref<const Rows>& noise,
          const Eigen::Ref<const Eigen::VectorXd>& scale, double least) {
-        require(basis.size() > 0 && columns.size() > 0 && mean.size() % basis.cols() == 0 &&
-                covariance.rows() == mean.size() && covariance.cols() == mean.size() &&
-                values.rows() == basis.rows() && values.cols() == columns.size() &&
-                noise.rows() == columns.size() && noise.cols() == columns.size() &&
-                scale.size() == columns.size() && (columns.array() >= 0).all() &&
-                (columns.array() < mean.size() / basis.cols()).all());
         Conditioned result = [&] {
           const Unlocked unlocked;
           return condition_weights(mean, covariance, basis, columns, values, noise, scale, least);
@@ -168,41 +153,14 @@ void bind_gaussian(py::module_& module) {
              py::arg("sharpness"), py::arg("periodic"), py::arg("scale").noconvert(),
              py::arg("duration"), py::arg("time"), py::arg("position"), py::arg("noise"),
              py::arg("least"));
-  module.def(
-      "product",
-      [](const Eigen::Ref<const Rows>& left, const Eigen::Ref<const Rows>& right) {
-        require(left.cols() == right.rows());
-        const Unlocked unlocked;
-        return product(left, right);
-      },
-      py::arg("left").noconvert(), py::arg("right").noconvert());
-  module.def(
-      "solve_definite",
-      [](const Eigen::Ref<const Rows>& matrix, const Eigen::Ref<const Rows>& right) {
-        require(matrix.rows() == matrix.cols() && matrix.rows() == right.rows());
-        const Unlocked unlocked;
-        return solve_definite(matrix, right);
-      },
-      py::arg("matrix").noconvert(), py::arg("right").noconvert());
-  module.def(
-      "is_covariance",
-      [](const Eigen::Ref<const Rows>& matrix) {
-        require(matrix.rows() == matrix.cols() && matrix.rows() > 0);
-        const Unlocked unlocked;
-        return is_covariance(matrix);
-      },
-      py::arg("matrix").noconvert());
-  module.def(
-      "normalised_basis",
-      [](const Eigen::Ref<const Eigen::VectorXd>& phases,
-         const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness, bool periodic,
-         int order) {
-        require(order >= 0 && order <= 2);
-        const Unlocked unlocked;
-        return normalised_basis(phases, centres, sharpness, periodic, order);
-      },
-      py::arg("phases").noconvert(), py::arg("centres").noconvert(), py::arg("sharpness"),
-      py::arg("periodic"), py::arg("order"));
+  module.def("product", &product, py::arg("left").noconvert(), py::arg("right").noconvert(),
+             Unlocking());
+  module.def("solve_definite", &solve_definite, py::arg("matrix").noconvert(),
+             py::arg("right").noconvert(), Unlocking());
+  module.def("is_covariance", &is_covariance, py::arg("matrix").noconvert(), Unlocking());
+  module.def("normalised_basis", &normalised_basis, py::arg("phases").noconvert(),
+             py::arg("centres").noconvert(), py::arg("sharpness"), py::arg("periodic"),
+             py::arg("order"), Unlocking());
   module.def("curves_over", &curves_over, py::arg("basis").noconvert(), py::arg("bases"),
              py::arg("weights").noconvert(), py::arg("most"), py::arg("threads"));
   module.def("curves_over_basis", &curves_over_basis, py::arg("phases").noconvert(),

@@ -24,60 +24,28 @@ using guard::GuardedScene;
 using guard::RowsRef;
 using guard::StepLimits;
 
-constexpr Index kMaxBridge = 10'000'000;  // hours at 1 kHz
-
 StepLimits make_limits(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                        const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration,
                        const Eigen::VectorXd& jerk, double period) {
-  const Index joints = velocity.size();
-  require(joints > 0 && lower.size() == joints && upper.size() == joints &&
-          acceleration.size() == joints && jerk.size() == joints && period > 0.0);
-  for (const Eigen::VectorXd* bound : {&velocity, &acceleration, &jerk})
-    require((bound->array() > 0.0).all());
-  return {lower, upper, velocity, acceleration, jerk, period};
-}
-
-void require_rows(const StepLimits& limits, const RowsRef& rows, Index least) {
-  require(rows.cols() == 3 * limits.joints() && rows.rows() >= least);
-}
-
-void require_start(const StepLimits& limits, const RowsRef& start) {
-  require(start.cols() == 3 * limits.joints() && start.rows() == 1 && start.allFinite());
+  StepLimits limits{lower, upper, velocity, acceleration, jerk, period};
+  guard::check_limits(limits);
+  return limits;
 }
 
 // order, sample, joint, ratio; for order 0 the position.
 std::optional<std::tuple<int, Index, Index, double>> first_excess(const StepLimits& limits,
                                                                   const RowsRef& start,
                                                                   const RowsRef& samples) {
-  require_start(limits, start);
-  require_rows(limits, samples, 0);
   const Unlocked unlocked;
   const auto found = guard::first_excess(limits, start, samples);
   if (!found) return std::nullopt;
   return std::make_tuple(found->order, found->sample, found->joint, found->ratio);
 }
 
-Rows with_rates(const Eigen::VectorXd& times, const RowsRef& positions, const RowsRef& start,
-                double period) {
-  require(positions.rows() > 0 && positions.cols() > 0 && times.size() == positions.rows());
-  require(start.rows() <= 1 && start.cols() == 3 * positions.cols() && period > 0.0);
-  const Unlocked unlocked;
-  return guard::with_rates(times, positions, start, period);
-}
-
-Rows brake(const StepLimits& limits, const RowsRef& start) {
-  require_start(limits, start);
-  const Unlocked unlocked;
-  return guard::brake(limits, start);
-}
-
 template <typename Find>
 auto bridge(const Find& find) {
   return [find](const StepLimits& limits, const RowsRef& start, const RowsRef& target,
                 Index most_steps) -> std::optional<std::pair<Rows, Index>> {
-    require_start(limits, start);
-    require_rows(limits, target, 1);
-    require(most_steps > 0 && most_steps <= kMaxBridge);
     const Unlocked unlocked;
     auto found = find(limits, start, target, most_steps);
     if (!found) return std::nullopt;
@@ -93,23 +61,16 @@ PacedRows pair_of(std::optional<guard::Paced> paced) {
 }
 
 PacedRows slowed(const StepLimits& limits, const RowsRef& path, Index most_samples) {
-  require_rows(limits, path, 1);
-  require(most_samples > 0);
   const Unlocked unlocked;
   return pair_of(guard::slowed(limits, path, most_samples));
 }
 
 PacedRows stopped(const StepLimits& limits, const RowsRef& start, const RowsRef& path) {
-  require_start(limits, start);
-  require_rows(limits, path, 1);
   const Unlocked unlocked;
   return pair_of(guard::stopped(limits, start, path));
 }
 
 PacedRows eased(const StepLimits& limits, const RowsRef& start, const RowsRef& path, double rate) {
-  require_start(limits, start);
-  require_rows(limits, path, 1);
-  require(rate > 0.0);
   const Unlocked unlocked;
   return pair_of(guard::eased(limits, start, path, rate));
 }
@@ -121,7 +82,7 @@ std::optional<std::tuple<double, std::string, std::string>> first_contact(
     long most_work) {
   const CollisionScene& scene = guarded.arm.scene;
   const Index joints = scene.chain.joints();
-  require((start.size() == joints || start.size() == 3 * joints) && most_work >= 0);
+  require(start.size() == joints || start.size() == 3 * joints);
   require(samples.cols() == joints || samples.cols() == 3 * joints);
   const Unlocked unlocked;
   const auto found =
@@ -140,9 +101,9 @@ void bind_guard(py::module_& module) {
            py::arg("acceleration"), py::arg("jerk"), py::arg("period"));
   module.def("first_excess", &first_excess, py::arg("limits"), py::arg("start").noconvert(),
              py::arg("samples").noconvert());
-  module.def("with_rates", &with_rates, py::arg("times"), py::arg("positions").noconvert(),
-             py::arg("start").noconvert(), py::arg("period"));
-  module.def("brake", &brake, py::arg("limits"), py::arg("start").noconvert());
+  module.def("with_rates", &guard::with_rates, py::arg("times"), py::arg("positions").noconvert(),
+             py::arg("start").noconvert(), py::arg("period"), Unlocking());
+  module.def("brake", &guard::brake, py::arg("limits"), py::arg("start").noconvert(), Unlocking());
   module.def("bridge_to_start", bridge(&guard::bridge_to_start), py::arg("limits"),
              py::arg("start").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
   module.def("bridge_on_time", bridge(&guard::bridge_on_time), py::arg("limits"),
@@ -158,7 +119,6 @@ void bind_guard(py::module_& module) {
       .def(py::init([](const CollisionModel& model, const std::vector<Shape>& obstacles,
                        const std::vector<double>& growth, double margin,
                        double self_collision_margin) {
-             require(growth.size() == obstacles.size());
              return guard::guarded_scene(model, placed_shapes(obstacles), growth, margin,
                                          self_collision_margin);
            }),

@@ -21,14 +21,6 @@ IkTarget to_target(const Eigen::Ref<const Eigen::Vector3d>& position,
   return target;
 }
 
-void require_sizes(const Chain& chain, const IkOptions& options, bool rotations) {
-  const auto fits_chain = [&chain](const std::optional<JointVector>& q) {
-    return !q || q->size() == chain.joints();
-  };
-  require(fits_chain(options.reference) && fits_chain(options.posture) &&
-          (!options.axes || options.axes->asked(rotations) > 0));
-}
-
 std::optional<JointVector> to_joints(const std::optional<Eigen::VectorXd>& q) {
   require(!q || q->size() <= kMaxJoints);
   return q ? std::optional<JointVector>(*q) : std::nullopt;
@@ -88,8 +80,7 @@ py::tuple solve_columns(int joints, const Solve& solve) {
 py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>& position,
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
                     const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options) {
-  require(q0.size() == chain.joints() && orientations_fit(4, orientation.size()));
-  require_sizes(chain, options, orientation.size() > 0);
+  require(orientations_fit(4, orientation.size()));
   IkResult result;
   {
     const Unlocked unlocked;
@@ -101,9 +92,6 @@ py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>&
 py::tuple solve_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                       const Eigen::Ref<const Rows4>& orientations,
                       const Eigen::Ref<const Rows>& starts, const IkOptions& options, int threads) {
-  require(starts.rows() == positions.rows() && starts.cols() == chain.joints() &&
-          orientations_fit(positions.rows(), orientations.rows()));
-  require_sizes(chain, options, orientations.rows() > 0);
   return solve_columns(chain.joints(), [&] {
     return solve_ik_batch(chain, positions, orientations, starts, options, threads);
   });
@@ -113,8 +101,7 @@ py::tuple solve_all(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>&
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
                     const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
                     int count, double separation) {
-  require(q0.size() == chain.joints() && orientations_fit(4, orientation.size()) && count >= 0);
-  require_sizes(chain, options, orientation.size() > 0);
+  require(orientations_fit(4, orientation.size()));
   return solve_columns(chain.joints(), [&] {
     return solve_ik_all(chain, to_target(position, orientation), q0, options, count, separation);
   });
@@ -124,8 +111,6 @@ py::tuple solve_plainly(const Chain& chain, const Eigen::Ref<const Rows3>& posit
                         const Eigen::Ref<const Rows4>& orientations,
                         const Eigen::Ref<const Rows>& starts, const IkTolerance& tolerance,
                         int max_iterations, const YangOptions& options, int threads) {
-  require(starts.rows() == positions.rows() && starts.cols() == chain.joints() &&
-          orientations_fit(positions.rows(), orientations.rows()));
   return solve_columns(chain.joints(), [&] {
     return solve_yang_batch(chain, positions, orientations, starts, tolerance, max_iterations,
                             options, threads);
@@ -136,8 +121,6 @@ py::tuple step_along(const Chain& chain, const Eigen::Ref<const Rows3>& position
                      const Eigen::Ref<const Rows4>& orientations,
                      const Eigen::Ref<const Eigen::VectorXd>& start,
                      const Eigen::Ref<const Eigen::VectorXd>& steps, const YangOptions& options) {
-  require(start.size() == chain.joints() && steps.size() == positions.rows() &&
-          orientations_fit(positions.rows(), orientations.rows()));
   YangPath path;
   {
     const Unlocked unlocked;

@@ -7,25 +7,8 @@ namespace py = pybind11;
 
 namespace leadthrough {
 
-namespace {
-
-using RowsRef = Eigen::Ref<const Rows>;
-
-bool fit(const Chain& chain, const RowsRef& q, const RowsRef& other) {
-  return other.cols() == chain.joints() && other.rows() == q.rows();
-}
-
-}  // namespace
-
 void bind_jacobian(py::module_& module) {
-  module.def(
-      "jacobian",
-      [](const Chain& chain, const RowsRef& q) {
-        require(fit(chain, q, q));
-        const Unlocked unlocked;
-        return jacobian_batch(chain, q);
-      },
-      py::arg("chain"), py::arg("q").noconvert());
+  module.def("jacobian", &jacobian_batch, py::arg("chain"), py::arg("q").noconvert(), Unlocking());
   module.def(
       "jacobian_of_one",
       [](const Chain& chain, const py::object& q) -> py::object {
@@ -44,23 +27,11 @@ void bind_jacobian(py::module_& module) {
         return finite ? py::object(matrix) : py::none();
       },
       py::arg("chain"), py::arg("q"));
-  module.def(
-      "jacobian_derivative",
-      [](const Chain& chain, const RowsRef& q, const RowsRef& qd) {
-        require(fit(chain, q, q) && fit(chain, q, qd));
-        const Unlocked unlocked;
-        return jacobian_derivative_batch(chain, q, qd);
-      },
-      py::arg("chain"), py::arg("q").noconvert(), py::arg("qd").noconvert());
-  module.def(
-      "jacobian_second_derivative",
-      [](const Chain& chain, const RowsRef& q, const RowsRef& qd, const RowsRef& qdd) {
-        require(fit(chain, q, q) && fit(chain, q, qd) && fit(chain, q, qdd));
-        const Unlocked unlocked;
-        return jacobian_second_derivative_batch(chain, q, qd, qdd);
-      },
-      py::arg("chain"), py::arg("q").noconvert(), py::arg("qd").noconvert(),
-      py::arg("qdd").noconvert());
+  module.def("jacobian_derivative", &jacobian_derivative_batch, py::arg("chain"),
+             py::arg("q").noconvert(), py::arg("qd").noconvert(), Unlocking());
+  module.def("jacobian_second_derivative", &jacobian_second_derivative_batch, py::arg("chain"),
+             py::arg("q").noconvert(), py::arg("qd").noconvert(), py::arg("qdd").noconvert(),
+             Unlocking());
 }
 
 }  // namespace leadthrough

@@ -7,23 +7,11 @@ namespace py = pybind11;
 
 namespace leadthrough {
 
-namespace {
-
-using AxisColumnsRef = Eigen::Ref<const AxisColumns>;
-
-void require_axes(const AxisColumnsRef& states, const AxisColumnsRef& limits,
-                  const AxisTargets& targets) {
-  require(states.rows() == 3 && limits.rows() == 6 && limits.cols() == states.cols() &&
-          targets.size() == states.cols());
-}
-
-}  // namespace
-
 void bind_jerk_filter(py::module_& module) {
+  using AxisColumnsRef = Eigen::Ref<const AxisColumns>;
   module.def(
       "resting_places",
       [](const AxisColumnsRef& states, const AxisColumnsRef& limits) {
-        require(states.rows() == 3 && limits.rows() == 6 && limits.cols() == states.cols());
         const Unlocked unlocked;
         return resting_places({states, limits});
       },
@@ -31,7 +19,6 @@ void bind_jerk_filter(py::module_& module) {
   module.def(
       "times_to_rest",
       [](const AxisColumnsRef& states, const AxisColumnsRef& limits, const AxisTargets& targets) {
-        require_axes(states, limits, targets);
         const Unlocked unlocked;
         return times_to_rest({states, limits}, targets);
       },
@@ -41,7 +28,6 @@ void bind_jerk_filter(py::module_& module) {
         name,
         [step](const AxisColumnsRef& states, const AxisColumnsRef& limits,
                const AxisTargets& targets, double period) {
-          require_axes(states, limits, targets);
           const Unlocked unlocked;
           return step({states, limits}, targets, period);
         },

@@ -21,12 +21,7 @@ py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
                      const std::optional<Eigen::VectorXd>& start, double margin,
                      double self_collision_margin, const IkTolerance& tolerance,
                      const Eigen::Ref<const Rows>& tube, int max_attempts) {
-  require(max_attempts >= 1 && max_attempts <= path::kMaxAttempts);
-  require(positions.rows() > 0 && orientations_fit(positions.rows(), orientations.rows()) &&
-          postures.rows() == positions.rows() && postures.cols() == chain.joints() &&
-          (!start || start->size() == chain.joints()) && tube.cols() == 6 &&
-          (tube.rows() == 0 || (tube.rows() == 6 * positions.rows() && axes)) &&
-          positions.allFinite() && orientations.allFinite());
+  require(!start || start->size() == chain.joints());
   CollisionModel model;
   if (own_shapes != nullptr)
     model = without_meeting_pairs(*own_shapes);

@@ -16,36 +16,16 @@ namespace {
 
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
 
-constexpr int kJointLimitTasks = 1;  // each may fill a level a joint
-
-bool fits(const MotionLimits& limits, int joints) {
-  return limits.velocity.size() == joints && limits.acceleration.size() == joints;
-}
-
 MotionLimits limits_of(const Chain& chain, const Vector& velocity, const Vector& acceleration) {
+  require(velocity.size() == chain.joints() && acceleration.size() == chain.joints());
   return {chain.lower, chain.upper, velocity, acceleration};
-}
-
-void check_task(const ArmTask& task, const Chain& chain) {
-  require(task.frame.moving >= 0 && task.frame.moving <= chain.moving);
-  if (const auto* posture = std::get_if<PostureGoal>(&task.goal))
-    require(posture->q.size() == chain.joints() && posture->velocity.size() == chain.joints());
-  else if (!std::holds_alternative<JointLimitGoal>(task.goal))
-    require(task.frame.moving > 0);
 }
 
 TaskStack make_stack(const Chain& chain, const std::vector<ArmTask>& tasks, const Vector& velocity,
                      const Vector& acceleration, bool reverse, double rest_damping) {
-  require(velocity.size() == chain.joints() && acceleration.size() == chain.joints());
   TaskStack stack{chain, tasks, limits_of(chain, velocity, acceleration),
                   reverse ? PriorityScheme::kReverse : PriorityScheme::kForward, rest_damping};
-  require(tasks.size() <= static_cast<std::size_t>(kMaxTasks));
-  int joint_limit_tasks = 0;
-  for (const ArmTask& task : tasks) {
-    check_task(task, chain);
-    joint_limit_tasks += std::holds_alternative<JointLimitGoal>(task.goal) ? 1 : 0;
-  }
-  require(joint_limit_tasks <= kJointLimitTasks);
+  check_sizes(stack);
   return stack;
 }
 
@@ -64,59 +44,34 @@ py::tuple reports(const TaskStack& stack, const StackMotion& solution) {
                         std::move(bounded));
 }
 
-StackWorkspace workspace_for(const TaskStack& stack) {
-  StackWorkspace workspace;
-  const std::size_t levels =
-      stack.tasks.size() + static_cast<std::size_t>(stack.chain.joints()) + 1;
-  workspace.levels.reserve(levels);
-  workspace.owner.reserve(levels);
-  return workspace;
-}
-
-void require_joints(const TaskStack& stack, const Vector& q, const Vector& qd, double dt,
-                    bool qd_optional) {
-  require(q.size() == stack.chain.joints() && dt > 0.0 && std::isfinite(dt) &&
-          (qd.size() == q.size() || (qd_optional && qd.size() == 0)));
-}
-
 py::tuple velocity(const TaskStack& stack, const Vector& q, const Vector& qd, double dt) {
-  require_joints(stack, q, qd, dt, true);
   StackMotion solution;
   {
     const Unlocked unlocked;
-    StackWorkspace workspace = workspace_for(stack);
-    solution = stack_velocity(stack, q.data(), qd.size() > 0 ? qd.data() : nullptr, dt, workspace);
+    StackWorkspace workspace(stack);
+    solution = stack_velocity(stack, q, qd, dt, workspace);
   }
   return py::make_tuple(solution.motion, reports(stack, solution));
 }
 
 py::tuple acceleration(const TaskStack& stack, const Vector& q, const Vector& qd, double dt) {
-  require_joints(stack, q, qd, dt, false);
   StackMotion solution;
   {
     const Unlocked unlocked;
-    StackWorkspace workspace = workspace_for(stack);
-    solution = stack_acceleration(stack, q.data(), qd.data(), dt, workspace);
+    StackWorkspace workspace(stack);
+    solution = stack_acceleration(stack, q, qd, dt, workspace);
   }
   return py::make_tuple(solution.motion, reports(stack, solution));
 }
 
 py::tuple step(const TaskStack& stack, const Vector& q, const Vector& qd, double dt) {
-  require_joints(stack, q, qd, dt, false);
   StackStep next;
   {
     const Unlocked unlocked;
-    StackWorkspace workspace = workspace_for(stack);
-    next = stack_step(stack, q.data(), qd.data(), dt, workspace);
+    StackWorkspace workspace(stack);
+    next = stack_step(stack, q, qd, dt, workspace);
   }
   return py::make_tuple(next.q, next.qd, reports(stack, next.solution));
-}
-
-// A control loop's arrays come without a check of their own: what the solver cannot take is refused
-// here, and the Python layer says why.
-bool usable(const Vector& values, Eigen::Index size) {
-  constexpr double kMax = 1e6;  // that of the Python layer
-  return values.size() == size && (values.array().abs() <= kMax).all();
 }
 
 bool is_rotation(const Vector& orientation) {
@@ -124,18 +79,18 @@ bool is_rotation(const Vector& orientation) {
   return orientation.size() == 4 && std::abs(orientation.norm() - 1.0) <= kUnitTolerance;
 }
 
-// `orientation` has four numbers or none.
+// A control loop's arrays come without a check of their own: what the core refuses, the Python
+// layer explains. `orientation` has four numbers or none.
 py::tuple differential(const DifferentialIk& solver, const Vector& q, const Vector& qd,
                        const Vector& position, const Vector& orientation, const Vector& twist) {
-  const Eigen::Index joints = solver.chain.joints();
-  require(usable(q, joints) && usable(qd, joints) && usable(position, 3) && usable(twist, 6) &&
+  require(position.size() == 3 && twist.size() == 6 &&
           (orientation.size() == 0 || is_rotation(orientation)));
   DifferentialStep next;
   {
     const Unlocked unlocked;
     IkTarget target{position, std::nullopt};
     if (orientation.size() == 4) target.rotation = so3::to_matrix(orientation.normalized());
-    next = differential_step(solver, target, twist, q.data(), qd.data());
+    next = differential_step(solver, target, twist, q, qd);
   }
   return py::make_tuple(next.q, next.qd, next.position_error, next.orientation_error);
 }
@@ -235,7 +190,7 @@ void bind_priority(py::module_& module) {
              DifferentialIk solver{chain,   limits_of(chain, velocity_, acceleration_),
                                    posture, dt,
                                    gain,    posture_gain};
-             require(fits(solver.limits, chain.joints()) && posture.size() == chain.joints());
+             check_sizes(solver);
              return solver;
            }),
            py::arg("chain"), py::arg("velocity").noconvert(), py::arg("acceleration").noconvert(),

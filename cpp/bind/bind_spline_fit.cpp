@@ -15,7 +15,6 @@ using Vector = Eigen::Ref<const Eigen::VectorXd>;
 using Table = Eigen::Ref<const Rows>;
 
 py::tuple fit_spline_(const Vector& parameters, const Table& q, double tolerance) {
-  require(parameters.size() == q.rows() && q.rows() > 6 && q.cols() > 0);
   SplineFit fit;
   {
     const Unlocked unlocked;
@@ -26,8 +25,6 @@ py::tuple fit_spline_(const Vector& parameters, const Table& q, double tolerance
 
 py::tuple smooth_spline_(const Vector& parameters, const Table& q, double tolerance,
                          const Vector& lower, const Vector& upper) {
-  require(parameters.size() == q.rows() && q.rows() > 6 && q.cols() > 0 &&
-          lower.size() == q.cols() && upper.size() == q.cols());
   SplineFit fit;
   {
     const Unlocked unlocked;
@@ -36,34 +33,12 @@ py::tuple smooth_spline_(const Vector& parameters, const Table& q, double tolera
   return py::make_tuple(as_array(fit.breaks), std::move(fit.coefficients));
 }
 
-Rows cubic_through_(const Vector& parameters, const Table& q) {
-  require(parameters.size() == q.rows() && q.rows() > 1);
-  const Unlocked unlocked;
-  return cubic_through(parameters, q);
-}
-
 Rows spline_slopes_(const Vector& parameters, const Table& q, bool at_rest) {
-  require(parameters.size() == q.rows() && q.rows() > 1);
   const Unlocked unlocked;
   return spline_slopes(parameters, q, at_rest ? SplineEnds::kAtRest : SplineEnds::kSmooth);
 }
 
-Rows polynomial_values_(const Vector& knots, const Table& coefficients, const Vector& times,
-                        int order) {
-  require(knots.size() > 1 && coefficients.rows() > 0 && coefficients.cols() > 0 &&
-          coefficients.rows() % (knots.size() - 1) == 0 && order >= 0);
-  const Unlocked unlocked;
-  return polynomial_values(knots, coefficients, times, order);
-}
-
-Rows bezier_values_(const Table& points, const Vector& fractions) {
-  require(points.rows() > 0 && points.cols() > 0);
-  const Unlocked unlocked;
-  return bezier_values(points, fractions);
-}
-
 py::array_t<Eigen::Index> rows_apart_(const Table& q, double tolerance) {
-  require(q.rows() > 0 && q.cols() > 0);
   std::vector<Eigen::Index> rows;
   {
     const Unlocked unlocked;
@@ -80,14 +55,15 @@ void bind_spline_fit(py::module_& module) {
   module.def("smooth_spline", &smooth_spline_, py::arg("parameters").noconvert(),
              py::arg("q").noconvert(), py::arg("tolerance"), py::arg("lower").noconvert(),
              py::arg("upper").noconvert());
-  module.def("cubic_through", &cubic_through_, py::arg("parameters").noconvert(),
-             py::arg("q").noconvert());
+  module.def("cubic_through", &cubic_through, py::arg("parameters").noconvert(),
+             py::arg("q").noconvert(), Unlocking());
   module.def("spline_slopes", &spline_slopes_, py::arg("parameters").noconvert(),
              py::arg("q").noconvert(), py::arg("at_rest"));
-  module.def("polynomial_values", &polynomial_values_, py::arg("knots").noconvert(),
-             py::arg("coefficients").noconvert(), py::arg("times").noconvert(), py::arg("order"));
-  module.def("bezier_values", &bezier_values_, py::arg("points").noconvert(),
-             py::arg("fractions").noconvert());
+  module.def("polynomial_values", &polynomial_values, py::arg("knots").noconvert(),
+             py::arg("coefficients").noconvert(), py::arg("times").noconvert(), py::arg("order"),
+             Unlocking());
+  module.def("bezier_values", &bezier_values, py::arg("points").noconvert(),
+             py::arg("fractions").noconvert(), Unlocking());
   module.def("rows_apart", &rows_apart_, py::arg("q").noconvert(), py::arg("tolerance"));
 }
 

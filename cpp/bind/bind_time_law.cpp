@@ -14,17 +14,12 @@ namespace {
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
 using Table = Eigen::Ref<const Rows>;
 
-constexpr Eigen::Index kMaxPoints = 10'000'000;
-
 // The path and its grid, which the caller may read to add bounds of its own.
 class GriddedPath {
  public:
   GriddedPath(const Vector& breaks, const Table& coefficients, const Vector& scale,
               Eigen::Index points)
       : path_{breaks, coefficients} {
-    require(breaks.size() > 1 && coefficients.rows() >= path_.pieces() &&
-            coefficients.rows() % path_.pieces() == 0 && scale.size() == path_.joints() &&
-            path_.joints() > 0 && points > 2 && points <= kMaxPoints);
     const Unlocked unlocked;
     grid_ = make_path_grid(path_, scale, points);
   }
@@ -35,11 +30,6 @@ class GriddedPath {
                 const Vector& fastest, const Table& gain, const Table& bend, const Table& lower,
                 const Table& upper, double period, Eigen::Index parts, double start_speed,
                 double end_speed, double longest, double most_delay) const {
-    require(velocity.size() == path_.joints() && acceleration.size() == path_.joints() &&
-            jerk.size() == path_.joints() && fastest.size() == grid_.points() && parts > 0 &&
-            parts <= kMaxPoints);
-    for (const Table* table : {&gain, &bend, &lower, &upper})
-      require(table->rows() == grid_.points() && table->cols() == gain.cols());
     TimeLaw found;
     {
       const Unlocked unlocked;
@@ -54,7 +44,6 @@ class GriddedPath {
   }
 
   py::tuple states_along(const Vector& length, const Vector& speed, const Vector& push) const {
-    require(speed.size() == length.size() && push.size() == length.size());
     MotionStates states;
     {
       const Unlocked unlocked;
@@ -71,8 +60,6 @@ class GriddedPath {
 
 py::tuple time_lines_(const Table& points, const Vector& velocity, const Vector& acceleration,
                       const Vector& jerk, double period, double longest) {
-  const Eigen::Index joints = points.cols();
-  require(velocity.size() == joints && acceleration.size() == joints && jerk.size() == joints);
   LineMotions motions;
   {
     const Unlocked unlocked;
@@ -86,23 +73,14 @@ py::tuple time_lines_(const Table& points, const Vector& velocity, const Vector&
   return py::make_tuple(motions.failed_at, as_array(motions.steps), std::move(shares));
 }
 
-void check_samples(const Vector& times, const Table& positions, const Table& velocities,
-                   const Table& accelerations) {
-  require(times.size() > 1);
-  for (const Table* table : {&positions, &velocities, &accelerations})
-    require(table->rows() == times.size() && table->cols() == positions.cols());
-}
-
 py::tuple step_extremes_(const Vector& times, const Table& positions, const Table& velocities,
                          const Table& accelerations) {
-  check_samples(times, positions, velocities, accelerations);
   StepExtremes found = step_extremes(times, positions, velocities, accelerations);
   return py::make_tuple(std::move(found.speed), std::move(found.acceleration));
 }
 
 py::tuple motion_peaks_(const Vector& times, const Table& positions, const Table& velocities,
                         const Table& accelerations) {
-  check_samples(times, positions, velocities, accelerations);
   MotionPeaks found;
   {
     const Unlocked unlocked;

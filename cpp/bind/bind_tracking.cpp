@@ -11,11 +11,6 @@ namespace leadthrough {
 
 namespace {
 
-bool fits(const Chain& chain, Eigen::Index rows, const Eigen::Ref<const Rows>& postures,
-          const Eigen::Ref<const Eigen::VectorXd>& shares) {
-  return postures.rows() == rows && postures.cols() == chain.joints() && shares.size() == rows;
-}
-
 py::tuple columns(Track&& path) {
   return py::make_tuple(std::move(path.q), std::move(path.position_errors),
                         std::move(path.orientation_errors));
@@ -26,8 +21,6 @@ py::tuple track_path(const Chain& chain, const Eigen::Ref<const Rows3>& position
                      const Eigen::Ref<const Eigen::VectorXd>& start,
                      const Eigen::Ref<const Rows>& postures,
                      const Eigen::Ref<const Eigen::VectorXd>& shares, const TrackOptions& options) {
-  require(start.size() == chain.joints() && fits(chain, positions.rows(), postures, shares) &&
-          orientations_fit(positions.rows(), orientations.rows()));
   Track path;
   {
     const Unlocked unlocked;
@@ -43,11 +36,6 @@ py::tuple pursue_path(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd
                       const Eigen::Ref<const Rows>& postures,
                       const Eigen::Ref<const Eigen::VectorXd>& shares,
                       const PursuitOptions& options) {
-  require(times.size() == positions.rows() && start.size() == chain.joints() &&
-          fits(chain, positions.rows(), postures, shares) &&
-          orientations_fit(positions.rows(), orientations.rows()) &&
-          options.velocity.size() == chain.joints() &&
-          options.acceleration.size() == chain.joints());
   Track path;
   {
     const Unlocked unlocked;
@@ -59,8 +47,6 @@ py::tuple pursue_path(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd
 py::tuple slow(const Eigen::Ref<const Eigen::VectorXd>& times, const Eigen::Ref<const Rows>& q,
                const Eigen::Ref<const Eigen::VectorXd>& velocity,
                const Eigen::Ref<const Eigen::VectorXd>& acceleration) {
-  require(times.size() > 0 && times.size() == q.rows() && velocity.size() == q.cols() &&
-          acceleration.size() == q.cols());
   Slowing slowing;
   {
     const Unlocked unlocked;

@@ -62,6 +62,9 @@ class Unlocked {
   Interruptible call_{&signal_raises};
 };
 
+// Of a function that is bound as it is.
+using Unlocking = pybind11::call_guard<Unlocked>;
+
 // Count of numbers whose reading takes longer than releasing and taking the GIL.
 constexpr pybind11::ssize_t kLong = 10'000;
 
@@ -70,14 +73,20 @@ pybind11::array_t<Value> as_array(const std::vector<Value>& values) {
   return pybind11::array_t<Value>(static_cast<pybind11::ssize_t>(values.size()), values.data());
 }
 
-// The vector's own memory as an array.
+// The vector's own memory as an array of a shape, or of one row.
 template <typename Value>
-pybind11::array_t<Value> moved_array(std::vector<Value>&& values) {
+pybind11::array_t<Value> moved_array(std::vector<Value>&& values,
+                                     std::vector<pybind11::ssize_t> shape) {
   auto owner = std::make_unique<std::vector<Value>>(std::move(values));
   const pybind11::capsule memory(owner.get(),
                                  [](void* kept) { delete static_cast<std::vector<Value>*>(kept); });
-  const std::vector<Value>& kept = *owner.release();
-  return pybind11::array_t<Value>(static_cast<pybind11::ssize_t>(kept.size()), kept.data(), memory);
+  return pybind11::array_t<Value>(std::move(shape), owner.release()->data(), memory);
+}
+
+template <typename Value>
+pybind11::array_t<Value> moved_array(std::vector<Value>&& values) {
+  const auto size = static_cast<pybind11::ssize_t>(values.size());
+  return moved_array(std::move(values), {size});
 }
 
 // Whether an object is a contiguous array of float64. Subclasses may mean something else, as masked

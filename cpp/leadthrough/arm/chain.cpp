@@ -44,12 +44,6 @@ Eigen::Matrix3d turn_z_to(const Eigen::Vector3d& axis) {
   return turn.toRotationMatrix();
 }
 
-int find_link(const Robot& robot, const std::string& name) {
-  for (std::size_t i = 0; i < robot.links.size(); ++i)
-    if (robot.links[i].name == name) return static_cast<int>(i);
-  return -1;
-}
-
 Joints moving_joints(const Joints& joints) {
   Joints moving;
   std::copy_if(joints.begin(), joints.end(), std::back_inserter(moving),
@@ -180,8 +174,8 @@ void take_bodies(const Robot& robot, const Joints& moving, Chain& chain) {
 std::variant<std::vector<const Joint*>, urdf::Error> joints_between(const Robot& robot,
                                                                     const std::string& base,
                                                                     const std::string& tip) {
-  const int first = find_link(robot, base);
-  const int last = find_link(robot, tip);
+  const int first = urdf::find_link(robot, base);
+  const int last = urdf::find_link(robot, tip);
   if (first < 0) return urdf::Error{"base", "no link is named " + quoted(base)};
   if (last < 0) return urdf::Error{"tip", "no link is named " + quoted(tip)};
   Joints joints;

@@ -3,6 +3,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <utility>
@@ -166,6 +167,12 @@ std::variant<Robot, Error> parse(const std::string& document) {
   } catch (const std::exception& error) {
     return Error{"robot", error.what()};
   }
+}
+
+int find_link(const Robot& robot, const std::string& name) {
+  const auto named = [&](const Link& link) { return link.name == name; };
+  const auto found = std::find_if(robot.links.begin(), robot.links.end(), named);
+  return found == robot.links.end() ? -1 : static_cast<int>(found - robot.links.begin());
 }
 
 }  // namespace leadthrough::urdf

@@ -87,6 +87,9 @@ constexpr std::size_t kMaxLinks = 5000;
 // a fixed joint is fixed.
 std::variant<Robot, Error> parse(const std::string& document);
 
+// Index of a link, or -1.
+int find_link(const Robot& robot, const std::string& name);
+
 struct Held {
   std::string joint;
   double value = 0.0;  // rad or m

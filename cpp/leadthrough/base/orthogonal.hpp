@@ -1,44 +1,57 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "leadthrough/base/matrix.hpp"
 
 namespace leadthrough {
 
+// Rotates two columns in their plane.
+template <typename Matrix>
+void rotate_columns(Matrix&& a, Eigen::Index p, Eigen::Index q, double cosine, double sine) {
+  const auto old = a.col(p).eval();
+  a.col(p) = cosine * old - sine * a.col(q);
+  a.col(q) = sine * old + cosine * a.col(q);
+}
+
 // One-sided Jacobi, Hestenes 1958, "Inversion of matrices by biorthogonalization": rotates pairs of
-// columns of `a` until all are orthogonal, and those of `v` with them. From v = I follows A V = W,
-// the singular value decomposition of A: the lengths of W's columns are the singular values, V's
-// columns the right singular vectors. Small singular values keep their digits (Demmel and Veselic
-// 1992), and a matrix of a few columns takes a few sweeps.
-template <typename A, typename V>
-void orthogonalize_columns(A& a, V& v) {
-  constexpr double kOrthogonal = 4.0 * std::numeric_limits<double>::epsilon();
+// columns of `a` until all are orthogonal, and calls rotated(p, q, cosine, sine) for each rotation.
+// The lengths of the columns are the singular values; the small ones keep their digits (Demmel and
+// Veselic 1992), and a matrix of a few columns takes a few sweeps. Columns not longer than
+// `negligible` are unchanged.
+template <typename Matrix, typename Rotated>
+void orthogonalize_columns(Matrix&& a, double negligible, const Rotated& rotated) {
+  constexpr double kOrthogonal = 1e-15;
   constexpr int kMaxSweeps = 40;
-  bool rotated = true;
-  for (int sweep = 0; rotated && sweep < kMaxSweeps; ++sweep) {
-    rotated = false;
-    for (Eigen::Index q = 1; q < a.cols(); ++q)
-      for (Eigen::Index p = 0; p < q; ++p) {
-        const double across = a.col(p).dot(a.col(q));
+  const double least = negligible * negligible;
+  bool done = false;
+  for (int sweep = 0; sweep < kMaxSweeps && !done; ++sweep) {
+    done = true;
+    for (Eigen::Index p = 0; p + 1 < a.cols(); ++p)
+      for (Eigen::Index q = p + 1; q < a.cols(); ++q) {
         const double pp = a.col(p).squaredNorm(), qq = a.col(q).squaredNorm();
+        const double across = a.col(p).dot(a.col(q));
+        if (std::min(pp, qq) <= least) continue;
         if (std::abs(across) <= kOrthogonal * std::sqrt(pp * qq)) continue;
-        rotated = true;
+        done = false;
         const double zeta = (qq - pp) / (2.0 * across);
-        const double tangent = std::copysign(1.0 / (std::abs(zeta) + std::hypot(1.0, zeta)), zeta);
-        const double cosine = 1.0 / std::hypot(1.0, tangent), sine = cosine * tangent;
-        const auto turn = [&](auto& matrix) {
-          for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
-            const double left = matrix(row, p), right = matrix(row, q);
-            matrix(row, p) = cosine * left - sine * right;
-            matrix(row, q) = sine * left + cosine * right;
-          }
-        };
-        turn(a);
-        turn(v);
+        const double size = std::abs(zeta) + std::sqrt(1.0 + zeta * zeta);
+        const double tangent = std::copysign(1.0, zeta) / size;
+        const double cosine = 1.0 / std::sqrt(1.0 + tangent * tangent), sine = cosine * tangent;
+        rotate_columns(a, p, q, cosine, sine);
+        rotated(p, q, cosine, sine);
       }
   }
+}
+
+// The same, rotating the columns of `v` along: from v = I on, A V = W is the singular value
+// decomposition of A, with the right singular vectors in V's columns.
+template <typename A, typename V>
+void orthogonalize_columns(A& a, V& v) {
+  orthogonalize_columns(a, 0.0, [&](Eigen::Index p, Eigen::Index q, double cosine, double sine) {
+    rotate_columns(v, p, q, cosine, sine);
+  });
 }
 
 }  // namespace leadthrough

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/parallel.hpp"
@@ -230,6 +231,10 @@ std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref
 
 MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
                           const MotionOptions& options) {
+  check_argument(q.rows() > 0, "q: expected at least one configuration");
+  check_argument(std::isfinite(options.margin), "margin: expected a finite distance");
+  check_argument(longest_step(scene, q) <= kMaxTests * options.tolerance,
+                 "q, tolerance: expected at most kMaxTests tests between two configurations");
   MotionReport report;
   report.samples = nearest_batch(scene, q, options.threads);
   const auto& samples = report.samples;

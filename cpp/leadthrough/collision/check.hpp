@@ -103,6 +103,9 @@ struct ClosestPair {
   double sample = 0.0;
 };
 
+// Tests between two samples of a motion; more would take minutes.
+constexpr double kMaxTests = 1e6;
+
 struct MotionOptions {
   double margin = 0.0;      // m; a distance below it is a hit, contact alone is none
   double tolerance = 1e-3;  // m

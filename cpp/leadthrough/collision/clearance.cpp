@@ -95,6 +95,7 @@ NearPair ClearanceTest::with_gradient(std::size_t i, const Separation& found) co
 }
 
 std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>& q) {
+  check_rows(arm.scene.chain, q);
   ClearanceTest test(arm);
   std::vector<bool> clear;
   for (Eigen::Index i = 0; i < q.rows(); ++i) {

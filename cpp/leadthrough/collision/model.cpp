@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
+#include <variant>
 
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/collision/scene.hpp"
@@ -32,21 +34,16 @@ struct Place {
   Transform T_root_link;
 };
 
-int find_link(const Robot& robot, const std::string& name) {
-  const auto found = std::find_if(robot.links.begin(), robot.links.end(),
-                                  [&](const urdf::Link& link) { return link.name == name; });
-  return static_cast<int>(found - robot.links.begin());
-}
-
 // Joints that move, from the base to the tip, as marks on the robot's joints.
-std::vector<bool> joints_of_chain(const Robot& robot, int base, int tip) {
+std::vector<bool> joints_of_chain(const Robot& robot, const std::string& base,
+                                  const std::string& tip) {
+  const auto joints = joints_between(robot, base, tip);
+  if (const auto* error = std::get_if<urdf::Error>(&joints))
+    throw std::invalid_argument(error->where + ": " + error->why);
   std::vector<bool> among(robot.joints.size(), false);
-  for (int link = tip; link != base;) {
-    const auto joint =
-        static_cast<std::size_t>(robot.links[static_cast<std::size_t>(link)].parent_joint);
-    among[joint] = robot.joints[joint].type != urdf::JointType::kFixed;
-    link = robot.joints[joint].parent;
-  }
+  for (const urdf::Joint* joint : std::get<0>(joints))
+    among[static_cast<std::size_t>(joint - robot.joints.data())] =
+        joint->type != urdf::JointType::kFixed;
   return among;
 }
 
@@ -240,10 +237,9 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
                                     const std::string& tip,
                                     const std::vector<Eigen::Matrix3Xd>& hulls,
                                     const PlacedShapes& attached, const PairOptions& options) {
-  const auto first = static_cast<std::size_t>(find_link(robot, base));
-  const auto last = static_cast<std::size_t>(find_link(robot, tip));
-  const std::vector<Place> links =
-      places(robot, joints_of_chain(robot, static_cast<int>(first), static_cast<int>(last)));
+  const std::vector<Place> links = places(robot, joints_of_chain(robot, base, tip));
+  const auto first = static_cast<std::size_t>(urdf::find_link(robot, base));
+  const auto last = static_cast<std::size_t>(urdf::find_link(robot, tip));
   CollisionModel model{chain, {}, {}, {}, {}, {}};
   Frames frames;
   collision::joint_frames(chain, MovingValues{}.data(), frames);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
@@ -240,6 +241,9 @@ bool advance_around(const Forces& forces, const Course& course, const AvoidanceS
 
 Passage rollout_around(const Forces& forces, const Course& course, const AvoidanceScene& scene,
                        State state, const Eigen::Ref<const Vector>& phases) {
+  check_run(forces, course, state, phases);
+  check_argument(scene.lower.size() == 0 || scene.lower.size() == state.value.size(),
+                 "scene: expected bounds of all channels, or none");
   const Eigen::Index count = phases.size();
   const Eigen::Index channels = state.value.size();
   const Vector no_push = Vector::Zero(channels);

@@ -22,8 +22,8 @@ constexpr double kHalfTurn = 1e-9;  // rad
 Quaternion short_exp(const Vector3& vector) {
   const double h = 0.25 * vector.squaredNorm();
   if (!(h < kSeriesSquare)) return so3::exp(vector);
-  const double scale = 0.5 * polynomial(kSinc, h);
-  return {polynomial(kCosine, h), scale * vector[0], scale * vector[1], scale * vector[2]};
+  const double scale = 0.5 * short_sinc(h);
+  return {short_cosine(h), scale * vector[0], scale * vector[1], scale * vector[2]};
 }
 
 Vector3 rotate(const Quaternion& q, const Vector3& v) {
@@ -111,13 +111,9 @@ Product reference(const Curve& curve, const Path& offset, double phase) {
   return product;
 }
 
-// All logarithms of a rotation lie 2 pi apart on one line.
+// Either sign of a quaternion is the same rotation.
 Vector3 nearest_log(const Quaternion& q, const Vector3& near) {
-  const Vector3 vector = so3::log(q);
-  if (near.isZero(0.0)) return vector;
-  const double angle = vector.norm();
-  const Vector3 axis = angle > 0.0 ? Vector3(vector / angle) : Vector3(near.stableNormalized());
-  return axis * (angle + kTurn * std::round((axis.dot(near) - angle) / (kTurn)));
+  return so3::nearest_log(q[0] < 0.0 ? Quaternion(-q) : q, near, kTurn);
 }
 
 Vector3 nearest_angles(const Quaternion& q, const Vector3& near) {

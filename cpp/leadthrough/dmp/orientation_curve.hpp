@@ -25,6 +25,9 @@ struct Curve {
   Canonical canonical;
 };
 
+// True if a path is one of rotation vectors.
+inline bool is_offset(const Path& path) { return path.empty() || path.coefficients.cols() == 3; }
+
 // The rotation vector from `demonstrated` to `wanted`: of those, 2 pi apart on a line, the one
 // nearest to `near`; with `near` = 0, the shortest. At pi the axis is the one whose first nonzero
 // coordinate is positive.

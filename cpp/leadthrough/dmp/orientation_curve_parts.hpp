@@ -7,12 +7,19 @@
 
 namespace leadthrough::dmp {
 
-// Of cos(x) and sin(x) / x, in powers of x^2; exact to rounding below this square of half an angle.
+// Below this square h of half an angle, few terms give its cosine and sine to rounding.
 inline constexpr double kSeriesSquare = 0.07;  // rad^2
-inline constexpr double kCosine[] = {
-    1.0, -1.0 / 2.0, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40320.0, -1.0 / 3628800.0, 1.0 / 479001600.0};
-inline constexpr double kSinc[] = {1.0,           -1.0 / 6.0,     1.0 / 120.0,
-                                   -1.0 / 5040.0, 1.0 / 362880.0, -1.0 / 39916800.0};
+
+template <typename Number>
+Number short_cosine(const Number& h) {
+  return polynomial<7>(kCosine, h);
+}
+
+// sin(x) / x.
+template <typename Number>
+Number short_sinc(const Number& h) {
+  return polynomial<6>(kSinc, h);
+}
 
 // Position on the curve's parameter, and its rate.
 struct Progress {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/dmp/orientation_curve.hpp"
 #include "leadthrough/dmp/orientation_curve_parts.hpp"
@@ -73,8 +74,8 @@ struct Factors {
 
 Quaternions4 short_exp(const Vectors4& vector) {
   const Lanes h = vector.quarter_squared();
-  const Lanes scale = 0.5 * polynomial(kSinc, h);
-  return {polynomial(kCosine, h), scale * vector.x, scale * vector.y, scale * vector.z};
+  const Lanes scale = 0.5 * short_sinc(h);
+  return {short_cosine(h), scale * vector.x, scale * vector.y, scale * vector.z};
 }
 
 Quaternions4 offsets_at(const Path& offset, const double* phases) {
@@ -166,6 +167,9 @@ class OrientationWriter {
 so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
                                  const Eigen::Ref<const Vector>& phases,
                                  const Eigen::Ref<const Rows>& values) {
+  check_argument(values.rows() == phases.size() && values.cols() >= 3,
+                 "values: expected a row for each phase, with three coordinates");
+  check_argument(is_offset(offset), "offset: expected a path of rotation vectors");
   so3::Quaternions result(phases.size(), 4);
   OrientationWriter(curve, offset).write(phases.data(), values, result.data());
   return result;
@@ -173,6 +177,7 @@ so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
 
 Poses poses_along(const Forces& forces, const Course& course, const Curve& curve,
                   const Path& offset, const State& state, const Eigen::Ref<const Vector>& phases) {
+  check_argument(state.value.size() == 6 && is_offset(offset), "state, offset: expected poses");
   constexpr Index kRun = 16 * kLanes;  // values that stay in the cache
   Poses result{Rows3(phases.size(), 3), so3::Quaternions(phases.size(), 4)};
   OrientationWriter writer(curve, offset);
@@ -190,6 +195,8 @@ Poses poses_along(const Forces& forces, const Course& course, const Curve& curve
 
 Peaks peak_speeds(const Curve& curve, const Path& offset, const Eigen::Ref<const Vector>& phases,
                   const Rollout& motion) {
+  check_argument(phases.size() > 1 && motion.slopes.rows() == phases.size(),
+                 "phases: expected those of the motion, at least two");
   Peaks peaks;
   for (Index n = 0; n < motion.slopes.rows(); ++n) {
     const double* v = motion.slopes.row(n).data();

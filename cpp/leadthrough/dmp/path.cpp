@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "leadthrough/base/argument.hpp"
+
 namespace leadthrough::dmp {
 
 namespace {
@@ -103,6 +105,11 @@ Vector end_of(const Path& path) {
 
 Path shifted(Path path, const Eigen::Ref<const Rows>& c, const Eigen::Ref<const Vector>& start,
              const Eigen::Ref<const Vector>& goal) {
+  const Eigen::Index channels = path.coefficients.cols();
+  check_argument(c.rows() == path.coefficients.rows() && c.cols() == channels,
+                 "c: expected the pieces of the path");
+  check_argument(start.size() == channels && goal.size() == channels,
+                 "start, goal: expected one value a channel");
   const Eigen::RowVectorXd displacement = (goal - start).transpose();
   for (Eigen::Index i = 0; i < c.rows(); ++i) {
     const auto shift = c.row(i).cwiseProduct(displacement);
@@ -115,6 +122,11 @@ Path shifted(Path path, const Eigen::Ref<const Rows>& c, const Eigen::Ref<const 
 }
 
 Path superposed(const Path& path, const Correction& correction) {
+  const auto channels = correction.shift.size();
+  check_argument(correction.phase < correction.until, "until: expected a later phase");
+  check_argument(correction.value.size() == channels && correction.slope.size() == channels &&
+                     (path.empty() || path.coefficients.cols() == channels),
+                 "correction: expected one value a channel");
   const std::vector<double> breaks = joined_breaks(path, correction);
   const auto pieces = static_cast<Eigen::Index>(breaks.size()) - 1;
   const Path added = quintic(correction);

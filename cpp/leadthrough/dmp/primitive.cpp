@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough::dmp {
@@ -191,9 +192,20 @@ void acceleration(const Forces& forces, const Course& course, const State& state
   }
 }
 
+void check_run(const Forces& forces, const Course& course, const State& state,
+               const Eigen::Ref<const Vector>& phases) {
+  const Eigen::Index channels = forces.nodes.cols();
+  check_argument(course.reference.coefficients.cols() == channels &&
+                     state.value.size() == channels && state.slope.size() == channels,
+                 "course, state: expected the channels of the forces");
+  check_argument(phases.size() > 0 && (phases.array() >= 0.0 && phases.array() <= kMaxPhase).all(),
+                 "phases: expected 0 to kMaxPhase");
+}
+
 void roll(const Forces& forces, const Course& course, State state,
           const Eigen::Ref<const Vector>& phases,
           const std::function<void(Eigen::Index, const State&)>& take) {
+  check_run(forces, course, state, phases);
   const Vector no_push = Vector::Zero(state.value.size());
   with_channels(state.value.size(), [&](auto channels) {
     const Motion motion(channels, forces, course, no_push);

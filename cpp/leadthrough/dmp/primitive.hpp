@@ -48,6 +48,14 @@ void advance(const Forces& forces, const Course& course, const Vector& push, dou
 // d2y/du2 without a push.
 void acceleration(const Forces& forces, const Course& course, const State& state, Vector& result);
 
+// Phases count periods; between more of them floating-point numbers lose the nodes.
+constexpr double kMaxPhase = 1e12;
+
+// Throws std::invalid_argument unless all have the same channels and the phases lie between 0 and
+// kMaxPhase; so do the functions below.
+void check_run(const Forces& forces, const Course& course, const State& state,
+               const Eigen::Ref<const Vector>& phases);
+
 // Calls back with the index of each of increasing phases and the state there, from a state at the
 // first of them on.
 void roll(const Forces& forces, const Course& course, State state,

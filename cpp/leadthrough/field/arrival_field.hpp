@@ -23,7 +23,8 @@ struct Update {
   Index invalidated;  // cells whose time depended on a speed that fell
 };
 
-// Times of first order, as `march_first_order` gives them.
+// Times of first order, as `march_first_order` gives them. For one thread at a time: calls of
+// several need a lock.
 template <typename Real>
 class ArrivalField {
  public:

@@ -136,6 +136,7 @@ class Motion {
 }  // namespace
 
 Rows brake(const StepLimits& limits, const RowsRef& start) {
+  check_start(limits, start);
   const double h = limits.period;
   std::vector<Motion> motions;
   Index longest = 0;

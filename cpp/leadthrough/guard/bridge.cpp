@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/guard/path_curve.hpp"
 
@@ -50,6 +51,10 @@ class Quintics {
 // skip: rows of the target for each step after the first.
 std::optional<Bridge> shortest(const StepLimits& limits, const RowsRef& start,
                                const RowsRef& target, Index most_steps, Index skip) {
+  check_start(limits, start);
+  check_states(limits, target, 1);
+  check_argument(most_steps > 0 && most_steps <= kMaxBridge,
+                 "most_steps: expected 1 to kMaxBridge");
   Rows stream(most_steps + 1, start.cols());
   stream.row(0) = start.row(0);
   for (Index steps = 1; steps <= most_steps; steps += 1 + steps / kFractions) {

@@ -13,6 +13,8 @@ struct Bridge {
   Eigen::Index skipped = 0;
 };
 
+constexpr Eigen::Index kMaxBridge = 10'000'000;  // steps: hours at 1 kHz
+
 // Onto the first row of the target (n, 3 joints).
 std::optional<Bridge> bridge_to_start(const StepLimits& limits, const RowsRef& start,
                                       const RowsRef& target, Eigen::Index most_steps);

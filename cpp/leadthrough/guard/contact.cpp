@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/collision/motion_bound.hpp"
 
@@ -183,6 +184,10 @@ class Certifier {
 GuardedScene guarded_scene(const CollisionModel& model, const PlacedShapes& obstacles,
                            const std::vector<double>& growth, double margin,
                            double self_collision_margin) {
+  const auto pieces = std::count_if(obstacles.begin(), obstacles.end(),
+                                    [](const PlacedShape& placed) { return placed.piece; });
+  check_argument(growth.size() + static_cast<std::size_t>(pieces) == obstacles.size(),
+                 "growth: expected one for each obstacle");
   const CollisionModel own = without_meeting_pairs(model);
   GuardedScene result{whole_arm(own, obstacles, margin, self_collision_margin), {}};
   const int bodies = static_cast<int>(own.bodies.size());
@@ -195,6 +200,9 @@ GuardedScene guarded_scene(const CollisionModel& model, const PlacedShapes& obst
 
 std::optional<Contact> first_contact(const GuardedScene& scene, const Eigen::VectorXd& start,
                                      const RowsRef& samples, double age, long most_work) {
+  check_rows(scene.arm.scene.chain, samples);
+  check_argument(start.size() == samples.cols(), "start: expected one value a joint");
+  check_argument(most_work >= 0, "most_work: expected none or more");
   return Certifier(scene, start, samples, age, most_work).run();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/guard/bridge.hpp"
@@ -139,6 +140,8 @@ class Pacing {
 }  // namespace
 
 std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path, Index most_samples) {
+  check_states(limits, path, 1);
+  check_argument(most_samples > 0, "most_samples: expected at least one");
   if (path.rows() == 1) return Paced{path, Eigen::VectorXd::Zero(1)};
   const Pacing pacing(limits, path, most_samples);
   std::optional<Paced> local = pacing.settled(kLocalRounds);
@@ -149,6 +152,8 @@ std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path, Index
 }
 
 std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& start, const RowsRef& path) {
+  check_start(limits, start);
+  check_states(limits, path, 1);
   Rows rows(1 + path.rows(), path.cols());
   rows << start, path;
   const PathCurve curve(rows, limits.period);
@@ -211,6 +216,9 @@ double pace_of(const RowsRef& start, const RowsRef& path, double at_rest) {
 
 std::optional<Paced> eased(const StepLimits& limits, const RowsRef& start, const RowsRef& path,
                            double rate) {
+  check_start(limits, start);
+  check_states(limits, path, 1);
+  check_argument(rate > 0.0, "rate: expected a positive one");
   if (path.rows() < 2) return std::nullopt;
   const PathCurve curve(path, limits.period);
   const double before = pace_of(start, path, rate);

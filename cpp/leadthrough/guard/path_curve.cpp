@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
+
 namespace leadthrough::guard {
 
 using Eigen::Index;
@@ -66,6 +68,11 @@ JointState next_after(const JointState& state, double position, double h) {
 
 Rows with_rates(const Eigen::VectorXd& times, const RowsRef& positions, const RowsRef& start,
                 double period) {
+  check_argument(positions.size() > 0 && times.size() == positions.rows(),
+                 "positions: expected one row for each time");
+  check_argument(start.rows() <= 1 && start.cols() == 3 * positions.cols(),
+                 "start: expected one state or none");
+  check_argument(period > 0.0, "period: expected a positive time");
   const Index n = positions.rows(), joints = positions.cols();
   Rows result = Rows::Zero(n, 3 * joints);
   const bool begun = start.rows() > 0;

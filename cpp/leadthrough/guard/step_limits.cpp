@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
+
 namespace leadthrough::guard {
 
 namespace {
@@ -87,8 +89,30 @@ std::optional<Excess> excess_at(const StepLimits& limits, const Stream& stream, 
 
 }  // namespace
 
+void check_limits(const StepLimits& limits) {
+  check_argument(limits.joints() > 0 && limits.lower.size() == limits.joints() &&
+                     limits.upper.size() == limits.joints(),
+                 "lower, upper: expected one value a joint");
+  for (const Eigen::VectorXd* rates : {&limits.velocity, &limits.acceleration, &limits.jerk})
+    check_argument(rates->size() == limits.joints() && (rates->array() > 0.0).all(),
+                   "limits: expected one value above zero a joint");
+  check_argument(limits.period > 0.0, "period: expected a positive time");
+}
+
+void check_start(const StepLimits& limits, const RowsRef& start) {
+  check_argument(start.cols() == 3 * limits.joints() && start.rows() == 1 && start.allFinite(),
+                 "start: expected one finite state of all joints");
+}
+
+void check_states(const StepLimits& limits, const RowsRef& rows, Index least) {
+  check_argument(rows.cols() == 3 * limits.joints() && rows.rows() >= least,
+                 "states: expected positions, velocities and accelerations of all joints");
+}
+
 std::optional<Excess> first_excess(const StepLimits& limits, const RowsRef& start,
                                    const RowsRef& samples) {
+  check_start(limits, start);
+  check_states(limits, samples, 0);
   const Stream stream{start, samples};
   for (Index k = 0; k < samples.rows(); ++k)
     for (Index joint = 0; joint < limits.joints(); ++joint)

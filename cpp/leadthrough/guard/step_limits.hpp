@@ -22,6 +22,12 @@ struct StepLimits {
   Eigen::Index joints() const { return velocity.size(); }
 };
 
+// These throw std::invalid_argument, as do the functions of this folder: limits of other sizes or
+// not above zero; a start that is no finite state (1, 3 joints); fewer rows or others than states.
+void check_limits(const StepLimits& limits);
+void check_start(const StepLimits& limits, const RowsRef& start);
+void check_states(const StepLimits& limits, const RowsRef& rows, Eigen::Index least);
+
 inline JointState joint_state(const RowsRef& rows, Eigen::Index row, Eigen::Index joint) {
   const Eigen::Index joints = rows.cols() / 3;
   return {rows(row, joint), rows(row, joints + joint), rows(row, 2 * joints + joint)};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/ik/damped_step.hpp"
 
 namespace leadthrough {
@@ -250,17 +251,60 @@ StackMotion velocity_in(const TaskStack& stack, const double* q, const MotionBox
   return solve(stack, scene, box, workspace);
 }
 
-}  // namespace
-
-StackMotion stack_velocity(const TaskStack& stack, const double* q, const double* qd, double dt,
-                           StackWorkspace& workspace) {
-  return velocity_in(stack, q, velocity_box(stack.limits, q, qd, dt), dt, 0.0, workspace);
+void check_state(const TaskStack& stack, JointsIn q, JointsIn qd, double dt) {
+  check_argument(q.size() == stack.chain.joints(), "q: one number a joint");
+  check_argument(qd.size() == q.size(), "qd: one number a joint");
+  check_argument(dt > 0.0 && std::isfinite(dt), "dt: a positive time");
 }
 
-StackMotion stack_acceleration(const TaskStack& stack, const double* q, const double* qd, double dt,
+void check_task(const ArmTask& task, const Chain& chain) {
+  check_argument(task.frame.moving >= 0 && task.frame.moving <= chain.moving,
+                 "tasks: frames that joints of the chain move");
+  if (const auto* posture = std::get_if<PostureGoal>(&task.goal))
+    check_argument(
+        posture->q.size() == chain.joints() && posture->velocity.size() == chain.joints(),
+        "tasks: postures of one number a joint");
+  else if (!std::holds_alternative<JointLimitGoal>(task.goal))
+    check_argument(task.frame.moving > 0, "tasks: frames that move");
+}
+
+}  // namespace
+
+void check_sizes(const TaskStack& stack) {
+  const MotionLimits& limits = stack.limits;
+  for (const JointVector* each :
+       {&limits.lower, &limits.upper, &limits.velocity, &limits.acceleration})
+    check_argument(each->size() == stack.chain.joints(), "limits: one number a joint");
+  check_argument(stack.tasks.size() <= static_cast<std::size_t>(kMaxTasks),
+                 "tasks: at most kMaxTasks");
+  for (const ArmTask& task : stack.tasks) check_task(task, stack.chain);
+  // It may fill a level a joint.
+  check_argument(std::count_if(stack.tasks.begin(), stack.tasks.end(),
+                               [](const ArmTask& task) {
+                                 return std::holds_alternative<JointLimitGoal>(task.goal);
+                               }) <= 1,
+                 "tasks: at most one of joint limits");
+}
+
+StackWorkspace::StackWorkspace(const TaskStack& stack) {
+  const auto most = stack.tasks.size() + static_cast<std::size_t>(stack.chain.joints()) + 1;
+  levels.reserve(most);
+  owner.reserve(most);
+}
+
+StackMotion stack_velocity(const TaskStack& stack, JointsIn q, JointsIn qd, double dt,
+                           StackWorkspace& workspace) {
+  const bool known = qd.size() > 0;
+  check_state(stack, q, known ? qd : q, dt);
+  const MotionBox box = velocity_box(stack.limits, q.data(), known ? qd.data() : nullptr, dt);
+  return velocity_in(stack, q.data(), box, dt, 0.0, workspace);
+}
+
+StackMotion stack_acceleration(const TaskStack& stack, JointsIn q, JointsIn qd, double dt,
                                StackWorkspace& workspace) {
-  const MotionBox box = acceleration_box(stack.limits, q, qd, dt);
-  Scene scene(stack, q, qd, 2, dt, 0.0, workspace);
+  check_state(stack, q, qd, dt);
+  const MotionBox box = acceleration_box(stack.limits, q.data(), qd.data(), dt);
+  Scene scene(stack, q.data(), qd.data(), 2, dt, 0.0, workspace);
   for (std::size_t i = 0; i < stack.tasks.size(); ++i) scene.add(static_cast<int>(i));
   scene.add_rest(std::min(stack.rest_damping, 1.0 / dt));
   StackMotion answer{resolve(workspace.levels, box, stack.scheme, kAccelerationQuickness),
@@ -269,17 +313,17 @@ StackMotion stack_acceleration(const TaskStack& stack, const double* q, const do
   return answer;
 }
 
-StackStep stack_step(const TaskStack& stack, const double* q, const double* qd, double dt,
+StackStep stack_step(const TaskStack& stack, JointsIn q, JointsIn qd, double dt,
                      StackWorkspace& workspace) {
-  const MotionBox box = velocity_box(stack.limits, q, qd, dt);
-  const Eigen::Map<const Eigen::VectorXd> now(q, stack.chain.joints());
-  StackMotion start = velocity_in(stack, q, box, dt, 0.0, workspace);
-  const JointVector halfway = now + 0.5 * dt * start.motion;
+  check_state(stack, q, qd, dt);
+  const MotionBox box = velocity_box(stack.limits, q.data(), qd.data(), dt);
+  StackMotion start = velocity_in(stack, q.data(), box, dt, 0.0, workspace);
+  const JointVector halfway = q + 0.5 * dt * start.motion;
   StackMotion middle = velocity_in(stack, halfway.data(), box, dt, 0.5 * dt, workspace);
   middle.motion = middle.motion.cwiseMax(box.lower).cwiseMin(box.upper);
-  const JointVector lower = stack.limits.lower.cwiseMin(now);
-  const JointVector upper = stack.limits.upper.cwiseMax(now);
-  const JointVector q_next = (now + dt * middle.motion).cwiseMax(lower).cwiseMin(upper);
+  const JointVector lower = stack.limits.lower.cwiseMin(q);
+  const JointVector upper = stack.limits.upper.cwiseMax(q);
+  const JointVector q_next = (q + dt * middle.motion).cwiseMax(lower).cwiseMin(upper);
   return {q_next, middle.motion, middle};
 }
 

@@ -81,19 +81,27 @@ struct StackMotion {
   std::array<TaskReport, kMaxTasks> reports;
 };
 
+// Throws std::invalid_argument if the sizes of a stack disagree.
+void check_sizes(const TaskStack& stack);
+
 // Workspace of a solve: repeated solves do not allocate.
 struct StackWorkspace {
+  explicit StackWorkspace(const TaskStack& stack);
+
   BodyMotions bodies;
   std::vector<Level> levels;
   std::vector<int> owner;  // of a level, the task
 };
 
-// Velocities for the next interval dt; qd may be nullptr (see velocity_box).
-StackMotion stack_velocity(const TaskStack& stack, const double* q, const double* qd, double dt,
+using JointsIn = const Eigen::Ref<const Eigen::VectorXd>&;
+
+// These throw std::invalid_argument unless q and qd (joints,) fit the stack and dt is positive.
+// Velocities for the next interval dt; qd may be empty (see velocity_box).
+StackMotion stack_velocity(const TaskStack& stack, JointsIn q, JointsIn qd, double dt,
                            StackWorkspace& workspace);
 
 // Accelerations for the next interval dt.
-StackMotion stack_acceleration(const TaskStack& stack, const double* q, const double* qd, double dt,
+StackMotion stack_acceleration(const TaskStack& stack, JointsIn q, JointsIn qd, double dt,
                                StackWorkspace& workspace);
 
 // q and qd an interval later. Velocities are taken at the interval's middle, which leaves an error
@@ -102,7 +110,7 @@ struct StackStep {
   JointVector q, qd;
   StackMotion solution;
 };
-StackStep stack_step(const TaskStack& stack, const double* q, const double* qd, double dt,
+StackStep stack_step(const TaskStack& stack, JointsIn q, JointsIn qd, double dt,
                      StackWorkspace& workspace);
 
 }  // namespace leadthrough

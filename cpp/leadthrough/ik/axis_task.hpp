@@ -72,8 +72,7 @@ inline RotationError rotation_vector_error(const Eigen::Matrix3d& rotation) {
   const double second = angle < 1e-3
                             ? 1.0 / 12.0 + angle * angle / 720.0
                             : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
-  Eigen::Matrix3d cross;
-  cross << 0.0, -v[2], v[1], v[2], 0.0, -v[0], -v[1], v[0], 0.0;
+  const Eigen::Matrix3d cross = so3::skew(v);
   return {v, Eigen::Matrix3d::Identity() + 0.5 * cross + second * cross * cross};
 }
 

@@ -1,5 +1,6 @@
 #include "leadthrough/ik/differential_ik.hpp"
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/ik/damped_step.hpp"
 
@@ -178,12 +179,30 @@ class Stepper {
   Task<M> task_;
 };
 
+template <typename Vector>
+bool is_usable(const Vector& values) {
+  return (values.array().abs() <= kMaxStepInput).all();
+}
+
 }  // namespace
 
+void check_sizes(const DifferentialIk& solver) {
+  const int joints = solver.chain.joints();
+  for (const JointVector* each : {&solver.limits.lower, &solver.limits.upper,
+                                  &solver.limits.velocity, &solver.limits.acceleration})
+    check_argument(each->size() == joints, "limits: one number a joint");
+  check_argument(solver.posture.size() == joints, "posture: one number a joint");
+}
+
 DifferentialStep differential_step(const DifferentialIk& solver, const IkTarget& target,
-                                   const Vector6& twist, const double* q, const double* qd) {
-  if (target.rotation) return Stepper<6>(solver, target, q, qd).run(twist);
-  return Stepper<3>(solver, target, q, qd).run(twist);
+                                   const Vector6& twist, const Eigen::Ref<const Eigen::VectorXd>& q,
+                                   const Eigen::Ref<const Eigen::VectorXd>& qd) {
+  const int joints = solver.chain.joints();
+  check_argument(q.size() == joints && is_usable(q), "q: one finite number a joint");
+  check_argument(qd.size() == joints && is_usable(qd), "qd: one finite number a joint");
+  check_argument(is_usable(target.position) && is_usable(twist), "target, twist: finite numbers");
+  if (target.rotation) return Stepper<6>(solver, target, q.data(), qd.data()).run(twist);
+  return Stepper<3>(solver, target, q.data(), qd.data()).run(twist);
 }
 
 }  // namespace leadthrough

@@ -28,9 +28,17 @@ struct DifferentialStep {
   double orientation_error = 0.0;  // rad, 0 for targets without a rotation
 };
 
-// twist: of the target itself, linear first, base frame. A joint inside its limits never leaves
-// them. Does not allocate.
+// Throws std::invalid_argument unless the limits and the posture have one number a joint.
+void check_sizes(const DifferentialIk& solver);
+
+// Positions, velocities and twists beyond this are refused: no robot has them, in m, rad and s.
+constexpr double kMaxStepInput = 1e6;
+
+// q, qd: (joints,). twist: of the target itself, linear first, base frame. A joint inside its
+// limits never leaves them. Throws std::invalid_argument for other sizes and numbers that are not
+// finite. Does not allocate.
 DifferentialStep differential_step(const DifferentialIk& solver, const IkTarget& target,
-                                   const Vector6& twist, const double* q, const double* qd);
+                                   const Vector6& twist, const Eigen::Ref<const Eigen::VectorXd>& q,
+                                   const Eigen::Ref<const Eigen::VectorXd>& qd);
 
 }  // namespace leadthrough

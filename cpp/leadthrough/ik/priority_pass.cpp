@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/base/orthogonal.hpp"
 
 namespace leadthrough {
 
@@ -26,34 +27,6 @@ double damping(double sigma, double asked, double quickness) {
   return onset * fade * fade;
 }
 
-// Rotates the rows pairwise until all are orthogonal (Hestenes 1958, one-sided Jacobi);
-// rotated(p, q, c, s) is called for each rotation. Rows below `negligible` are unchanged.
-template <typename Rotated>
-void orthogonalise(TaskMatrix& rows, double negligible, Rotated rotated) {
-  constexpr int kSweeps = 40;
-  constexpr double kOrthogonal = 1e-15;
-  const double least = negligible * negligible;
-  bool done = false;
-  for (int sweep = 0; sweep < kSweeps && !done; ++sweep) {
-    done = true;
-    for (Eigen::Index p = 0; p + 1 < rows.rows(); ++p)
-      for (Eigen::Index q = p + 1; q < rows.rows(); ++q) {
-        const double alpha = rows.row(p).squaredNorm(), beta = rows.row(q).squaredNorm();
-        const double gamma = rows.row(p).dot(rows.row(q));
-        if (std::min(alpha, beta) <= least) continue;
-        if (std::abs(gamma) <= kOrthogonal * std::sqrt(alpha * beta)) continue;
-        done = false;
-        const double zeta = (beta - alpha) / (2.0 * gamma);
-        const double t = std::copysign(1.0, zeta) / (std::abs(zeta) + std::sqrt(1.0 + zeta * zeta));
-        const double c = 1.0 / std::sqrt(1.0 + t * t), s = c * t;
-        const auto old = rows.row(p).eval();
-        rows.row(p) = c * old - s * rows.row(q);
-        rows.row(q) = s * old + c * rows.row(q);
-        rotated(p, q, c, s);
-      }
-  }
-}
-
 // jacobian = sum_i sigma_i u_i v_i^T; pull_i = sigma_i u_i^T error.
 struct Range {
   Eigen::Index rank = 0;
@@ -67,20 +40,14 @@ Range numerical_range(const TaskMatrix& jacobian, const JointVector& error, doub
   TaskMatrix right = TaskMatrix::Identity(jacobian.cols(), jacobian.cols());
   JointVector turned_error = error;
   const double negligible = kRankTolerance * scale;
-  if (wide) {
-    orthogonalise(rows, 0.1 * negligible, [&](Eigen::Index p, Eigen::Index q, double c, double s) {
-      const double old = turned_error[p];
-      turned_error[p] = c * old - s * turned_error[q];
-      turned_error[q] = s * old + c * turned_error[q];
-    });
-  } else {
-    rows = jacobian.transpose();
-    orthogonalise(rows, 0.1 * negligible, [&](Eigen::Index p, Eigen::Index q, double c, double s) {
-      const auto old = right.row(p).eval();
-      right.row(p) = c * old - s * right.row(q);
-      right.row(q) = s * old + c * right.row(q);
-    });
-  }
+  if (!wide) rows = jacobian.transpose();
+  const auto rotate = [&](Eigen::Index p, Eigen::Index q, double cosine, double sine) {
+    if (wide)
+      rotate_columns(turned_error.transpose(), p, q, cosine, sine);
+    else
+      rotate_columns(right.transpose(), p, q, cosine, sine);
+  };
+  orthogonalize_columns(rows.transpose(), 0.1 * negligible, rotate);
   Range range{0, TaskMatrix(rows.rows(), jacobian.cols()), JointVector(rows.rows()),
               JointVector(rows.rows())};
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {

@@ -66,10 +66,12 @@ IkResult solve_closest(const Chain& chain, const Target& target, const IkOptions
 
 }  // namespace
 
-void check_joints(const Chain& chain, const IkOptions& options) {
+void check_options(const Chain& chain, const IkOptions& options, bool rotations) {
   for (const auto* each : {&options.reference, &options.posture})
     check_argument(!*each || (*each)->size() == chain.joints(),
                    "reference, posture: expected one value a joint");
+  check_argument(!options.axes || options.axes->asked(rotations) > 0,
+                 "axes: expected at least one that is not free");
 }
 
 JointVector project(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q) {
@@ -93,7 +95,7 @@ JointVector middle(const Chain& chain) {
 IkResult solve_ik(const Chain& chain, const IkTarget& target,
                   const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
                   std::uint64_t stream) {
-  check_joints(chain, options);
+  check_options(chain, options, target.rotation.has_value());
   const JointVector start = project(chain, q0);
   return visit_target(target, options.axes, [&](auto dimension, const auto& seen) {
     constexpr int M = decltype(dimension)::value;
@@ -112,6 +114,7 @@ std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const 
                  "orientations: expected a row for each position, or none");
   check_argument(starts.rows() == positions.rows() && starts.cols() == chain.joints(),
                  "starts: expected a row for each position and one value a joint");
+  check_options(chain, options, orientations.rows() > 0);
   const auto count = static_cast<std::size_t>(positions.rows());
   std::vector<IkResult> results(count);
   for_each_index(count, threads, [&](std::size_t i) {

@@ -98,7 +98,7 @@ std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
                                    const IkOptions& options, int count, double separation);
 
 // Refuses a reference or posture of another number of joints.
-void check_joints(const Chain& chain, const IkOptions& options);
+void check_options(const Chain& chain, const IkOptions& options, bool rotations);
 
 // Nearest configuration inside the limits; the middle of each range, 0 without a range.
 JointVector project(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q);

@@ -1,3 +1,4 @@
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/axis_task.hpp"
 #include "leadthrough/ik/pose_search.hpp"
@@ -58,7 +59,8 @@ class Postures {
 std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
                                    const Eigen::Ref<const Eigen::VectorXd>& q0,
                                    const IkOptions& options, int count, double separation) {
-  check_joints(chain, options);
+  check_argument(count >= 0, "count: expected none or more");
+  check_options(chain, options, target.rotation.has_value());
   const JointVector start = project(chain, q0);
   const JointVector reference = options.reference.value_or(start);
   Postures postures(chain, reference, separation);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/orthogonal.hpp"
 #include "leadthrough/base/parallel.hpp"
@@ -61,8 +62,9 @@ YangStep yang_step(const Chain& chain, const double* q, const Vector6& twist, bo
   SquareTask left = SquareTask::Identity(rows, rows);
   orthogonalize_columns(directions, left);
   SmallTwist sigma = directions.colwise().norm();
-  std::sort(sigma.begin(), sigma.end(), std::greater<>());
-  const double largest = sigma[0], smallest = sigma[std::min(rows, n) - 1];
+  const int rank = std::min(rows, n);
+  std::partial_sort(sigma.begin(), sigma.begin() + rank, sigma.end(), std::greater<>());
+  const double largest = sigma[0], smallest = sigma[rank - 1];
   YangStep step;
   step.condition = smallest > 0.0 ? largest / smallest : kInfinity;  // equation 4
   const double share = options.condition_threshold / step.condition;
@@ -120,6 +122,10 @@ std::vector<IkResult> solve_yang_batch(const Chain& chain, const Eigen::Ref<cons
                                        const Eigen::Ref<const Rows>& starts,
                                        const IkTolerance& tolerance, int max_iterations,
                                        const YangOptions& options, int threads) {
+  check_argument(orientations.rows() == positions.rows() || orientations.rows() == 0,
+                 "orientations: expected a row for each position, or none");
+  check_argument(starts.rows() == positions.rows() && starts.cols() == chain.joints(),
+                 "starts: expected a row for each position and one value a joint");
   std::vector<IkResult> results(static_cast<std::size_t>(positions.rows()));
   for_each_index(results.size(), threads, [&](std::size_t i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -134,6 +140,9 @@ YangPath yang_path(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                    const Eigen::Ref<const Rows4>& orientations,
                    const Eigen::Ref<const Eigen::VectorXd>& start,
                    const Eigen::Ref<const Eigen::VectorXd>& steps, const YangOptions& options) {
+  check_argument(orientations.rows() == positions.rows() || orientations.rows() == 0,
+                 "orientations: expected a row for each position, or none");
+  check_argument(steps.size() == positions.rows(), "steps: expected one for each position");
   const Eigen::Index samples = positions.rows();
   YangPath path{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples),
                 Eigen::VectorXd(samples), Eigen::VectorXd(samples)};

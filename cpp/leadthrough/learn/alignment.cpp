@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
@@ -49,9 +50,16 @@ double best_pairing(const Eigen::Ref<const Points>& longer, const Eigen::Ref<con
   return cost[n - 1];
 }
 
+void check_curves(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
+  check_argument(a.rows() > 0 && b.rows() > 0, "a, b: expected at least one point each");
+  check_argument(a.cols() == b.cols(), "b: expected points of the dimension of those of a");
+}
+
 template <typename Extend>
 double best_pairing_of_either(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
                               Eigen::Index band, Extend extend) {
+  check_curves(a, b);
+  check_argument(band > 0, "band: expected at least one row");
   return a.rows() < b.rows() ? best_pairing(b, a, band, extend) : best_pairing(a, b, band, extend);
 }
 
@@ -102,6 +110,7 @@ double dtw_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Po
 }
 
 Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
+  check_curves(a, b);
   const std::vector<Move> moves = best_moves(a, b);
   Pairs pairs(a.rows() + b.rows() - 1, 2);
   Eigen::Index count = 0;

@@ -1,5 +1,6 @@
 #include "leadthrough/learn/basis_functions.hpp"
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
@@ -60,6 +61,7 @@ Rows basis_of_orders(const Eigen::Ref<const Eigen::VectorXd>& phases,
 Rows normalised_basis(const Eigen::Ref<const Eigen::VectorXd>& phases,
                       const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
                       bool periodic, int order) {
+  check_argument(order >= 0 && order <= 2, "order: expected 0 to 2");
   return basis_of_orders(phases, centres, sharpness, periodic, order, order);
 }
 

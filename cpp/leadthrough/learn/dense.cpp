@@ -2,13 +2,18 @@
 
 #include <Eigen/Cholesky>
 
+#include "leadthrough/base/argument.hpp"
+
 namespace leadthrough {
 
 Rows product(const Eigen::Ref<const Rows>& left, const Eigen::Ref<const Rows>& right) {
+  check_argument(left.cols() == right.rows(), "right: expected as many rows as left has columns");
   return left * right;
 }
 
 Rows solve_definite(const Eigen::Ref<const Rows>& matrix, const Eigen::Ref<const Rows>& right) {
+  check_argument(matrix.rows() == matrix.cols() && right.rows() == matrix.rows(),
+                 "matrix, right: expected a square one and as many rows");
   const Eigen::LLT<Rows> root(matrix);
   if (root.info() != Eigen::Success) return {};
   return root.solve(right);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
@@ -78,6 +79,10 @@ Rows sample_truncated_gaussian(const Eigen::Ref<const Rows>& walls,
                                const Eigen::Ref<const Eigen::VectorXd>& limits,
                                const Eigen::Ref<const Eigen::VectorXd>& start,
                                const Eigen::Ref<const Rows>& velocities) {
+  check_argument(limits.size() == walls.rows() && start.size() == walls.cols() &&
+                     velocities.cols() == walls.cols(),
+                 "limits, start, velocities: expected the sizes of walls");
+  check_argument((walls.rowwise().squaredNorm().array() > 0.0).all(), "walls: expected directions");
   const Eigen::VectorXd lengths = walls.rowwise().squaredNorm();
   Rows drawn(velocities.rows(), velocities.cols());
   Particle particle{start, start, walls * start, limits};

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/path/refine.hpp"
 
@@ -271,6 +272,18 @@ ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obsta
                           const TipPath& path, const Eigen::Ref<const Rows>& postures,
                           const std::optional<JointArray>& start, const Margins& margins,
                           const IkTolerance& tolerance, int max_attempts) {
+  const Eigen::Index samples = path.positions.rows();
+  check_argument(samples > 0 && path.positions.allFinite(), "positions: expected finite numbers");
+  check_argument((path.orientations.rows() == samples || path.orientations.rows() == 0) &&
+                     path.orientations.allFinite(),
+                 "orientations: expected a finite row for each position, or none");
+  check_argument(postures.rows() == samples && postures.cols() == model.chain.joints(),
+                 "postures: expected a row for each position and one value a joint");
+  check_argument(path.tube.cols() == 6 &&
+                     (path.tube.rows() == 0 || (path.tube.rows() == 6 * samples && path.axes)),
+                 "tube: expected six rows for each position, with axes, or none");
+  check_argument(max_attempts >= 1 && max_attempts <= kMaxAttempts,
+                 "max_attempts: expected 1 to kMaxAttempts");
   return Search(model, obstacles, path, postures, margins, tolerance).run(start, max_attempts);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/polynomial.hpp"
@@ -24,31 +25,9 @@ constexpr double kAxisNoise = 1e-4;  // rad
 // Two rotations whose distance is this close to pi have no unique shortest rotation between them.
 constexpr double kHalfTurnMargin = 1e-6;  // rad
 
-// All logarithms of q in the double cover lie 4 pi apart on one line: the one nearest to
-// `previous`. Those between them belong to -q, which is far away in the double cover.
-Vector3 nearest_log(const Quaternion& q, const Vector3& previous) {
-  const Vector3 vector = q.tail<3>();
-  const double sine = vector.norm();
-  if (sine < kWholeTurn) {
-    const double length = previous.norm();
-    const double base = q[0] < 0.0 ? kTurn : 0.0;
-    const double angle = base + 2.0 * kTurn * std::round((length - base) / (2.0 * kTurn));
-    return angle == 0.0 ? Vector3(2.0 * vector) : Vector3(previous * (angle / length));
-  }
-  const Vector3 axis = vector / sine;
-  const double angle = 2.0 * std::atan2(sine, q[0]);
-  return axis * (angle + 2.0 * kTurn * std::round((axis.dot(previous) - angle) / (2.0 * kTurn)));
-}
-
 bool continues(const Vector3& previous, const Vector3& vector, double turn) {
   const double noise = kAxisNoise * vector.norm();
   return turn <= kPi - kHalfTurnMargin && (vector - previous).norm() <= kMaxGain * turn + noise;
-}
-
-Matrix3 skew(const Vector3& v) {
-  Matrix3 m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
 }
 
 // 1 along the axis; across it, `across` plus `turned` times a rotation by a right angle.
@@ -68,25 +47,6 @@ Matrices rows_of(const Eigen::Ref<const Vectors>& rotation_vectors, Jacobian jac
   }
   return result;
 }
-
-// Of cos(x) and sin(x) / x, in powers of x^2; exact to rounding up to pi / 4.
-constexpr double kCosine[] = {1.0,
-                              -1.0 / 2.0,
-                              1.0 / 24.0,
-                              -1.0 / 720.0,
-                              1.0 / 40320.0,
-                              -1.0 / 3628800.0,
-                              1.0 / 479001600.0,
-                              -1.0 / 87178291200.0,
-                              1.0 / 20922789888000.0};
-constexpr double kSinc[] = {1.0,
-                            -1.0 / 6.0,
-                            1.0 / 120.0,
-                            -1.0 / 5040.0,
-                            1.0 / 362880.0,
-                            -1.0 / 39916800.0,
-                            1.0 / 6227020800.0,
-                            -1.0 / 1307674368000.0};
 
 // Smallest arc, for equal quaternions: the great circle is a straight line there to 1e-13.
 constexpr double kMinArc = 1e-6;  // rad
@@ -112,6 +72,8 @@ struct GreatCircle {
 Quaternions slerp_through(const Eigen::Ref<const Eigen::VectorXd>& times,
                           const Eigen::Ref<const Quaternions>& samples,
                           const Eigen::Ref<const Eigen::VectorXd>& at) {
+  check_argument(times.size() > 1 && samples.rows() == times.size(),
+                 "samples: expected one at each of two times or more");
   const Eigen::Index last = times.size() - 2;
   const auto circle_of = [&](Eigen::Index i) {
     return GreatCircle(Quaternion(samples.row(i)), Quaternion(samples.row(i + 1)));
@@ -146,7 +108,7 @@ Lifted lift(const Eigen::Ref<const Quaternions>& quaternions) {
     check_interrupt(i);
     Quaternion q = quaternions.row(i);
     if (q.dot(before) < 0.0) q = -q;
-    const Vector3 vector = nearest_log(q, previous);
+    const Vector3 vector = nearest_log(q, previous, 2.0 * kTurn);
     if (!continues(previous, vector, distance(before, q))) {
       result.broken = i;
       return result;
@@ -156,6 +118,20 @@ Lifted lift(const Eigen::Ref<const Quaternions>& quaternions) {
     previous = vector;
   }
   return result;
+}
+
+Vector3 nearest_log(const Quaternion& q, const Vector3& near, double period) {
+  const Vector3 vector = q.tail<3>();
+  const double sine = vector.norm();
+  if (sine < kWholeTurn) {
+    const double length = near.norm();
+    const double base = q[0] < 0.0 ? kTurn : 0.0;
+    const double angle = base + period * std::rint((length - base) / period);
+    return angle == 0.0 ? Vector3(2.0 * vector) : Vector3(near * (angle / length));
+  }
+  const Vector3 axis = vector / sine;
+  const double angle = 2.0 * std::atan2(sine, q[0]);
+  return axis * (angle + period * std::rint((axis.dot(near) - angle) / period));
 }
 
 Matrix3 left_jacobian(const Vector3& rotation_vector) {
@@ -184,6 +160,8 @@ Matrices left_jacobian_inverse_batch(const Eigen::Ref<const Vectors>& rotation_v
 Quaternions integrate(const Eigen::Ref<const Eigen::VectorXd>& times,
                       const Eigen::Ref<const Vectors>& angular_velocities,
                       const Eigen::Ref<const Quaternion>& start) {
+  check_argument(angular_velocities.rows() == times.size(),
+                 "angular_velocities: expected one at each time");
   Quaternions result(times.size(), 4);
   if (times.size() == 0) return result;
   Quaternion q = start;

@@ -24,6 +24,11 @@ Quaternions slerp_through(const Eigen::Ref<const Eigen::VectorXd>& times,
                           const Eigen::Ref<const Quaternions>& samples,
                           const Eigen::Ref<const Eigen::VectorXd>& at);
 
+// Of the rotation vectors of a unit quaternion, which lie `period` apart on one line, the nearest
+// to `near`. Period 4 pi: of q in the double cover, since those between belong to -q. 2 pi: of the
+// rotation, for w not negative.
+Vector3 nearest_log(const Quaternion& q, const Vector3& near, double period);
+
 // omega = J d(phi)/dt for the rotation exp(phi) (Sola et al. 2018, eqs. 145 and 146). The inverse
 // does not exist where the angle is 2 pi n, n >= 1.
 Matrix3 left_jacobian(const Vector3& rotation_vector);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/orthogonal.hpp"
 
@@ -63,6 +64,8 @@ Quaternion karcher_mean(const Column& column, const Eigen::Ref<const Eigen::Vect
 
 Means mean_batch(const Eigen::Ref<const Quaternions>& layers,
                  const Eigen::Ref<const Eigen::VectorXd>& weights) {
+  check_argument(weights.size() > 0 && layers.rows() % weights.size() == 0,
+                 "layers: expected as many layers as weights");
   const Eigen::Index count = weights.size();
   const Eigen::Index columns = layers.rows() / count;
   const Eigen::VectorXd equal = Eigen::VectorXd::Ones(count);

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough::so3 {
@@ -92,6 +93,7 @@ Vectors log_batch(const Eigen::Ref<const Quaternions>& quaternions) {
 
 Quaternions compose_batch(const Eigen::Ref<const Quaternions>& a,
                           const Eigen::Ref<const Quaternions>& b) {
+  check_argument(a.rows() == b.rows(), "b: expected as many rows as a");
   Quaternions result(a.rows(), 4);
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
     check_interrupt(i);
@@ -125,6 +127,8 @@ Quaternions from_matrix_batch(const Eigen::Ref<const Matrices>& matrices) {
 Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
                         const Eigen::Ref<const Quaternions>& b,
                         const Eigen::Ref<const Eigen::VectorXd>& fractions) {
+  check_argument(a.rows() == b.rows() && fractions.size() == a.rows(),
+                 "b, fractions: expected as many rows as a");
   Quaternions result(a.rows(), 4);
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
     check_interrupt(i);
@@ -135,6 +139,7 @@ Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
 
 Eigen::VectorXd distance_batch(const Eigen::Ref<const Quaternions>& a,
                                const Eigen::Ref<const Quaternions>& b) {
+  check_argument(a.rows() == b.rows(), "b: expected as many rows as a");
   Eigen::VectorXd result(a.rows());
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
     check_interrupt(i);

@@ -35,6 +35,13 @@ inline Quaternion inverse(const Quaternion& quaternion) {
   return {quaternion[0], -quaternion[1], -quaternion[2], -quaternion[3]};
 }
 
+// The matrix of a cross product: skew(a) b = a x b.
+inline Matrix3 skew(const Vector3& a) {
+  Matrix3 m;
+  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+  return m;
+}
+
 // Geodesic distance in rad, from 0 to pi, independent of the quaternions' signs.
 double distance(const Quaternion& a, const Quaternion& b);
 

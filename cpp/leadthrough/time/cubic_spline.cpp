@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
@@ -100,6 +101,8 @@ Rows chords_of(const VectorXd& steps, const Eigen::Ref<const Rows>& q) {
 
 Rows spline_slopes(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
                    SplineEnds ends) {
+  check_argument(q.rows() == parameters.size() && q.rows() > 1,
+                 "q: expected one row for each of two parameters or more");
   const VectorXd steps = steps_of(parameters);
   const Rows chords = chords_of(steps, q);
   return steps.size() > 2 || ends == SplineEnds::kAtRest ? slopes_of(steps, chords, ends)
@@ -107,6 +110,8 @@ Rows spline_slopes(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Re
 }
 
 Rows cubic_through(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q) {
+  check_argument(q.rows() == parameters.size() && q.rows() > 1,
+                 "q: expected one row for each of two parameters or more");
   const VectorXd steps = steps_of(parameters);
   const Index pieces = steps.size();
   const Rows chords = chords_of(steps, q);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
@@ -61,6 +62,10 @@ std::vector<double> binomials(Index degree) {
 Rows polynomial_values(const Eigen::Ref<const Eigen::VectorXd>& knots,
                        const Eigen::Ref<const Rows>& coefficients,
                        const Eigen::Ref<const Eigen::VectorXd>& times, int order) {
+  check_argument(knots.size() > 1, "knots: expected at least two");
+  check_argument(coefficients.size() > 0 && coefficients.rows() % (knots.size() - 1) == 0,
+                 "coefficients: expected as many rows for each piece");
+  check_argument(order >= 0, "order: expected a derivative");
   const Index pieces = knots.size() - 1, columns = coefficients.cols();
   const Index terms = coefficients.rows() / pieces;
   const std::vector<double> factors = falling_factors(terms, order);
@@ -85,6 +90,7 @@ Rows polynomial_values(const Eigen::Ref<const Eigen::VectorXd>& knots,
 
 Rows bezier_values(const Eigen::Ref<const Rows>& points,
                    const Eigen::Ref<const Eigen::VectorXd>& fractions) {
+  check_argument(points.size() > 0, "points: expected at least one");
   const Index degree = points.rows() - 1, columns = points.cols();
   const std::vector<double> ways = binomials(degree);
   const AddRow add = add_row_of(columns);

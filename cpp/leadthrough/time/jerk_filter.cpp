@@ -18,6 +18,7 @@
 #include <cmath>
 #include <limits>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
@@ -226,6 +227,17 @@ class Approach {
   bool mirrored_ = false;
 };
 
+void check_axes(const AxisBatch& axes) {
+  check_argument(axes.states.rows() == 3 && axes.limits.rows() == 6 &&
+                     axes.limits.cols() == axes.states.cols(),
+                 "states, limits: expected three and six rows, one column an axis");
+}
+
+void check_axes(const AxisBatch& axes, const AxisTargets& targets) {
+  check_axes(axes);
+  check_argument(targets.size() == axes.size(), "targets: expected one for each axis");
+}
+
 template <typename Step>
 AxisColumns stepped(const AxisBatch& axes, const AxisTargets& targets, const Step& step) {
   AxisColumns result(3, axes.size());
@@ -241,6 +253,7 @@ AxisColumns stepped(const AxisBatch& axes, const AxisTargets& targets, const Ste
 }  // namespace
 
 Eigen::VectorXd resting_places(const AxisBatch& axes) {
+  check_axes(axes);
   Eigen::VectorXd places(axes.size());
   for (Eigen::Index i = 0; i < axes.size(); ++i) {
     check_interrupt(i);
@@ -250,6 +263,7 @@ Eigen::VectorXd resting_places(const AxisBatch& axes) {
 }
 
 Eigen::VectorXd times_to_rest(const AxisBatch& axes, const AxisTargets& targets) {
+  check_axes(axes, targets);
   Eigen::VectorXd times(axes.size());
   for (Eigen::Index i = 0; i < axes.size(); ++i) {
     check_interrupt(i);
@@ -259,6 +273,7 @@ Eigen::VectorXd times_to_rest(const AxisBatch& axes, const AxisTargets& targets)
 }
 
 AxisColumns step_each(const AxisBatch& axes, const AxisTargets& targets, double period) {
+  check_axes(axes, targets);
   return stepped(axes, targets, [&](const Approach& axis) { return axis.step(period); });
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/time/limit_use.hpp"
@@ -139,6 +140,10 @@ DoubleS sampled(const LineLimits& limits) {
 
 LineMotions time_lines(const Eigen::Ref<const Rows>& points, const RateLimits& limits,
                        double period, double longest) {
+  check_argument(limits.velocity.size() == points.cols() &&
+                     limits.acceleration.size() == points.cols() &&
+                     limits.jerk.size() == points.cols(),
+                 "limits: expected one value a joint");
   LineMotions motions;
   double samples = 0.0;
   for (Index i = 0; i + 1 < points.rows(); ++i) {

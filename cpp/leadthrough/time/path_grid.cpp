@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
@@ -183,6 +184,12 @@ VectorXd graded(std::vector<double> s) {
 
 PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const VectorXd>& scale,
                         Index points) {
+  const Index pieces = path.pieces();
+  check_argument(pieces > 0 && path.coefficients.rows() >= pieces &&
+                     path.coefficients.rows() % pieces == 0 && path.joints() > 0,
+                 "path: expected as many rows of coefficients for each piece");
+  check_argument(scale.size() == path.joints(), "scale: expected one value a joint");
+  check_argument(points > 2 && points <= kMaxGridPoints, "points: expected 3 to kMaxGridPoints");
   Pace pace(path, scale);
   PathGrid grid;
   grid.scale = scale;

@@ -20,6 +20,8 @@ struct PathGrid {
   double end() const { return length[points() - 1]; }
 };
 
+constexpr Eigen::Index kMaxGridPoints = 10'000'000;
+
 // `points` points, closer to each other where the path turns. scale: for each joint, what counts
 // as one unit of motion: the fastest that it could be, 0 for a joint that does not count. The path
 // must move.

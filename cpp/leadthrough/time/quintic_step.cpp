@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
@@ -211,12 +212,23 @@ struct LanePeaks {
   }
 };
 
+void check_samples(const Eigen::Ref<const Eigen::VectorXd>& times,
+                   const Eigen::Ref<const Rows>& positions,
+                   const Eigen::Ref<const Rows>& velocities,
+                   const Eigen::Ref<const Rows>& accelerations) {
+  check_argument(times.size() > 1, "times: expected at least two");
+  for (const auto* rows : {&positions, &velocities, &accelerations})
+    check_argument(rows->rows() == times.size() && rows->cols() == positions.cols(),
+                   "states: expected one row for each time, one column a joint");
+}
+
 }  // namespace
 
 StepExtremes step_extremes(const Eigen::Ref<const Eigen::VectorXd>& times,
                            const Eigen::Ref<const Rows>& positions,
                            const Eigen::Ref<const Rows>& velocities,
                            const Eigen::Ref<const Rows>& accelerations) {
+  check_samples(times, positions, velocities, accelerations);
   const Index steps = times.size() - 1, joints = positions.cols();
   StepExtremes result{Rows(steps, joints), Rows(steps, joints)};
   for (Index k = 0; k < steps; ++k)
@@ -234,6 +246,7 @@ MotionPeaks motion_peaks(const Eigen::Ref<const Eigen::VectorXd>& times,
                          const Eigen::Ref<const Rows>& positions,
                          const Eigen::Ref<const Rows>& velocities,
                          const Eigen::Ref<const Rows>& accelerations) {
+  check_samples(times, positions, velocities, accelerations);
   const Index joints = positions.cols();
   MotionPeaks result{Rows(kPeaks, joints), Rows(kPeaks, joints), Rows(kPeaks, joints)};
   for (Index first = 0; first < joints; first += kLanes) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
@@ -172,6 +173,9 @@ class PathSpeed {
 Slowing slow_down(const Eigen::Ref<const Eigen::VectorXd>& times, const Eigen::Ref<const Rows>& q,
                   const Eigen::Ref<const Eigen::VectorXd>& velocity,
                   const Eigen::Ref<const Eigen::VectorXd>& acceleration) {
+  check_argument(times.size() > 0 && q.rows() == times.size(), "q: expected one row for each time");
+  check_argument(velocity.size() == q.cols() && acceleration.size() == q.cols(),
+                 "velocity, acceleration: expected one limit a joint");
   Slowing result{times};
   if (q.rows() < 2) return result;
   PathSpeed speed(times, q, velocity, acceleration);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
@@ -280,6 +281,9 @@ bool wide_enough(const std::vector<Index>& breaks) {
 
 SplineFit fit_spline(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
                      double tolerance) {
+  check_argument(q.rows() == parameters.size() && q.cols() > 0,
+                 "q: expected one row for each parameter");
+  check_argument(q.rows() > 6, "q: expected at least seven rows");
   std::vector<Index> breaks;
   for (Index k = 0; k <= kFirstSpans; ++k) breaks.push_back(k * (q.rows() - 1) / kFirstSpans);
   while (wide_enough(breaks)) {
@@ -301,6 +305,11 @@ SplineFit fit_spline(const Eigen::Ref<const VectorXd>& parameters, const Eigen::
 SplineFit smooth_spline(const Eigen::Ref<const VectorXd>& parameters,
                         const Eigen::Ref<const Rows>& q, double tolerance,
                         const CurveBounds& bounds) {
+  check_argument(q.rows() == parameters.size() && q.cols() > 0,
+                 "q: expected one row for each parameter");
+  check_argument(q.rows() > 6, "q: expected at least seven rows");
+  check_argument(bounds.lower.size() == q.cols() && bounds.upper.size() == q.cols(),
+                 "bounds: expected one value a joint");
   std::vector<Index> breaks;
   const Index spans = std::max<Index>((q.rows() - 1) / kLeastSamples, 1);
   for (Index k = 0; k <= spans; ++k) breaks.push_back(k * (q.rows() - 1) / spans);
@@ -310,6 +319,7 @@ SplineFit smooth_spline(const Eigen::Ref<const VectorXd>& parameters,
 }
 
 std::vector<Index> rows_apart(const Eigen::Ref<const Rows>& q, double tolerance) {
+  check_argument(q.size() > 0, "q: expected at least one number");
   std::vector<Index> found{0};
   for (Index i = 1; i < q.rows(); ++i)
     if ((q.row(i) - q.row(found.back())).cwiseAbs().maxCoeff() > tolerance) found.push_back(i);

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <vector>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/time/limit_use.hpp"
@@ -387,6 +388,14 @@ class TimeLawSearch {
 
 TimeLaw make_time_law(const PolynomialPath& path, const PathGrid& grid, const RateLimits& limits,
                       const PathBounds& bounds, const TimeLawOptions& options) {
+  for (const Eigen::VectorXd* each : {&limits.velocity, &limits.acceleration, &limits.jerk})
+    check_argument(each->size() == path.joints(), "limits: expected one value a joint");
+  check_argument(bounds.fastest.size() == grid.points(), "fastest: expected one for each point");
+  for (const Rows* table : {&bounds.gain, &bounds.bend, &bounds.lower, &bounds.upper})
+    check_argument(table->rows() == grid.points() && table->cols() == bounds.gain.cols(),
+                   "bounds: expected one row for each point, one column a bound");
+  check_argument(options.parts > 0 && options.parts <= kMaxGridPoints,
+                 "parts: expected 1 to kMaxGridPoints");
   return TimeLawSearch(path, grid, limits, bounds, options).run();
 }
 
@@ -395,6 +404,8 @@ MotionStates states_along(const PolynomialPath& path, const PathGrid& grid,
                           const Eigen::Ref<const VectorXd>& speed,
                           const Eigen::Ref<const VectorXd>& push) {
   const Index samples = length.size(), joints = path.joints();
+  check_argument(speed.size() == samples && push.size() == samples,
+                 "speed, push: expected one for each length");
   MotionStates result{Rows(samples, joints), Rows(samples, joints), Rows(samples, joints)};
   PathStates states(path, grid);
   for (Index k = 0; k < samples; ++k) {

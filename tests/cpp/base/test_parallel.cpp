@@ -161,8 +161,8 @@ TEST(Threads, ShareADifferentialIk) {
   expect_equal_results([&] {
     DifferentialStep now{start, JointVector::Zero(7)};
     for (int k = 0; k < 300; ++k)
-      now = differential_step(solver, {pose.position, pose.rotation}, Vector6::Zero(), now.q.data(),
-                              now.qd.data());
+      now =
+          differential_step(solver, {pose.position, pose.rotation}, Vector6::Zero(), now.q, now.qd);
     return now.q;
   });
 }
@@ -178,10 +178,9 @@ TEST(Threads, ShareATaskStack) {
       {PostureGoal{start, rest}, {}, 5.0, 1.0}};
   stack.limits = limits_of(chain);
   expect_equal_results([&] {
-    StackWorkspace workspace;
+    StackWorkspace workspace(stack);
     StackStep now{start, rest, {}};
-    for (int k = 0; k < 200; ++k)
-      now = stack_step(stack, now.q.data(), now.qd.data(), 1e-3, workspace);
+    for (int k = 0; k < 200; ++k) now = stack_step(stack, now.q, now.qd, 1e-3, workspace);
     return now.q;
   });
 }

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <random>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -37,8 +39,7 @@ DifferentialStep run(const DifferentialIk& solver, const IkTarget& target, const
   const int n = solver.chain.joints();
   DifferentialStep now{start, JointVector::Zero(n)};
   for (int k = 0; k < steps; ++k) {
-    const DifferentialStep next =
-        differential_step(solver, target, Vector6::Zero(), now.q.data(), now.qd.data());
+    const DifferentialStep next = differential_step(solver, target, Vector6::Zero(), now.q, now.qd);
     const JointVector change = (next.qd - now.qd) / solver.dt;
     EXPECT_TRUE((next.q.array() >= solver.limits.lower.array()).all());
     EXPECT_TRUE((next.q.array() <= solver.limits.upper.array()).all());
@@ -81,9 +82,26 @@ TEST(DifferentialIk, AMotionTooFastToStopBrakesAtTheLimit) {
   q[1] = solver.limits.upper[1] - 1e-3;
   qd[1] = 1.0;
   const IkTarget target = pose_at(solver.chain, JointVector::Constant(7, 0.3));
-  const DifferentialStep next =
-      differential_step(solver, target, Vector6::Zero(), q.data(), qd.data());
+  const DifferentialStep next = differential_step(solver, target, Vector6::Zero(), q, qd);
   EXPECT_NEAR(next.qd[1], 1.0 - solver.dt * solver.limits.acceleration[1], 1e-12);
+}
+
+TEST(DifferentialIk, WrongSizesAndNumbersThrow) {
+  DifferentialIk solver = crooked_solver();
+  const JointVector q = JointVector::Constant(7, 0.1), three = JointVector::Zero(3);
+  const JointVector nan = JointVector::Constant(7, std::nan(""));
+  const IkTarget target = pose_at(solver.chain, q);
+  const auto step = [&](const IkTarget& to, const JointVector& at, const JointVector& rate) {
+    return differential_step(solver, to, Vector6::Zero(), at, rate);
+  };
+  EXPECT_NO_THROW(step(target, q, q));
+  EXPECT_THROW(step(target, three, q), std::invalid_argument);
+  EXPECT_THROW(step(target, q, three), std::invalid_argument);
+  EXPECT_THROW(step(target, nan, q), std::invalid_argument);
+  EXPECT_THROW(step({Eigen::Vector3d::Constant(std::nan("")), {}}, q, q), std::invalid_argument);
+  EXPECT_NO_THROW(check_sizes(solver));
+  solver.posture = three;
+  EXPECT_THROW(check_sizes(solver), std::invalid_argument);
 }
 
 TEST(DifferentialIk, StepsDoNotAllocate) {
@@ -91,10 +109,9 @@ TEST(DifferentialIk, StepsDoNotAllocate) {
   const JointVector q = JointVector::Constant(7, 0.1), qd = JointVector::Constant(7, 0.2);
   IkTarget target = pose_at(solver.chain, JointVector::Constant(7, 0.3));
   const std::size_t before = test::allocations();
-  for (int k = 0; k < 10; ++k)
-    differential_step(solver, target, Vector6::Zero(), q.data(), qd.data());
+  for (int k = 0; k < 10; ++k) differential_step(solver, target, Vector6::Zero(), q, qd);
   target.rotation.reset();
-  differential_step(solver, target, Vector6::Zero(), q.data(), qd.data());
+  differential_step(solver, target, Vector6::Zero(), q, qd);
   EXPECT_EQ(test::allocations(), before);
 }
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <stdexcept>
 #include <thread>
 
 #include "arm/robots.hpp"
@@ -98,14 +99,6 @@ TaskStack every_task(const Chain& chain, PriorityScheme scheme) {
   stack.limits = {chain.lower, chain.upper, JointVector::Constant(chain.joints(), 1.5),
                   JointVector::Constant(chain.joints(), 10.0)};
   return stack;
-}
-
-StackWorkspace workspace_for(const TaskStack& stack) {
-  StackWorkspace workspace;
-  workspace.levels.reserve(32);
-  workspace.owner.reserve(32);
-  EXPECT_LE(stack.tasks.size() + kMaxJoints + 1, 32U);
-  return workspace;
 }
 
 }  // namespace
@@ -275,14 +268,38 @@ TEST(TaskPriority, SolvesDoNotAllocate) {
   const JointVector qd = JointVector::Constant(chain.joints(), 0.3);
   for (const auto scheme : {PriorityScheme::kForward, PriorityScheme::kReverse}) {
     const TaskStack stack = every_task(chain, scheme);
-    StackWorkspace workspace = workspace_for(stack);
+    StackWorkspace workspace(stack);
     const std::size_t before = test::allocations();
     for (int k = 0; k < 10; ++k) {
-      stack_step(stack, q.data(), qd.data(), 1e-3, workspace);
-      stack_acceleration(stack, q.data(), qd.data(), 1e-3, workspace);
+      stack_step(stack, q, qd, 1e-3, workspace);
+      stack_acceleration(stack, q, qd, 1e-3, workspace);
     }
     EXPECT_EQ(test::allocations(), before);
   }
+}
+
+TEST(TaskPriority, WrongSizesThrow) {
+  const Chain chain = test::crooked_chain();
+  TaskStack stack = every_task(chain, PriorityScheme::kForward);
+  StackWorkspace workspace(stack);
+  const JointVector q = JointVector::Constant(chain.joints(), 0.1), three = JointVector::Zero(3);
+  EXPECT_NO_THROW(check_sizes(stack));
+  EXPECT_NO_THROW(stack_velocity(stack, q, Eigen::VectorXd(), 1e-3, workspace));
+  EXPECT_THROW(stack_velocity(stack, three, q, 1e-3, workspace), std::invalid_argument);
+  EXPECT_THROW(stack_step(stack, q, three, 1e-3, workspace), std::invalid_argument);
+  EXPECT_THROW(stack_acceleration(stack, q, Eigen::VectorXd(), 1e-3, workspace),
+               std::invalid_argument);
+  EXPECT_THROW(stack_step(stack, q, q, 0.0, workspace), std::invalid_argument);
+  stack.tasks.push_back({PostureGoal{three, three}, {}, 5.0, 1.0});
+  EXPECT_THROW(check_sizes(stack), std::invalid_argument);
+  stack.tasks.back() = {JointLimitGoal{0.2}, {}, 5.0, 1.0};
+  stack.tasks.push_back(stack.tasks.back());
+  EXPECT_THROW(check_sizes(stack), std::invalid_argument);
+  stack.tasks.assign(kMaxTasks + 1, {PostureGoal{q, q}, {}, 5.0, 1.0});
+  EXPECT_THROW(check_sizes(stack), std::invalid_argument);
+  stack.tasks.clear();
+  stack.limits.velocity = three;
+  EXPECT_THROW(check_sizes(stack), std::invalid_argument);
 }
 
 }  // namespace leadthrough::task_priority_tests

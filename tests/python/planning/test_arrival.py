@@ -10,6 +10,7 @@ import skfmm
 from hypothesis import given, settings, strategies as st
 
 import leadthrough as lt
+from leadthrough import _core as core
 from leadthrough.errors import InvalidInput
 from leadthrough.planning import ArrivalField, arrival_times_batch, nearest_sources
 
@@ -383,6 +384,14 @@ def test_arrays_handed_out_stay_as_they_are():
     assert (field.speed == 0.0).sum() == 38
 
 
+def run_at_once(task, arguments):
+    threads = [threading.Thread(target=task, args=(each,)) for each in arguments]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+
 def test_threads_may_share_a_field():
     grid = lt.Grid((0.0, 0.0), 1.0, (60, 60))
     field = ArrivalField(np.ones(grid.shape), grid, (2.0, 2.0))
@@ -391,12 +400,21 @@ def test_threads_may_share_a_field():
         for value in (0.0, 1.0) * 10:
             field.update_part((slice(row, row + 3), slice(20, 40)), value)
 
-    threads = [threading.Thread(target=blink, args=(row,)) for row in (20, 30, 40)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    run_at_once(blink, (20, 30, 40))
     assert_is_the_full_march(field, np.ones(grid.shape), (2, 2), rtol=1e-9, atol=0.0)
+
+
+def test_threads_may_share_a_field_of_the_core():
+    speed, source = np.ones((200, 200)), np.array([202], np.int64)
+    field = core.ArrivalFieldFloat64(speed, [1.0, 1.0], source)
+
+    def blink(row):
+        for value in (0.5, 1.0) * 30:
+            field.update([row, 20], np.full((30, 150), value))
+
+    run_at_once(blink, (20, 60, 100, 140))
+    wanted = core.ArrivalFieldFloat64(speed, [1.0, 1.0], source).times()
+    np.testing.assert_allclose(field.times(), wanted, rtol=1e-9)
 
 
 # VmHWM is of this process alone: getrusage also knows the parent that it was forked from.
@@ -405,6 +423,7 @@ import re
 from pathlib import Path
 import numpy as np
 import leadthrough as lt
+from leadthrough import _core as core
 
 def kilobytes(name):
     status = Path("/proc/self/status").read_text()
