@@ -17,7 +17,7 @@ BELT, PERIOD = 0.25, 0.002  # m/s, s
 
 def caught() -> list[tr.FilterState]:
     """The tool along the belt, from rest until it has ridden with the part for half a second."""
-    reach = tr.TimeOptimalFilter(velocity=0.8, acceleration=2.0)
+    reach = tr.JerkFilter(velocity=0.8, acceleration=2.0, jerk=20.0)
     states = [tr.FilterState.at_rest([0.0])]
     riding = 0
     while riding < 0.5 / PERIOD:

@@ -20,9 +20,7 @@ from leadthrough.trajectories.filters import (
     FirstOrderFilter as FirstOrderFilter,
     JerkFilter as JerkFilter,
     LinearFilter as LinearFilter,
-    LineState as LineState,
     SecondOrderFilter as SecondOrderFilter,
-    StraightFilter as StraightFilter,
     TimeOptimalFilter as TimeOptimalFilter,
 )
 from leadthrough.trajectories.interpolation import (
@@ -56,3 +54,7 @@ from leadthrough.trajectories.rotation import (
     Squad as Squad,
 )
 from leadthrough.trajectories.spline import Spline as Spline
+from leadthrough.trajectories.straight_filter import (
+    LineState as LineState,
+    StraightFilter as StraightFilter,
+)

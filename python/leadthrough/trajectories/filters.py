@@ -16,9 +16,8 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -265,9 +264,12 @@ _MAX_NUMBER = 1e12
 
 @dataclass(frozen=True, eq=False, init=False)
 class JerkFilter(ShortRepr):
-    """Time-optimal motion to rest at a target within limits of velocity, acceleration and jerk.
+    """Time-optimal motion to a target within limits of velocity, acceleration and jerk.
 
-    Each limit is > 0, (d,) or one number for all dimensions.
+    Each limit is > 0, (d,) or one number for all dimensions. The motion ends at rest relative to
+    the target, which may move: of one that moves at a constant velocity, the same law holds in its
+    frame, where the limits of the velocity are others. A filter with other limits goes on from any
+    state.
 
     Attributes:
         velocity: limit in the positive direction.
@@ -309,23 +311,54 @@ class JerkFilter(ShortRepr):
             limits[name] = rate_limit(up, name)
         vars(self).update(limits, _limits=_table(limits))
 
-    def step(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
-        """The state one period later, each dimension time-optimal by itself."""
-        states, limits, goal = self._checked(state, target)
-        return _computed(*core.step_each(states, limits, goal, check_period(period)))
+    def step(
+        self,
+        state: FilterState,
+        target: ArrayLike,
+        period: float,
+        *,
+        velocity: ArrayLike = 0.0,
+    ) -> FilterState:
+        """The state one period later, each dimension time-optimal by itself.
 
-    def step_together(self, state: FilterState, target: ArrayLike, period: float) -> FilterState:
-        """The state one period later; all dimensions come to rest when the slowest of them can.
+        Args:
+            target: (d,), one period later.
+            velocity: the target's, (d,) or one number; with it a moving target is caught and then
+                followed without lag. One beyond the limits is chased at them.
+        """
+        return self._stepped(core.step_each, state, target, period, velocity)
+
+    def step_together(
+        self,
+        state: FilterState,
+        target: ArrayLike,
+        period: float,
+        *,
+        velocity: ArrayLike = 0.0,
+    ) -> FilterState:
+        """The state one period later; all dimensions arrive when the slowest of them can.
 
         The others keep a lower speed on their way. Only one whose hardest stop happens to end on
         its target cannot wait, and arrives earlier.
+
+        Args:
+            target: as for `step`.
+            velocity: as for `step`.
+        """
+        return self._stepped(core.step_together, state, target, period, velocity)
+
+    def durations(
+        self, state: FilterState, target: ArrayLike, *, velocity: ArrayLike = 0.0
+    ) -> Float64Array:
+        """Times (d,), s, that `step` takes to the target.
+
+        Args:
+            target: (d,), now.
+            velocity: the target's, (d,) or one number.
         """
         states, limits, goal = self._checked(state, target)
-        return _computed(*core.step_together(states, limits, goal, check_period(period)))
-
-    def durations(self, state: FilterState, target: ArrayLike) -> Float64Array:
-        """Times (d,), s, that `step` takes to rest at the target."""
-        return np.asarray(core.times_to_rest(*self._checked(state, target)))
+        drift = self.followed(velocity, len(goal))
+        return np.asarray(core.times_to_rest(*_relative(states, limits, drift), goal))
 
     def resting_place(self, state: FilterState) -> Float64Array:
         """Positions (d,) at which the dimensions rest after the fastest stop."""
@@ -349,6 +382,48 @@ class JerkFilter(ShortRepr):
         backwards = np.where(u > 0.0, along[:, 0], along[:, 1]).min(axis=1)
         return JerkFilter(*forwards, *backwards)
 
+    def followed(self, velocity: ArrayLike, dimensions: int) -> Float64Array:
+        """The velocity (d,) of a target, as far as the limits let it be followed.
+
+        Args:
+            velocity: (d,) or one number.
+            dimensions: d.
+        """
+        low, high = self._limits_of(dimensions)[:2]
+        drift = check.row(velocity, "velocity", width=dimensions)
+        return np.clip(drift, _BELOW_LIMIT * low, _BELOW_LIMIT * high)
+
+    def relative_to(self, velocity: ArrayLike) -> JerkFilter:
+        """The filter of what is left to a target that moves at a velocity (d,) inside the limits.
+
+        Args:
+            velocity: (d,).
+        """
+        drift = check.array(velocity, "velocity", shape=("d",))
+        low, high, *others = self._limits_of(len(drift))
+        return JerkFilter(
+            high - drift, *others[1::2], drift - low, *(-each for each in others[::2])
+        )
+
+    def _stepped(
+        self,
+        step: Callable[..., tuple[Float64Array, Float64Array, Float64Array]],
+        state: FilterState,
+        target: ArrayLike,
+        period: float,
+        velocity: ArrayLike,
+    ) -> FilterState:
+        """One of the core's steps, in the frame of the target."""
+        states, limits, goal = self._checked(state, target)
+        dt = check_period(period)
+        if isinstance(velocity, float) and velocity == 0.0:  # the quick way, for control loops
+            return _computed(*step(states, limits, goal, dt))
+        drift = self.followed(velocity, len(goal))
+        moved = drift * dt
+        position, rate, acceleration = step(*_relative(states, limits, drift), goal - moved, dt)
+        there = (position == goal - moved) & (rate == 0.0) & (acceleration == 0.0)
+        return _computed(np.where(there, goal, position + moved), rate + drift, acceleration)
+
     def _checked(
         self, state: FilterState, target: ArrayLike
     ) -> tuple[Float64Array, Float64Array, Float64Array]:
@@ -371,6 +446,20 @@ class JerkFilter(ShortRepr):
         return np.ascontiguousarray(np.broadcast_to(self._limits, (6, dimensions)))
 
 
+# A target at a limit is chased this little below it, so that there is speed left to come near.
+_BELOW_LIMIT = 1.0 - 1e-9
+
+
+def _relative(
+    states: Float64Array, limits: Float64Array, drift: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """States (3, d) and limits (6, d) in a frame that moves at a velocity (d,)."""
+    moved, bounds = states.copy(), limits.copy()
+    moved[1] -= drift
+    bounds[:2] -= drift
+    return moved, bounds
+
+
 def _table(limits: Mapping[str, Float64Array]) -> Float64Array:
     """Low and high bounds (6, d) of each rate; d is 1 where all limits are single numbers."""
     rows = [
@@ -383,120 +472,3 @@ def _table(limits: Mapping[str, Float64Array]) -> Float64Array:
     if np.abs(table).max(initial=0.0) > _MAX_NUMBER:
         raise InvalidInput(f"limits: expected numbers up to {_MAX_NUMBER:g}")
     return table
-
-
-# A target this far off a line, relative to its distance, lies on it: rounding.
-_ON_THE_LINE = 1e-12
-
-
-@dataclass(frozen=True, eq=False)
-class LineState(FilterState):
-    """A state on a line, besides its position, velocity and acceleration.
-
-    Attributes:
-        origin: of the line, (d,).
-        direction: unit vector (d,), or 0 where there is no line yet.
-        along: the state along the line, of one dimension.
-        limits: of all dimensions.
-        scalar: limits along the line.
-    """
-
-    origin: Float64Array
-    direction: Float64Array
-    along: FilterState
-    limits: JerkFilter
-    scalar: JerkFilter
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        shape = self.position.shape
-        for name in ("origin", "direction"):
-            vars(self)[name] = check.frozen(getattr(self, name), name, shape=shape)
-        if not isinstance(self.along, FilterState):
-            raise InvalidInput(f"along: expected a FilterState, got {type(self.along).__name__}")
-        for name in ("limits", "scalar"):
-            check_filter(getattr(self, name), name)
-
-    def with_parts(self, **parts: Any) -> LineState:  # Any: its fields
-        """The state with other parts that are just computed."""
-        return check.computed(LineState, **(vars(self) | parts))
-
-
-def check_filter(value: object, name: str) -> None:
-    """Raises InvalidInput unless `value` is a JerkFilter."""
-    if not isinstance(value, JerkFilter):
-        raise InvalidInput(f"{name}: expected a JerkFilter, got {type(value).__name__}")
-
-
-@dataclass(frozen=True, eq=False)
-class StraightFilter(ShortRepr):
-    """Time-optimal motion to rest at a target along a straight line, within all dimensions' limits.
-
-    A target that changes during the motion is approached on the same line if it lies on it;
-    otherwise the reference stops as fast as it may and leaves for the target from there.
-
-    Attributes:
-        limits: of every dimension.
-    """
-
-    limits: JerkFilter
-
-    def __post_init__(self) -> None:
-        check_filter(self.limits, "limits")
-
-    def step(self, state: FilterState, target: ArrayLike, period: float) -> LineState:
-        """The state one period later.
-
-        Args:
-            state: at rest, or one that this method returned.
-
-        Raises:
-            InvalidInput: if the state moves and is not on a line.
-        """
-        line = self._on_a_line(state)
-        goal = check.array(target, "target", shape=line.position.shape)
-        place = _place(line, goal)
-        if place is None and not _moves(line.along):
-            line = self._towards(line.position, goal)
-            place = _place(line, goal)
-        stop = line.scalar.resting_place(line.along) if place is None else np.array([place])
-        along = line.scalar.step(line.along, stop, period)
-        there = place is not None and along.position[0] == place and not _moves(along)
-        moved = goal.copy() if there else line.origin + along.position * line.direction
-        velocity, acceleration = (
-            rate * line.direction for rate in (along.velocity, along.acceleration)
-        )
-        return line.with_parts(
-            position=moved, velocity=velocity, acceleration=acceleration, along=along
-        )
-
-    def _on_a_line(self, state: FilterState) -> LineState:
-        if isinstance(state, LineState):
-            if state.limits is self.limits:
-                return state
-            return state.with_parts(limits=self.limits, scalar=self.limits.along(state.direction))
-        if not isinstance(state, FilterState):
-            raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
-        if _moves(state):
-            raise InvalidInput("state: expected one at rest or one that this filter returned")
-        return self._towards(state.position, state.position)
-
-    def _towards(self, origin: Float64Array, goal: Float64Array) -> LineState:
-        """At rest at the origin of the line to a goal; at the goal the direction is 0."""
-        way, still = goal - origin, np.zeros_like(origin)
-        length = float(np.linalg.norm(way))
-        direction = way / length if length > 0.0 else still
-        rest, scalar = FilterState.at_rest([0.0]), self.limits.along(direction)
-        return LineState(origin, still, still, origin, direction, rest, self.limits, scalar)
-
-
-def _place(line: LineState, goal: Float64Array) -> float | None:
-    """Distance of a goal along the line, or None where it does not lie on it."""
-    way = goal - line.origin
-    place = float(way @ line.direction)
-    off = np.abs(way - place * line.direction).max(initial=0.0)
-    return place if off <= _ON_THE_LINE * (abs(place) + np.abs(goal).max(initial=0.0)) else None
-
-
-def _moves(state: FilterState) -> bool:
-    return bool(state.velocity.any() or state.acceleration.any())

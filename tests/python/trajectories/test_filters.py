@@ -430,6 +430,81 @@ def test_limits_lowered_in_flight_are_come_back_to():
         assert rests(now, [3.0, 3.0]).all()
 
 
+def follows(now, target, speed):
+    return (now.position == target) & (now.velocity == speed) & (now.acceleration == 0.0)
+
+
+@pytest.mark.parametrize("way", ["step", "step_together"])
+def test_a_target_at_constant_velocity_is_caught_inside_the_limits_and_followed(way):
+    rng, count, period = np.random.default_rng(12), 300, 0.02
+    made = random_filter(rng, count)
+    now = random_start(rng, made, count, beyond=1.0)
+    speed = rng.uniform(-0.95 * made.velocity_down, 0.95 * made.velocity)
+    first = rng.normal(size=count)
+    times = made.durations(now, first, velocity=speed)
+    for k in range(1, 300):
+        target = first + k * period * speed
+        before, now = now, getattr(made, way)(now, target, period, velocity=speed)
+        assert keeps_its_jerk(made, before, now, period)
+        assert inside(made, now)[inside(made, before)].all()
+        caught = times <= k * period if way == "step" else times.max() <= k * period
+        assert (
+            np.abs(now.position - target)[np.broadcast_to(caught, (count,))].max(initial=0) < 1e-9
+        )
+    assert (times < 6.0).sum() > count // 2
+
+
+def test_the_time_to_a_moving_target_is_that_of_its_frame():
+    """A double-s motion in the frame of the target is the truth."""
+    made = tr.JerkFilter(1.0, 4.0, 40.0)
+    truth = tr.double_s(
+        [-0.5], [0.0], velocity=1.3, acceleration=4.0, jerk=40.0, start_velocity=[0.3]
+    )
+    now = unaccelerated([-0.5], [0.0])
+    assert made.durations(now, [0.0], velocity=-0.3)[0] == pytest.approx(truth.domain[1], rel=1e-9)
+
+
+def test_targets_faster_than_the_limits_are_chased_at_them():
+    made, now = tr.JerkFilter(1.0, 4.0, 40.0), tr.FilterState.at_rest([0.0])
+    for k in range(1, 400):
+        now = made.step(now, [0.5 + 0.02 * k], 0.01, velocity=[2.0])
+        assert now.velocity[0] <= 1.0 + 1e-12
+    assert now.velocity[0] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_straight_filter_rides_with_a_target_that_turns_and_with_limits_that_change():
+    fast, slow = (tr.StraightFilter(tr.JerkFilter([v, v], 4.0, 40.0)) for v in (1.0, 0.6))
+    now, period, part = tr.FilterState.at_rest([0.0, 0.0]), 0.01, np.array([0.4, -0.2])
+    for speed, made in (([0.3, 0.0], fast), ([0.3, 0.0], slow), ([0.0, -0.25], slow), (0.0, fast)):
+        rate = np.broadcast_to(speed, 2)
+        for _ in range(300):
+            part = part + period * rate
+            before, now = now, made.step(now, part, period, velocity=speed)
+            assert keeps_its_jerk(made.limits, before, now, period)
+            assert inside(made.limits, now)[inside(made.limits, before)].all()
+        assert follows(now, part, rate).all()
+
+
+def test_a_straight_way_to_a_moving_target_is_straight_in_its_frame():
+    made, period, rate = (
+        tr.StraightFilter(tr.JerkFilter(1.0, 4.0, 40.0)),
+        0.01,
+        np.array([0.3, 0.1]),
+    )
+    now, part, ways = tr.FilterState.at_rest([0.0, 0.0]), np.array([0.1, 0.5]), []
+    for _ in range(400):
+        part = part + period * rate
+        now = made.step(now, part, period, velocity=rate)
+        ways.append((now.position - part, now.velocity - rate))
+    gaps, slips = np.array([each for each in ways if np.linalg.norm(each[1]) > 1e-9]).swapaxes(0, 1)
+    directions = slips / np.linalg.norm(slips, axis=1, keepdims=True)
+    turns = np.linalg.norm(np.diff(directions, axis=0), axis=1) > 1e-6
+    assert turns.sum() == 1  # takes on the velocity, then comes straight
+    last = slice(np.flatnonzero(turns)[0] + 1, None)
+    assert np.abs(np.linalg.det(np.stack([gaps, directions], axis=1)[last])).max() < 1e-9
+    assert follows(now, part, rate).all()
+
+
 def test_a_state_copies_what_it_is_given_and_is_read_only():
     """Lists are taken; the positions that filters return cannot be changed either."""
     own = np.array([1.0])
