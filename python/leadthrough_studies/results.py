@@ -20,17 +20,17 @@ def write(
     *,
     document: Mapping[str, Any],
     rows: Sequence[Row],
-    table: Sequence[Row],
+    tables: Mapping[str, Sequence[Row]],
     figures: Mapping[str, Figure],
     pages: Mapping[str, Sequence[str]],
 ) -> None:
-    """Write results.json, table.csv, the figures as <name>.png and the pages as <name>.html.
+    """Write results.json, the tables as <name>.csv, figures as <name>.png, pages as <name>.html.
 
     Args:
         folder: of the files; made if missing.
         document: content of results.json besides the rows.
         rows: all rows, for results.json.
-        table: the rows of table.csv, with the same columns in every row.
+        tables: tables by file stem, with the same columns in every row of one.
         figures: figures by file stem.
         pages: parts of HTML pages, as `leadthrough.show.page` makes them, by file stem.
 
@@ -39,7 +39,8 @@ def write(
     """
     folder.mkdir(parents=True, exist_ok=True)
     _write_text(folder / "results.json", _json(document, rows))
-    _write_table(folder / "table.csv", table)
+    for name, table in tables.items():
+        _write_table(folder / f"{name}.csv", table)
     for name, figure in figures.items():
         save_figure(figure, folder / f"{name}.png")
     for name, parts in pages.items():

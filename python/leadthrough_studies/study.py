@@ -51,12 +51,14 @@ class Report:
         figures: figures by file stem.
         summary: further content of results.json.
         pages: parts of HTML pages by file stem.
+        tables: further tables by file stem.
     """
 
     table: list[Row]
     figures: dict[str, Figure] = field(default_factory=dict)
     summary: dict[str, Any] = field(default_factory=dict)
     pages: dict[str, list[str]] = field(default_factory=dict)
+    tables: dict[str, list[Row]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -161,7 +163,7 @@ def _written(
             "failures": failures,
         },
         rows=rows,
-        table=report.table,
+        tables={"table": report.table, **report.tables},
         figures=report.figures,
         pages=report.pages,
     )

@@ -400,14 +400,12 @@ class JerkFilter(ShortRepr):
             velocity: (d,).
         """
         drift = check.array(velocity, "velocity", shape=("d",))
-        low, high, *others = self._limits_of(len(drift))
-        return JerkFilter(
-            high - drift, *others[1::2], drift - low, *(-each for each in others[::2])
-        )
+        low, high, push_low, push_high, jerk_low, jerk_high = self._limits_of(len(drift))
+        return JerkFilter(high - drift, push_high, jerk_high, drift - low, -push_low, -jerk_low)
 
     def _stepped(
         self,
-        step: Callable[..., tuple[Float64Array, Float64Array, Float64Array]],
+        step: Callable[..., Float64Array],
         state: FilterState,
         target: ArrayLike,
         period: float,

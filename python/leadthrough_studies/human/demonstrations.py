@@ -10,7 +10,8 @@ along a straight line to the same pose.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,6 +33,8 @@ _TARGET_SPREAD = (0.02, 0.03)
 _TEACHING = JointTeaching(
     duration=(5.0, 8.0), pauses=1, pause=(0.3, 0.8), tremor=5e-4, encoder=2**14
 )
+# Differences of a person from a straight motion of the joints at minimum jerk.
+FACTORS = ("timing", "shape", "noise")
 _DURATION = 4.0  # s, for damped least squares
 _RATE = 100.0  # Hz
 _REST = 1.0  # s, of standstill before and after a motion
@@ -49,15 +52,29 @@ def servo(u: Float64Array) -> Float64Array:
     return np.asarray((1.0 - np.exp(-6.0 * u)) / (1.0 - np.exp(-6.0)))
 
 
-def human(count: int, rng: np.random.Generator) -> list[Demonstration]:
-    """Demonstrations of the reach by a simulated person."""
+def human(
+    count: int, rng: np.random.Generator, *, factors: Sequence[str] = FACTORS
+) -> list[Demonstration]:
+    """Demonstrations of the reach by a simulated person.
+
+    Args:
+        count: number of demonstrations.
+        rng: source of all random numbers.
+        factors: those of FACTORS that the person has.
+    """
+    teaching = _TEACHING
+    if "timing" not in factors:
+        teaching = replace(teaching, duration=(6.5, 6.5), pace=0.0, pauses=0)
+    if "noise" not in factors:
+        teaching = replace(teaching, tremor=0.0, encoder=2**40)
+    shaped = float("shape" in factors)
     shown: list[Demonstration] = []
     for number in range(1, count + 1):
         between = START + np.outer((1.0 / 3.0, 2.0 / 3.0), GOAL - START)
-        between += rng.normal(0.0, _ASTRAY, between.shape)
-        end = GOAL + rng.normal(0.0, _GOAL_SPREAD, len(GOAL))
+        between += shaped * rng.normal(0.0, _ASTRAY, between.shape)
+        end = GOAL + shaped * rng.normal(0.0, _GOAL_SPREAD, len(GOAL))
         postures = np.vstack([START, between, end])
-        shown.append(guide_joints(postures, _TEACHING, rng, name=f"human {number}"))
+        shown.append(guide_joints(postures, teaching, rng, name=f"human {number}"))
     return shown
 
 

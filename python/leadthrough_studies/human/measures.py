@@ -24,6 +24,7 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.models import ProMPSkill
 from leadthrough.motion import Motion, normalised_times
+from leadthrough_studies.human.polynomial import PolynomialMean
 from leadthrough_studies.study import Row
 
 _TURNED = 0.05
@@ -35,20 +36,22 @@ def velocity(times: Float64Array, positions: Float64Array) -> Float64Array:
     return np.asarray(np.gradient(positions, times, axis=0))
 
 
-def learned(skill: ProMPSkill, motion: Motion) -> tuple[Float64Array, Float64Array]:
+def learned(
+    skill: ProMPSkill | PolynomialMean, motion: Motion
+) -> tuple[Float64Array, Float64Array]:
     """The skill's mean positions and velocities, (n, d) each, at the times and pace of a motion."""
     same = skill.lasting(motion.duration)
     at = motion.times - motion.times[0]
     return same.distribution(at)[0], same.distribution(at, order=1)[0]
 
 
-def fidelity(skill: ProMPSkill, motions: Sequence[Motion], column: int) -> Row:
+def fidelity(skill: ProMPSkill | PolynomialMean, motions: Sequence[Motion], column: int) -> Row:
     """The measures of one column, averaged over the demonstrated motions."""
     each = [_of_one(skill, motion, column) for motion in motions]
     return {name: float(np.mean([row[name] for row in each])) for name in each[0]}
 
 
-def course(skill: ProMPSkill, motion: Motion, column: int) -> Row:
+def course(skill: ProMPSkill | PolynomialMean, motion: Motion, column: int) -> Row:
     """Time series of one column, as demonstrated and as learned, for the figures."""
     position, speed = learned(skill, motion)
     values = {
@@ -61,7 +64,7 @@ def course(skill: ProMPSkill, motion: Motion, column: int) -> Row:
     return {name: np.round(value, _DIGITS).tolist() for name, value in values.items()}
 
 
-def _of_one(skill: ProMPSkill, motion: Motion, column: int) -> Row:
+def _of_one(skill: ProMPSkill | PolynomialMean, motion: Motion, column: int) -> Row:
     position, made = (values[:, column] for values in learned(skill, motion))
     shown = velocity(motion.times, motion.positions)[:, column]
     peak = float(np.abs(shown).max())

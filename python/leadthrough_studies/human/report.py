@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from leadthrough.drawing import palette
-from leadthrough_studies.human import demonstrations, measures
+from leadthrough_studies.human import demonstrations, measures, repeated
 from leadthrough_studies.study import Report, Row, mean, selected
 
 # Yang, Liu and Pears, section IV B, on the learned velocity. The paper prints no numbers.
@@ -22,10 +22,10 @@ CLAIMS = {
     ("DLS-IK", "joint 5"): "a smooth bell",
 }
 EXPLAINED = (
-    "Reduced and flattened peaks result from averaging demonstrations of different timing; the "
-    "effect grows with the number of peaks in a joint's velocity. Few basis functions do the same "
-    "to a single demonstration. In part, the peaks only seem higher in the demonstrations because "
-    "differences of a recording add its noise. Aligning the demonstrations in time restores the "
+    "Reduced and flattened peaks have three causes, whose parts stand in parts.csv: the peaks seem "
+    "higher in the demonstrations because differences of a recording add its noise, and averaging "
+    "demonstrations of different timing and of different shape lowers them. Few basis functions do "
+    "the same to a single demonstration. Aligning the demonstrations in time restores the "
     "peaks that they have in common, as the symbol traced on a real arm shows, but not those of "
     "single demonstrations. "
     "Peaks higher than demonstrated, with an oscillation, are not caused by the person: basis "
@@ -79,11 +79,21 @@ def report(config: Any, rows: list[Row]) -> Report:
             "sweep": swept,
             "time_laws": [_without_course(row) for row in laws],
         },
+        tables={
+            "seeds": repeated.table(selected(rows, study="seeds")),
+            "parts": repeated.parts(selected(rows, study="losses")),
+            "laws": [_of_law(row) for row in laws],
+        },
     )
 
 
 def _without_course(row: Row) -> Row:
     return {name: value for name, value in row.items() if name != "course"}
+
+
+def _of_law(row: Row) -> Row:
+    names = ("law", "weights", "column", "bell_distance_shown", "bell_distance_learned")
+    return {name: row[name] for name in names}
 
 
 def _line(row: Row, claim: str | None) -> Row:

@@ -21,7 +21,7 @@ from leadthrough.arm import Arm
 from leadthrough.models import ProMP
 from leadthrough.motion import Demonstration
 from leadthrough.preprocess import align_by_time_warping
-from leadthrough_studies.human import recordings
+from leadthrough_studies.human import recordings, repeated
 from leadthrough_studies.human.demonstrations import ROBOT, damped, human, laws
 from leadthrough_studies.human.measures import course, fidelity
 from leadthrough_studies.human.report import report
@@ -39,6 +39,7 @@ class HumanConfig:
         width: width of their basis functions.
         swept_weights: numbers of basis functions of the sweep.
         swept_widths: widths of the sweep.
+        seeds: number of seeds of the repeated comparison and of the parts of the loss.
         recordings: folder with panda_execution/*.csv and panda_symbol/*.mat; empty for none.
         seed: seed of the simulated person and of the targets of damped least squares.
     """
@@ -49,6 +50,7 @@ class HumanConfig:
     width: float = 1.0
     swept_weights: tuple[int, ...] = (6, 8, 12, 20, 30, 45)
     swept_widths: tuple[float, ...] = (0.35, 0.45, 0.6, 1.0)
+    seeds: int = 20
     recordings: str = ""
     seed: int = 0
 
@@ -56,7 +58,7 @@ class HumanConfig:
 def configure(quick: bool, seed: int) -> HumanConfig:
     """The full configuration with the recordings in LEADTHROUGH_DATA, or a short one without."""
     if quick:
-        return HumanConfig(swept_weights=(8, 20), swept_widths=(0.45, 1.0), seed=seed)
+        return HumanConfig(swept_weights=(8, 20), swept_widths=(0.45, 1.0), seeds=10, seed=seed)
     return HumanConfig(recordings=os.environ.get("LEADTHROUGH_DATA", ""), seed=seed)
 
 
@@ -83,6 +85,11 @@ def tasks(config: HumanConfig) -> list[Task]:
         *(
             Task(time_laws, {"weights": weights, "joints": list(config.joints)})
             for weights in (min(config.swept_weights), config.weights)
+        ),
+        *(
+            Task(work, {**common, "seed": config.seed + i, "weights": config.weights})
+            for work in (repeated.of_seed, repeated.losses)
+            for i in range(config.seeds)
         ),
         *recordings.tasks(config.recordings, list(config.joints), config.weights),
     ]

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from leadthrough.drawing import palette
-from leadthrough_studies.singularity import paths
+from leadthrough_studies import intervals
+from leadthrough_studies.singularity import draws, joint_limits, paths
 from leadthrough_studies.singularity.paths import APPROACHES
 from leadthrough_studies.study import Report, Row, selected
 
@@ -55,7 +56,29 @@ def report(config: Any, rows: list[Row]) -> Report:
             "remark": REMARK,
             "sweep": swept,
         },
+        tables=_of_draws(rows, swept),
     )
+
+
+def _of_draws(rows: list[Row], swept: list[Row]) -> dict[str, list[Row]]:
+    """Tables of the random paths and poses."""
+    limits, related = selected(rows, study="joint limits"), selected(rows, study="relation")
+    return {
+        "draws": draws.table(rows),
+        "joint_limits": joint_limits.table(limits),
+        "relation": [*_related("sweep", swept), *_related("random paths", related)],
+    }
+
+
+def _related(where: str, rows: list[Row]) -> list[Row]:
+    """Spearman's correlation of condition numbers with loads, with 95 % intervals."""
+    return [
+        {"where": where, "condition": condition, "load": load, "motions": len(rows)}
+        | intervals.correlation([row[condition] for row in rows], [row[load] for row in rows])
+        for condition in ("condition", "condition_weighted")
+        for load in ("peak_velocity", "peak_share_of_effort_limit", "torque_roughness")
+        if len(rows) > 2
+    ]
 
 
 def _tables(rows: list[Row]) -> list[Row]:

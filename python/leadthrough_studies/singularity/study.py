@@ -21,6 +21,7 @@ import numpy as np
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, PoseTrajectory
+from leadthrough_studies.singularity import draws, joint_limits
 from leadthrough_studies.singularity.paths import (
     APPROACHES,
     METHODS,
@@ -45,20 +46,28 @@ class SingularityConfig:
         methods: keys of METHODS.
         dampings: values of lambda_max of the sweep, m per rad.
         alphas: values of alpha in equation 5 of the sweep, (m per rad)^2.
-        seed: recorded as in every study, but unused: there are no random numbers.
+        units: weights of rotations in the condition number of drawn paths, m per rad.
+        blocks: numbers of blocks of drawn paths for each unit and tip, and of drawn poses.
+        draws: paths and poses in each block.
+        seed: of the drawn paths and poses.
     """
 
     approaches: tuple[int, ...] = tuple(APPROACHES)
     methods: tuple[str, ...] = tuple(METHODS)
     dampings: tuple[float, ...] = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
     alphas: tuple[float, ...] = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
+    units: tuple[float, ...] = (1.0, 0.3, 0.1)
+    blocks: int = 10
+    draws: int = 100
     seed: int = 0
 
 
 def configure(quick: bool, seed: int) -> SingularityConfig:
     """The full configuration, or the approaches with a short sweep."""
     if quick:
-        return SingularityConfig(dampings=(0.0, 0.1), alphas=(1e-4,), seed=seed)
+        return SingularityConfig(
+            dampings=(0.0, 0.1), alphas=(1e-4,), units=(1.0, 0.3), blocks=1, draws=30, seed=seed
+        )
     return SingularityConfig(seed=seed)
 
 
@@ -80,6 +89,23 @@ def tasks(config: SingularityConfig) -> list[Task]:
             for setting in settings
             for gain in (0.0, 0.5)
         ),
+        *_drawn(config),
+    ]
+
+
+def _drawn(config: SingularityConfig) -> list[Task]:
+    """Tasks of random paths and poses, each block with a seed of its own."""
+    seeds = [config.seed * 1000 + block for block in range(config.blocks)]
+    count = config.draws
+    return [
+        *(
+            Task(draws.rows_of_tables, {"seed": seed, "unit": unit, "tip": tip, "paths": count})
+            for unit in config.units
+            for tip in draws.TIPS
+            for seed in seeds
+        ),
+        *(Task(draws.relation, {"seed": seed, "paths": 2 * count}) for seed in seeds),
+        *(Task(joint_limits.ends, {"seed": seed, "poses": count}) for seed in seeds),
     ]
 
 
@@ -139,6 +165,7 @@ def _judged(arm: Arm, way: PoseTrajectory, joints: JointTrajectory, course: dict
         **_shares(course["condition"], "below_{}_percent"),
         **_shares(course["condition_weighted"], "below_{}_weighted_percent"),
         "largest_condition": max(course["condition"]),
+        **draws.loads(arm, joints),
     }
 
 
