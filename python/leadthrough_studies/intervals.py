@@ -45,7 +45,8 @@ def correlation(first: Sequence[float], second: Sequence[float]) -> dict[str, fl
     ranks = rankdata(pairs[:, picks], axis=2)
     ranks -= ranks.mean(axis=2, keepdims=True)
     above = (ranks[0] * ranks[1]).sum(axis=1)
-    found = above / np.sqrt((ranks[0] ** 2).sum(axis=1) * (ranks[1] ** 2).sum(axis=1))
+    spread = np.sqrt((ranks[0] ** 2).sum(axis=1) * (ranks[1] ** 2).sum(axis=1))
+    found = above[spread > 0.0] / spread[spread > 0.0]  # one pair alone has none
     low, high = np.quantile(found, (0.5 * (1.0 - _CONFIDENCE), 0.5 * (1.0 + _CONFIDENCE)))
     value = float(spearmanr(*pairs).statistic)
     return {"spearman": value, "low": float(low), "high": float(high)}

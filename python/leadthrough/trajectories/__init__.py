@@ -14,6 +14,11 @@ from leadthrough.trajectories.bspline import (
     bspline_near as bspline_near,
     nurbs_through as nurbs_through,
 )
+from leadthrough.trajectories.conversion import (
+    as_bspline as as_bspline,
+    bezier_pieces as bezier_pieces,
+    with_knot as with_knot,
+)
 from leadthrough.trajectories.curve import Curve as Curve, PointCurve as PointCurve
 from leadthrough.trajectories.filters import (
     FilterState as FilterState,

@@ -15,7 +15,9 @@ from leadthrough_studies.human.report import CLAIMS
 from leadthrough_studies.human.study import SOURCES, STUDY, WAYS, HumanConfig, tasks
 from leadthrough_studies.study import run, selected
 
-CONFIG = HumanConfig(demonstrations=4, swept_weights=(6, 20), swept_widths=(0.35, 1.0), seed=1)
+CONFIG = HumanConfig(
+    demonstrations=4, swept_weights=(6, 20), swept_widths=(0.35, 1.0), seeds=2, seed=1
+)
 U = np.linspace(0.0, 1.0, 201)
 BELL = 16.0 * U**2 * (1.0 - U) ** 2
 
