@@ -84,6 +84,9 @@ struct DoubleS {
   }
 };
 
+// Sums of as many samples are exact.
+constexpr double kMaxSamples = 1e8;
+
 // The fastest one for any times, not only those of samples.
 DoubleS fastest(const LineLimits& limits) {
   const double ramp = std::isinf(limits.jerk) ? 0.0 : limits.acceleration / limits.jerk;
@@ -144,6 +147,8 @@ LineMotions time_lines(const Eigen::Ref<const Rows>& points, const RateLimits& l
                      limits.acceleration.size() == points.cols() &&
                      limits.jerk.size() == points.cols(),
                  "limits: expected one value a joint");
+  check_argument(points.allFinite(), "points: finite");
+  check_argument(period > 0.0 && longest <= kMaxSamples, "period: > 0; longest: at most 1e8");
   LineMotions motions;
   double samples = 0.0;
   for (Index i = 0; i + 1 < points.rows(); ++i) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "leadthrough/base/constants.hpp"
+#include "leadthrough/time/line_law.hpp"
 #include "leadthrough/time/quintic_step.hpp"
 #include "leadthrough/time/time_law.hpp"
 
@@ -41,6 +43,17 @@ double largest_difference(const Rows& q, int order, double period) {
     padded = ((padded.bottomRows(padded.rows() - 1) - padded.topRows(padded.rows() - 1)) / period)
                  .eval();
   return padded.cwiseAbs().maxCoeff();
+}
+
+TEST(TimeLines, PointsAndCountsOfNoMotionAreRefused) {
+  const RateLimits limits{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Ones(1),
+                          Eigen::VectorXd::Ones(1)};
+  Rows points(2, 1);
+  points << 0.0, std::nan("");
+  EXPECT_THROW(time_lines(points, limits, 0.01, 1e7), std::invalid_argument);
+  points << 0.0, 1e300;
+  EXPECT_EQ(time_lines(points, limits, 0.01, 1e7).failed_at, 0);
+  EXPECT_THROW(time_lines(points, limits, 0.01, kInfinity), std::invalid_argument);
 }
 
 }  // namespace
