@@ -308,9 +308,9 @@ def in_the_peers_layout(count):
     return rows / rows.sum(axis=1, keepdims=True)
 
 
-def detailed(length):
+def detailed(length, seed=0):
     """Twenty motions of seven joints with detail of a length, varying about a common one."""
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(seed)
     gaps = (PHASES[:, None] - PHASES) / length
     root = np.linalg.cholesky(np.exp(-0.5 * gaps**2) + 1e-9 * np.eye(len(PHASES)))
     drawn = np.einsum("ij,mjk->mik", root, rng.normal(size=(20, len(PHASES), 7)))
@@ -348,13 +348,20 @@ def test_deviations_are_told_as_finely_as_by_the_peer(length, count):
     assert rms(ours - shown) <= rms(theirs - shown)
 
 
-@pytest.mark.parametrize(("length", "count"), [(0.07, 6), (0.07, 10), (0.05, 10), (0.05, 14)])
-def test_detail_finer_than_the_functions_is_told_nearly_as_well_as_by_any_functions(length, count):
+@pytest.mark.parametrize(
+    ("length", "count", "middle"), [(0.07, 6, 14), (0.07, 10, 17), (0.05, 10, 13), (0.05, 14, 9)]
+)
+def test_detail_finer_than_the_functions_is_told_nearly_as_well_as_by_any_functions(
+    length, count, middle
+):
     """The least error of any `count` functions is that of the motions' principal components."""
-    curves = detailed(length)
-    (ours, _), _ = distributed(curves, count)
     gaps = (PHASES[:, None] - PHASES) / length
     beyond = np.linalg.eigvalsh(np.exp(-0.5 * gaps**2))[:-count]
     least = np.sqrt(beyond.clip(0.0).sum() / len(PHASES))
     assert least > 0.18  # of detail whose height is 1
-    assert rms(ours - curves.mean(axis=0)) <= 1.16 * least
+    excesses = []
+    for seed in range(20):
+        curves = detailed(length, seed)
+        excesses.append(100.0 * rms(distributed(curves, count)[0][0] - curves.mean(axis=0)) / least)
+    assert np.median(excesses) - 100.0 == pytest.approx(middle, abs=0.5)  # percent, as documented
+    assert max(excesses) < 142.5
