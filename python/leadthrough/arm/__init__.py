@@ -13,6 +13,7 @@ from leadthrough.arm.differential_ik import (
 )
 from leadthrough.arm.following import FollowOptions as FollowOptions
 from leadthrough.arm.inverse_kinematics import (
+    Axis as Axis,
     IkBatch as IkBatch,
     IkOptions as IkOptions,
     IkResult as IkResult,

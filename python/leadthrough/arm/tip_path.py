@@ -187,10 +187,6 @@ class CollisionTest:
             for pairs, margin in self._pairs
         )
 
-    def clear_at(self, q: Float64Array) -> bool:
-        """Whether the arm keeps the margins at every row of q (n, joints); quick to say no."""
-        return all(self.clear_rows(q))
-
     def clear_rows(self, q: Float64Array) -> list[bool]:
         """Whether the arm keeps the margins, for each row of q (n, joints)."""
         margins = self.scene.margin, self.scene.self_collision_margin

@@ -6,7 +6,7 @@ import math
 import re
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -21,9 +21,13 @@ from leadthrough.cli import options, output
 # Fraction of the extent from which on a demonstration counts as not reproduced.
 _SOUND = 0.01
 _JUDGED = 2  # recordings that `judge` needs
-_LEAST_NOISE = 1e-6  # m or rad
+_MIN_NOISE = 1e-6  # m or rad
 _ALIGN = "preprocess.align_by_time_warping"
 _SPACE = 3  # coordinates of points in m; drawings have two, in their own unit
+_WINDOW = 0.05  # s, over which a speed is taken, so that noise does not count
+_QUANTILE = 0.999  # of a recording's speeds; the few above it are spikes
+# A difference of two samples exceeds so many deviations of their noise once in 1,000: 3.3 sqrt(2).
+_SPREAD = 4.7
 _NAMES = {"PoseTrajectory": "poses", "Trajectory": "points", "JointTrajectory": "joints"}
 
 
@@ -68,7 +72,7 @@ def learn(
         samples: With --table, most samples that are kept of each recording.
     """
     from leadthrough import check
-    from leadthrough.cli import outliers, reading, robot as robots
+    from leadthrough.cli import reading, robot as robots
     from leadthrough.models.protocol import fit_all
 
     reading.check_suffix(out, reading.SKILL, "--out")
@@ -93,7 +97,7 @@ def learn(
     else:
         robots.refuse("--cut", pause=pause)
     demonstrations = reading.trimmed(_chosen(demonstrations, number), resting)
-    demonstrations = outliers.without(demonstrations, drop or [])
+    demonstrations = _without(demonstrations, drop or [])
     if arm is not None:
         recorded, demonstrations = (
             demonstrations,
@@ -102,7 +106,7 @@ def learn(
                 for demonstration in demonstrations
             ],
         )
-        outliers.refuse_too_fast(ctx, arm, recorded)
+        _refuse_too_fast(ctx, arm, recorded)
     if align:
         demonstrations = lt.preprocess.align_by_time_warping(demonstrations)
     chosen = _asked_for(model, parameter, demonstrations)
@@ -110,7 +114,7 @@ def learn(
     words |= {_ALIGN: "--align"} | ({} if chosen is None else options.of_model(chosen))
     with output.busy("learning"), output.naming(**words, path="--out"):
         if "rhythmic" not in repr(chosen).lower():  # a rhythm may be any number of periods long
-            outliers.refuse_contradictions(ctx, demonstrations)
+            _refuse_contradictions(ctx, demonstrations)
         with _reporting_misalignment(ctx, demonstrations):
             skill = lt.learn(demonstrations) if chosen is None else fit_all(chosen, demonstrations)
         near = lt.models.reproduction(skill, demonstrations)
@@ -135,7 +139,7 @@ def _smoothed(
 
     recorded = max(noise_of(each.motion.positions) for each in demonstrations)
     left_out = math.sqrt(max(recorded**2 - noise_of(skill.generate().positions) ** 2, 0.0))
-    if left_out < _LEAST_NOISE:
+    if left_out < _MIN_NOISE:
         return {}
     unit = "mrad" if isinstance(demonstrations[0].motion, lt.JointTrajectory) else "mm"
     return {"smoothed": left_out if as_json else f"noise of {1e3 * left_out:.2g} {unit}"}
@@ -291,3 +295,76 @@ def _of_the_arm(
         return demonstration
     own = robots.own_joints(arm, demonstration.motion, demonstration.name)
     return replace(demonstration, motion=own if as_joints else arm.poses(own))
+
+
+def _without(
+    demonstrations: Sequence[lt.Demonstration], names: list[str]
+) -> list[lt.Demonstration]:
+    """The recordings without some, by their names."""
+    from leadthrough import check
+
+    known = [each.name for each in demonstrations]
+    for name in names:
+        check.choice(name, "--drop", known)
+    return [each for each in demonstrations if each.name not in names]
+
+
+def _refuse_contradictions(ctx: typer.Context, demonstrations: Sequence[lt.Demonstration]) -> None:
+    """Refuses a recording that contradicts all others, with the command that drops it."""
+    from leadthrough.models.contradictions import contradictions
+    from leadthrough.models.protocol import motions_of
+
+    found = contradictions(motions_of(demonstrations))
+    texts = {demonstrations[each.index].name: each.text for each in found}
+    _refuse_named(ctx, texts, len(demonstrations))
+
+
+def _refuse_too_fast(
+    ctx: typer.Context, arm: lt.Arm, demonstrations: Sequence[lt.Demonstration]
+) -> None:
+    """Refuses recordings of joints that move faster than the arm can."""
+    from leadthrough.cli import robot as robots
+
+    found = {
+        each.name: text
+        for each in demonstrations
+        if isinstance(each.motion, lt.JointTrajectory)
+        and (text := _too_fast(arm, robots.own_joints(arm, each.motion, each.name)))
+    }
+    _refuse_named(ctx, found, len(demonstrations))
+
+
+def _too_fast(arm: lt.Arm, motion: lt.JointTrajectory) -> str:
+    """The joint that is fastest against its limit, if that is exceeded."""
+    import numpy as np
+
+    from leadthrough.noise import noise_of
+
+    q, t = motion.positions, motion.times
+    if len(t) < 2:
+        return ""
+    apart = min(max(1, round(_WINDOW / float(np.median(np.diff(t))))), len(t) - 1)
+    speeds = np.abs(q[apart:] - q[:-apart]) / (t[apart:] - t[:-apart])[:, None]
+    limits = np.where(arm.limits.velocity > 0.0, arm.limits.velocity, np.inf)
+    noise = np.array([noise_of(column[:, None]) for column in q.T])
+    speeds -= _SPREAD * noise / np.median(t[apart:] - t[:-apart])
+    factors = np.quantile(speeds, _QUANTILE, axis=0) / limits
+    joint = int(np.argmax(factors))
+    if factors[joint] <= 1.0:
+        return ""
+    return (
+        f"moves {arm.joint_names[joint]} at {factors[joint]:.1f} times its speed limit; check "
+        "its times or --rate"
+    )
+
+
+def _refuse_named(ctx: typer.Context, found: Mapping[str, str], count: int) -> None:
+    """Raises the error that names recordings; prints the command without them, if others stay."""
+    if not found:
+        return
+    if len(found) < count and not ctx.params["as_json"]:
+        dropped = tuple(word for name in found for word in ("--drop", name))
+        output.advise(output.line(ctx, *output.repeated(ctx, changed=dropped)))
+    texts = "; ".join(f"{name}: {text}" for name, text in found.items())
+    names = " ".join(f"--drop {name}" for name in found)
+    raise lt.errors.FitError(f"{texts}; leave out with {names}")

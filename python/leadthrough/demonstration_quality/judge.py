@@ -26,7 +26,7 @@ from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, Shor
 from leadthrough.io.files import replacing
 from leadthrough.models import Model, ProMP, Skill, Target, TargetRegion
 from leadthrough.models.protocol import Demonstrations, fit_all, motions_of
-from leadthrough.motion import Demonstration, Motion, lerp, target_of
+from leadthrough.motion import Motion, lerp, target_of
 from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.align import features
 from leadthrough.tasks import Row, Store, Task
@@ -169,7 +169,7 @@ def judge_demonstrations(
             suggestion = Suggestion(*run.least_certain(remove, count=_GOALS, seed=number))
     verdicts = tuple(
         Verdict(
-            _name(each, i),
+            getattr(each, "name", "") or f"demonstration {i + 1}",
             float(suspicion[i]),
             _faults(motions, differences, i),
             float(worth[i]),
@@ -191,10 +191,6 @@ def _goals(goals: TargetRegion, motions: Sequence[Motion]) -> TargetRegion:
     if len(goals.lower) != size or goals.orientation is not None:
         raise InvalidInput(f"goals: expected {size} coordinates without an orientation")
     return goals
-
-
-def _name(demonstration: Demonstration[Motion] | Motion, index: int) -> str:
-    return getattr(demonstration, "name", "") or f"demonstration {index + 1}"
 
 
 def _faults(

@@ -177,7 +177,10 @@ class Guard(ShortRepr):
             reasons += _cut_off(given, times)
             stopping, contact = self._looked_at(rows, ALL_WORK)
             if stopping is not None and contact is None:
-                return self._allowed(given, stopping, reasons)
+                verdict: Verdict = "changed" if reasons else "allowed"
+                return self._admitted(
+                    stopping, verdict, reasons, start=given.start, events=given.events
+                )
             places = np.arange(len(rows), dtype=np.float64)
             return self._certified(rows, places, given, reasons, stopping=stopping, contact=contact)
         reasons += exceeded(self._rules, now, rows, times, worst)
@@ -253,13 +256,6 @@ class Guard(ShortRepr):
     def _left(self) -> Float64Array:
         assert self._stream is not None
         return self._stream[self._at + 1 :]
-
-    def _allowed(
-        self, given: Chunk, stopping: StoppingTrajectory, reasons: tuple[Reason, ...]
-    ) -> Admission:
-        """The chunk as it is."""
-        verdict: Verdict = "changed" if reasons else "allowed"
-        return self._admitted(stopping, verdict, reasons, start=given.start, events=given.events)
 
     def _looked_at(
         self, rows: Float64Array, most_work: int

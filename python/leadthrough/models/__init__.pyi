@@ -24,7 +24,7 @@ from .gaussians.fitting import (
 )
 from .gaussians.kmeans import Clusters as Clusters, kmeans as kmeans
 from .gaussians.mixture import Mixture as Mixture
-from .learn import learn as learn
+from .learn import Reproduction as Reproduction, learn as learn, reproduction as reproduction
 from .library import OutsideTargets as OutsideTargets, SkillLibrary as SkillLibrary
 from .marching.model import FastMarching as FastMarching, FastMarchingSkill as FastMarchingSkill
 from .mixtures.gmr import GMR as GMR, GMRSkill as GMRSkill
@@ -46,4 +46,3 @@ from .registry import (
     model_entry as model_entry,
     model_names as model_names,
 )
-from .reproduction import Reproduction as Reproduction, reproduction as reproduction

@@ -1,15 +1,24 @@
-"""The family of models that predicts left-out demonstrations best, learned from all of them."""
+"""Models chosen by left-out demonstrations, and how near skills come to demonstrations."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from leadthrough import rotations
 from leadthrough.blas_threads import one_blas_thread
-from leadthrough.check import InvalidInput, LeadthroughError
+from leadthrough.check import (
+    Float64Array,
+    InvalidInput,
+    LeadthroughError,
+    NoPath,
+    ShortRepr,
+    refused,
+)
 from leadthrough.models.protocol import (
     Choice,
     Demonstrations,
@@ -17,16 +26,32 @@ from leadthrough.models.protocol import (
     Model,
     Outliers,
     Skill,
+    check_skill,
     fit_all,
     motions_of,
 )
 from leadthrough.models.registry import model_entry
-from leadthrough.models.reproduction import mean_distance
-from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory, target_of
+from leadthrough.motion import (
+    JointTrajectory,
+    Motion,
+    MotionT,
+    PoseTrajectory,
+    in_order,
+    lerp,
+    target_of,
+)
+from leadthrough.preprocess import arc_length, by_arc_length, frechet_distance
+from leadthrough.preprocess.align import MIN_TURN, TURNING
 
 # The first is taken where nothing can be left out.
 CANDIDATES = ("aligned-mean", "fast-marching", "promp", "dmp")
-_MOST_LEFT_OUT = 8  # demonstrations, evenly chosen
+_MAX_LEFT_OUT = 8  # demonstrations, evenly chosen
+
+
+_STEP = 1e-3  # of the extent, between compared points of a path
+_MIN_POINTS, _MAX_POINTS, _POINTS_A_ROW = 200, 4000, 10
+_EVEN = 100  # rows, evenly spaced along each motion
+_CHORD = 2.0 * np.sqrt(2.0)  # Frobenius distance of opposite rotation matrices
 
 
 @one_blas_thread
@@ -85,7 +110,7 @@ def _left_out(count: int) -> list[int]:
     """The indices of the demonstrations to leave out."""
     if count < 2:
         return []
-    return [int(i) for i in np.linspace(0, count - 1, min(count, _MOST_LEFT_OUT)).round()]
+    return [int(i) for i in np.linspace(0, count - 1, min(count, _MAX_LEFT_OUT)).round()]
 
 
 def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> float:
@@ -99,5 +124,134 @@ def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> fl
                 made = fit_all(model, rest).generate(start=start, goal=goal)
         except LeadthroughError:
             return float("inf")
-        errors.append(mean_distance(motions[i], made))
+        errors.append(_mean_distance(motions[i], made))
     return float(np.mean(errors)) if errors else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Reproduction(ShortRepr):
+    """Distances of a skill's motions from its demonstrations, path from path.
+
+    Attributes:
+        positions: Frechet distance (k,) from each demonstration, in its unit (m; of joints rad, as
+            the norm over all); infinite where the skill has no motion from its start to its goal.
+        orientations: likewise of orientations (k,), rad; None without orientations.
+        extents: diagonals (k,) of the boxes that hold the demonstrations' positions.
+    """
+
+    positions: Float64Array
+    orientations: Float64Array | None
+    extents: Float64Array
+
+    @property
+    def position(self) -> float:
+        """The largest distance from a demonstration."""
+        return float(self.positions.max())
+
+    @property
+    def orientation(self) -> float | None:
+        """The largest distance from a demonstration's orientations, rad."""
+        return None if self.orientations is None else float(self.orientations.max())
+
+    @property
+    def fraction(self) -> float:
+        """The largest distance from a demonstration as a fraction of its extent."""
+        return float((self.positions / np.where(self.extents > 0.0, self.extents, 1.0)).max())
+
+    def as_dict(self) -> dict[str, float | None]:
+        """The largest distances in plain values; None where there are none."""
+        found = {
+            "position": self.position,
+            "orientation": self.orientation,
+            "fraction": self.fraction,
+        }
+        return {name: x if x is not None and np.isfinite(x) else None for name, x in found.items()}
+
+
+def reproduction(skill: Skill[Any], demonstrations: Demonstrations[Motion]) -> Reproduction:
+    """The distances of a skill's motions from demonstrations.
+
+    Each is generated from the demonstration's own start to its own goal, in its duration, as far
+    as the skill supports that. Paths are compared, not their timing.
+
+    Args:
+        skill: the skill, learned from these or others.
+        demonstrations: one or more, of the skill's type of motion.
+
+    Raises:
+        FitError: if there is no demonstration, or one does not move.
+        InvalidInput: if they are of another type, size or arm than the skill's motions.
+
+    Source: Eiter and Mannila 1994, the discrete Frechet distance, of up to 4000 points evenly
+        spaced along each path.
+    """
+    check_skill(skill)
+    motions = _of_skill(skill, motions_of(demonstrations))
+    pairs = np.array([_distances(skill, each) for each in motions])
+    posed = isinstance(motions[0], PoseTrajectory)
+    extents = [float(np.linalg.norm(np.ptp(each.positions, axis=0))) for each in motions]
+    return Reproduction(pairs[:, 0], pairs[:, 1] if posed else None, np.array(extents))
+
+
+def _of_skill(skill: Skill[Any], motions: list[Motion]) -> list[Motion]:
+    """The motions, with their joints in the skill's order; of another type they are refused."""
+    try:
+        nominal = skill.generate()
+    except NoPath:
+        return motions
+    one, other = (f"{type(m).__name__} of {m.positions.shape[1]}" for m in (nominal, motions[0]))
+    if one != other:
+        raise refused("demonstrations", f"motions as the skill's, {one} columns", other)
+    if not isinstance(nominal, JointTrajectory):
+        return motions
+    names = nominal.joint_names
+    return [in_order(each, names, f"demonstrations[{i}]") for i, each in enumerate(motions)]
+
+
+def _distances(skill: Skill[Any], demonstrated: Motion) -> tuple[float, float]:
+    """The distances of positions and of orientations (0 without), infinite without a motion."""
+    asked: dict[str, Any] = {"duration": demonstrated.duration}
+    if not hasattr(skill, "period"):  # a rhythm has neither start nor goal
+        asked |= {"start": target_of(demonstrated, 0), "goal": target_of(demonstrated, -1)}
+    asked = {name: value for name, value in asked.items() if name in skill.supports}
+    try:
+        made = skill.generate(**asked, dt=demonstrated.duration / _MAX_POINTS)
+    except LeadthroughError:
+        return np.inf, np.inf
+    apart = _apart(demonstrated.positions, made.positions)
+    if not isinstance(demonstrated, PoseTrajectory):
+        return apart, 0.0
+    chord = _apart(
+        *(rotations.to_matrix(each.orientations).reshape(-1, 9) for each in (demonstrated, made))
+    )
+    return apart, 2.0 * float(np.arcsin(min(chord / _CHORD, 1.0)))
+
+
+def _apart(demonstrated: Float64Array, made: Float64Array) -> float:
+    """The Frechet distance of paths (n, d) and (m, d)."""
+    size = float(np.linalg.norm(np.ptp(demonstrated, axis=0)))
+    steps = arc_length(demonstrated)[-1] / (_STEP * size) if size > 0.0 else 0.0
+    most = min(_MAX_POINTS, max(_MIN_POINTS, _POINTS_A_ROW * len(demonstrated)))
+    count = int(np.clip(steps, _MIN_POINTS, most))
+    return frechet_distance(by_arc_length(demonstrated, count), by_arc_length(made, count))
+
+
+def _mean_distance(demonstrated: Motion, made: Motion) -> float:
+    """Mean distance of evenly spaced rows, in units of the demonstrated motion's extent."""
+    extent = float(np.linalg.norm(np.ptp(demonstrated.positions, axis=0))) or 1.0
+    apart = (_even(demonstrated, demonstrated.positions) - _even(made, made.positions)) / extent
+    if isinstance(demonstrated, PoseTrajectory) and isinstance(made, PoseTrajectory):
+        turned = [_even(each, rotations.lift(each.orientations)) for each in (demonstrated, made)]
+        turns = [rotations.exp(each) for each in turned]
+        reach = float(rotations.distance(turns[0], turns[0][:1].repeat(_EVEN, 0)).max())
+        angle = rotations.distance(*turns) * (TURNING / max(reach, MIN_TURN))
+        apart = np.column_stack([apart, angle])
+    return float(np.linalg.norm(apart, axis=1).mean())
+
+
+def _even(motion: Motion, rows: Float64Array) -> Float64Array:
+    """Rows (100, d) at even steps along a motion's positions, in time where they stand still."""
+    covered = arc_length(motion.positions)
+    along = covered / covered[-1] if covered[-1] > 0.0 else np.linspace(0.0, 1.0, len(covered))
+    at = np.linspace(0.0, 1.0, _EVEN)
+    return lerp(at, along, rows)

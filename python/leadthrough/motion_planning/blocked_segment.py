@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.arm import Arm, IkOptions
-from leadthrough.arm.inverse_kinematics import Axis
+from leadthrough.arm import Arm, Axis, IkOptions
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory, Trajectory
 from leadthrough.shapes import Scene

@@ -155,7 +155,9 @@ def _space(
         bounds.setHigh(i, float(upper[i]))
     space.setBounds(bounds)
     information = base.SpaceInformation(space)
-    information.setStateValidityChecker(lambda state: around.clear_at(_values(state, joints)[None]))
+    information.setStateValidityChecker(
+        lambda state: all(around.clear_rows(_values(state, joints)[None]))
+    )
     return information
 
 

@@ -121,13 +121,13 @@ class LiveView:
         self._time.on_update(lambda _: self._stage.pose(self._animation, self._time.value))
 
     def _layer_controls(self) -> None:
+        def add_box(layer: str) -> None:
+            box = self._server.gui.add_checkbox(layer, True)
+            box.on_update(lambda _: self._stage.show(layer, box.value))
+
         with self._server.gui.add_folder("Layers"):
             for layer in dict.fromkeys(item.layer for item in self._animation.items):
-                self._layer_box(layer)
-
-    def _layer_box(self, layer: str) -> None:
-        box = self._server.gui.add_checkbox(layer, True)
-        box.on_update(lambda _: self._stage.show(layer, box.value))
+                add_box(layer)
 
     def _model_controls(self, planner: Replanner) -> None:
         nominal = round(planner.nominal_duration, 2)

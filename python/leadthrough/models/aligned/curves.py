@@ -12,16 +12,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from leadthrough import rotations
 from leadthrough.check import Float64Array
-from leadthrough.motion import lerp
+from leadthrough.models.coordinates import mean_orientations
+from leadthrough.motion import Motion, PoseTrajectory, lerp
 from leadthrough.noise import without_noise
-from leadthrough.preprocess.align import FREE, warp
+from leadthrough.preprocess.align import FREE, MIN_TURN, TURNING, warp
 from leadthrough.preprocess.moved_ends import with_ends
 from leadthrough.preprocess.smooth import in_pieces
 
 # Rows of a curve: as few as keep all samples within a fraction of the extent, doubled from the
 # first number up to the last.
-_ROWS, _MOST_ROWS, _DETAIL = 200, 3200, 1e-3
+_ROWS, _MAX_ROWS, _DETAIL = 200, 3200, 1e-3
 # A motion is of as few cubic pieces, doubled from the first number, as leave out no more than a
 # fraction of the extent, each of at least so many rows; of more pieces, all is detail.
 _PIECES, _MAX_PIECES, _ROWS_A_PIECE, _TREMOR = 8, 256, 3, 2.5e-3
@@ -90,7 +92,7 @@ def by_arc(columns: Sequence[Float64Array], times: Sequence[Float64Array]) -> Cu
 def _row_count(columns: Sequence[Float64Array], phases: Sequence[Float64Array]) -> int:
     """The number of even rows between which no sample lies far from the line."""
     count = _ROWS
-    while count < _MOST_ROWS:
+    while count < _MAX_ROWS:
         even = even_phases(count)
         missed = [
             np.linalg.norm(each - lerp(u, even, lerp(even, u, each)), axis=1).max()
@@ -171,3 +173,53 @@ def modes_of(rows: Float64Array) -> NDArray[np.int64]:
     groups = fcluster(joined, np.sqrt(at[widest] * at[widest + 1]), "distance")
     _, first, numbers = np.unique(groups, return_index=True, return_inverse=True)
     return np.asarray(np.argsort(np.argsort(first))[numbers], dtype=np.int64)
+
+
+def columns_of(motions: Sequence[Motion]) -> tuple[list[Float64Array], Float64Array]:
+    """Columns (n, width) of each motion, and the mean goal orientation (1, 4) of poses.
+
+    Orientations are rotation vectors from that mean, continuous along the motion.
+    """
+    poses = [each for each in motions if isinstance(each, PoseTrajectory)]
+    if not poses:
+        return [each.positions for each in motions], np.empty((1, 4))
+    reference = mean_orientations([each.orientations[-1:] for each in poses])
+    return [np.hstack([each.positions, _lifted(each, reference)]) for each in poses], reference
+
+
+def features_of(motions: Sequence[Motion]) -> list[Float64Array]:
+    """Rows to tell modes apart, of positions and of rotation matrices, which need no reference."""
+    columns = [
+        np.hstack([each.positions, rotations.to_matrix(each.orientations).reshape(-1, 9)])
+        if isinstance(each, PoseTrajectory)
+        else each.positions
+        for each in motions
+    ]
+    scale = scale_of(columns, motions[0].positions.shape[1])
+    return [each / scale for each in columns]
+
+
+def clocks_of(motions: Sequence[Motion]) -> list[Float64Array]:
+    """The times (n,) of each motion from 0 on, s."""
+    return [each.times - each.times[0] for each in motions]
+
+
+def scale_of(columns: Sequence[Float64Array], size: int) -> Float64Array:
+    """The extent (width,) of positions, and that of orientations for their weight."""
+    width = columns[0].shape[1]
+    extent = [float(np.mean([_extent(each[:, :size]) for each in columns]))]
+    if width > size:
+        turn = np.mean([_extent(each[:, size:]) for each in columns])
+        extent.append(max(float(turn), MIN_TURN) / TURNING)
+    scale = np.repeat([each or 1.0 for each in extent], [size, width - size][: len(extent)])
+    return np.asarray(scale, dtype=np.float64)
+
+
+def _extent(rows: Float64Array) -> float:
+    return float(np.linalg.norm(np.ptp(rows, axis=0)))
+
+
+def _lifted(motion: PoseTrajectory, reference: Float64Array) -> Float64Array:
+    """Rotation vectors (n, 3) from a reference (1, 4), continuous, the last at most pi long."""
+    back = rotations.inverse(np.repeat(reference, len(motion.times), 0))
+    return rotations.lift(rotations.compose(back, motion.orientations), anchor="goal")

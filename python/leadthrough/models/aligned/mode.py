@@ -12,15 +12,18 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models import phase
-from leadthrough.models.aligned.columns import clocks_of, columns_of, features_of, scale_of
 from leadthrough.models.aligned.curves import (
     Curves,
     arc_phases,
     by_arc,
+    clocks_of,
+    columns_of,
     elastic,
     even_phases,
+    features_of,
     modes_of,
     piece_count,
+    scale_of,
     smoothed,
 )
 from leadthrough.models.aligned.fading import Option, Predictor

@@ -132,7 +132,8 @@ class Channels(Generic[StateT]):
             jerk = transformation.minimum_jerk(ends.moved(known.start, known.goal))
             plain = self.progress.expanded(jerk)
         start, goal = ends.start - known.start, ends.goal - known.goal
-        return transformation.moved_course(plain, self.progress, start=start, goal=goal)
+        progress = self.progress
+        return core.dmp_shifted_course(progress.breaks, plain, progress.coefficients, start, goal)
 
     @cached_property
     def _demonstrated_reference(self) -> Float64Array:

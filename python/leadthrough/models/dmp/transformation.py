@@ -198,13 +198,6 @@ def course(form: str, ends: Ends, *, amplitude: float = 1.0) -> core.DmpCourse:
     return core.DmpCourse(np.array([0.0, 1.0]), np.ascontiguousarray(reference), gain, drive)
 
 
-def moved_course(
-    plain: Float64Array, progress: Progress, *, start: Float64Array, goal: Float64Array
-) -> core.DmpCourse:
-    """The course of the form "blended", its start and goal shifted by offsets (channels,)."""
-    return core.dmp_shifted_course(progress.breaks, plain, progress.coefficients, start, goal)
-
-
 def with_via(before: core.DmpCourse, via: Sequence[tuple[float, Float64Array]]) -> core.DmpCourse:
     """A course with detours: the minimum-jerk spline through them, at rest and 0 at both ends."""
     from scipy.interpolate import make_interp_spline

@@ -151,11 +151,12 @@ def experience_of(
 
 
 def _experience(motion: Trajectory | PoseTrajectory) -> Experience:
-    covered = arc_length(without_noise(motion.positions))
+    smooth = without_noise(motion.positions)
+    covered = arc_length(smooth)
     return Experience(
         motion.positions,
         motion.duration,
-        progress_of(motion.times, motion.positions),
+        progress_of(motion.times, smooth),
         motion.orientations if isinstance(motion, PoseTrajectory) else None,
         moved_events(motion.events, motion.times, covered / covered[-1]),
         demonstrated_posture([motion], [covered / covered[-1]]),
