@@ -21,7 +21,7 @@ from peers import TRAC_IK_TOLERANCE, Solve, toolbox, trac_ik
 import leadthrough as lt
 
 TOLERANCE = 1e-5  # m and rad: what counts as solved
-MOST_UNSOLVED = 5e-4
+MAX_UNSOLVED = 5e-4
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
@@ -57,7 +57,7 @@ def _rows(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> Itera
             peer=partial(_call, solve, targets, seeds),
             peer_name=peer_name,
             error=lambda answers, _: 1.0 - judge.solved(targets, answers, tolerance=TOLERANCE),
-            tolerance=MOST_UNSOLVED,
+            tolerance=MAX_UNSOLVED,
             calls=count,
         )
 

@@ -19,7 +19,7 @@ import leadthrough as lt
 from leadthrough.planning import ArrivalField, arrival_times_batch
 
 TOLERANCE = {"float64": 1e-6, "float32": 1e-5}  # relative to the latest time
-MOST_INVALID = 0.02  # of the cells
+MAX_INVALID = 0.02  # of the cells
 THREADS = 2
 
 
@@ -47,7 +47,7 @@ def _replans(name: str, speed: Any, source: tuple[int, ...], low: float) -> Iter
     free, blocked = speed[box].copy(), np.zeros_like(speed[box])
     walled = speed.copy()
     walled[box] = 0.0
-    if not field.update_part(box, blocked).invalidated < MOST_INVALID * speed.size:
+    if not field.update_part(box, blocked).invalidated < MAX_INVALID * speed.size:
         raise ValueError(f"{name}: the box invalidates too many cells")
     field.update_part(box, free)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 # Short calls are repeated for this long, s, or other processes decide their least time.
-LEAST_TIME = 0.3
+MIN_TIME = 0.3
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def measure(benchmark: Benchmark, repeats: int) -> Row:
         return Row(*answer)
     ours: list[float] = []
     peer: list[float] = []
-    while len(ours) < repeats or sum(ours) + sum(peer) < LEAST_TIME:
+    while len(ours) < repeats or sum(ours) + sum(peer) < MIN_TIME:
         ours.append(_seconds(benchmark.ours, benchmark.clock))
         peer.append(_seconds(benchmark.peer, benchmark.clock))
     return Row(

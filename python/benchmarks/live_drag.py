@@ -25,7 +25,7 @@ ENDS = np.array([[0.4, -0.38, 0.18], [0.5, 0.36, 0.22]])
 HANDLE = (0.0, 0.13, 0.0)  # the arrow that points to y, from the box's centre, m
 PIXELS = 40  # of the way to and fro
 PAUSE = 0.05  # s between moves of the mouse
-LONGEST = 1.0  # s
+MAX_WAIT = 1.0  # s
 _WATCH = """() => {
   window.moved = []; window.told = [];
   addEventListener('pointermove', () => moved.push(performance.now()), true);
@@ -83,7 +83,7 @@ def _dragged(tab: Page, place: tuple[float, float], moves: int) -> list[float]:
     for i in range(moves):
         tab.evaluate("moved.length = told.length = 0")
         tab.mouse.move(x + PIXELS * np.sin(0.2 * (i + 1)), y)
-        waited = time.monotonic() + LONGEST
+        waited = time.monotonic() + MAX_WAIT
         answered = None
         # The same remark twice changes nothing on the page: such a move is not counted.
         while answered is None and time.monotonic() < waited:

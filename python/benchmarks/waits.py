@@ -44,7 +44,7 @@ from leadthrough.show.replanner import Replanner
 
 LENGTH = 0.6  # m
 SCENES = 200
-MOST_APART = 0.5  # cells
+MAX_APART = 0.5  # cells
 DRAGS = 100
 LOADS, FRAMES = 5, 600  # of a page from disk
 # Each goes on from the files of those before.
@@ -241,7 +241,7 @@ def _random_scenes(count: int) -> Iterator[Row]:
             taken.append(1e3 * (time.process_time() - begin))
         even = (by_arc_length(each, 2000) for each in paths)
         apart.append(frechet_distance(*even) / float(field.grid.spacing.max()))
-        if apart[-1] > MOST_APART:
+        if apart[-1] > MAX_APART:
             wrong = wrong or f"scene {seed}: {apart[-1]:.2f} cells apart"
         if _clearance(paths[0], obstacles) <= 0.0:
             wrong = wrong or f"scene {seed}: through a wall"

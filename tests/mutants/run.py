@@ -30,7 +30,7 @@ NO_PROGRAM = "does not compile"
 # Processor time that a part's tests may take: as often that without a fault, and some to begin, s.
 SLOWER, BEGIN = 2.0, 10.0
 # A header that more sources include takes minutes to compile, and is left out.
-MOST_DEPENDENTS = 5
+MAX_DEPENDENTS = 5
 
 
 class Table:
@@ -91,7 +91,7 @@ def main() -> None:
         for mutant in filter(None, chain.from_iterable(zip_longest(*draws))):
             if left == 0:
                 break
-            if tree.dependents(mutant.path) > MOST_DEPENDENTS:
+            if tree.dependents(mutant.path) > MAX_DEPENDENTS:
                 continue
             if mutant not in table.rows:
                 judge(mutant, tree, table, tests[mutant.part], unchanged)

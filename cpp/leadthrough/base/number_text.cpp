@@ -15,8 +15,8 @@ namespace {
 using Eigen::Index;
 
 // Numbers between these are written without an exponent, as Python writes them.
-constexpr double kSmallestFixed = 1e-4, kLargestFixed = 1e16;
-constexpr double kLargestInteger = 9e18;
+constexpr double kMinFixed = 1e-4, kMaxFixed = 1e16;
+constexpr double kMaxInteger = 9e18;
 
 void append_integer(std::string& out, double value) {
   std::array<char, 24> buffer{};
@@ -29,7 +29,7 @@ void append_integer(std::string& out, double value) {
 void append_number(std::string& out, double value) {
   std::array<char, 40> buffer{};
   const double size = std::abs(value);
-  const bool fixed = size == 0.0 || (size >= kSmallestFixed && size < kLargestFixed);
+  const bool fixed = size == 0.0 || (size >= kMinFixed && size < kMaxFixed);
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
                                  fixed ? std::chars_format::fixed : std::chars_format::scientific);
   const std::string_view text(buffer.data(), static_cast<std::size_t>(end.ptr - buffer.data()));
@@ -102,7 +102,7 @@ std::string write_records(const Eigen::Ref<const Rows>& values, const RecordLayo
       out += layout.texts[group];
       for (Index k = 0; k < layout.counts[group]; ++k, ++column) {
         if (k > 0) out += layout.separator;
-        if (column >= width - layout.integers && std::abs(values(i, column)) < kLargestInteger)
+        if (column >= width - layout.integers && std::abs(values(i, column)) < kMaxInteger)
           append_integer(out, values(i, column));
         else
           append_number(out, values(i, column));

@@ -23,11 +23,11 @@ constexpr double kSpare = 1.002;
 // A stop takes longer with each attempt by this fraction.
 constexpr Index kStopFractions = 8;
 // An eased path has at most this many times its rows.
-constexpr Index kLongestEase = 4;
+constexpr Index kMaxEase = 4;
 // A ramp takes longer with each attempt by this fraction.
 constexpr Index kEaseFractions = 2;
 // A state that is not that of the path is led onto it in at most this many periods.
-constexpr Index kMostPeriods = 16;
+constexpr Index kMaxPeriods = 16;
 
 // Periods in which the fastest joint of the path can stop: the time scale of changes of pace.
 Index gentle(const StepLimits& limits, const RowsRef& path) {
@@ -223,7 +223,7 @@ std::optional<Paced> eased(const StepLimits& limits, const RowsRef& start, const
   const PathCurve curve(path, limits.period);
   const double before = pace_of(start, path, rate);
   const double last = static_cast<double>(path.rows() - 1);
-  const Index most = kLongestEase * path.rows();
+  const Index most = kMaxEase * path.rows();
   Rows stream(most + 1, path.cols());
   stream.row(0) = start.row(0);
   ArrayXd places(most);
@@ -242,10 +242,10 @@ std::optional<Paced> eased(const StepLimits& limits, const RowsRef& start, const
       }
       return end;
     };
-    const Index begun = std::min(ramp + 1 + kMostPeriods, most + 1);
+    const Index begun = std::min(ramp + 1 + kMaxPeriods, most + 1);
     const Index known = filled(1, begun);
     if (known <= std::min(ramp, begun - 1)) continue;
-    const auto onto = bridge_on_time(limits, start, stream.middleRows(1, known - 1), kMostPeriods);
+    const auto onto = bridge_on_time(limits, start, stream.middleRows(1, known - 1), kMaxPeriods);
     if (!onto) continue;
     stream.middleRows(1, onto->skipped) = onto->samples;
     const Index count = (known < begun ? known : filled(begun, most + 1)) - 1;

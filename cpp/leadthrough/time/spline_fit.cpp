@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 constexpr Index kDegree = 5, kOrder = kDegree + 1;
 constexpr Index kFirstSpans = 4;
 // A span needs a few more samples than coefficients of its own, or it swings between them.
-constexpr Index kLeastSamples = 3;
+constexpr Index kMinSamples = 3;
 // Each end weighs as much as the square of this many samples.
 constexpr double kWeightOfEnds = 1e4;
 // Weights of the third derivative over a path of length 1, as powers of ten: a bend of a thousandth
@@ -273,7 +273,7 @@ class Fit {
 
 bool wide_enough(const std::vector<Index>& breaks) {
   for (std::size_t k = 1; k < breaks.size(); ++k)
-    if (breaks[k] - breaks[k - 1] < kLeastSamples) return false;
+    if (breaks[k] - breaks[k - 1] < kMinSamples) return false;
   return true;
 }
 
@@ -311,7 +311,7 @@ SplineFit smooth_spline(const Eigen::Ref<const VectorXd>& parameters,
   check_argument(bounds.lower.size() == q.cols() && bounds.upper.size() == q.cols(),
                  "bounds: expected one value a joint");
   std::vector<Index> breaks;
-  const Index spans = std::max<Index>((q.rows() - 1) / kLeastSamples, 1);
+  const Index spans = std::max<Index>((q.rows() - 1) / kMinSamples, 1);
   for (Index k = 0; k <= spans; ++k) breaks.push_back(k * (q.rows() - 1) / spans);
   Fit fit(parameters, q, breaks);
   if (!fit.smooth(bounds, tolerance)) return {};

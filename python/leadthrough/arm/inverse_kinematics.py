@@ -15,8 +15,8 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
-# Of the target's frame: along its axes, then about them.
 Axis = Literal["x", "y", "z", "rx", "ry", "rz"]
+"""Axes of a target's frame that may stay free: along them, then rotations about them."""
 AXES: tuple[Axis, ...] = get_args(Axis)
 
 IkMode = Literal["fastest", "closest"]

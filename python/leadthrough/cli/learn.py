@@ -311,12 +311,12 @@ def _without(
 
 def _refuse_contradictions(ctx: typer.Context, demonstrations: Sequence[lt.Demonstration]) -> None:
     """Refuses a recording that contradicts all others, with the command that drops it."""
-    from leadthrough.models.contradictions import contradictions
-    from leadthrough.models.protocol import motions_of
+    from leadthrough.models.protocol import contradicting, motions_of
 
-    found = contradictions(motions_of(demonstrations))
-    texts = {demonstrations[each.index].name: each.text for each in found}
-    _refuse_named(ctx, texts, len(demonstrations))
+    found = contradicting(motions_of(demonstrations))
+    _refuse_named(
+        ctx, {demonstrations[i].name: text for i, text in found.items()}, len(demonstrations)
+    )
 
 
 def _refuse_too_fast(

@@ -287,9 +287,14 @@ def motions_of(
     return motions if outliers == "keep" else _agreeing(motions, outliers)
 
 
+def contradicting(motions: Sequence[Motion]) -> dict[int, str]:
+    """The motions that contradict all others, by their index, and why they do."""
+    return {each.index: each.text for each in contradictions(motions)}
+
+
 def _agreeing(motions: list[Any], outliers: Outliers) -> list[Any]:
     """The motions without those that contradict all others, which are refused or dropped."""
-    found = {each.index: each.text for each in contradictions(motions)}
+    found = contradicting(motions)
     if found and outliers == "refuse":
         texts = (f"demonstrations[{i}]: {text}" for i, text in found.items())
         raise FitError(

@@ -252,7 +252,7 @@ def _joined(
         motions.append(motion)
         begin += float(motion.times[-1])
     moved = Samples.joined(motions) if motions else Samples.at_rest(start)
-    return moved.with_dwells([0], [sections.initial_dwell], request.rate)
+    return moved.with_dwell_before(sections.initial_dwell, request.rate)
 
 
 def _trajectory(

@@ -6,11 +6,12 @@ is the fastest motion of samples that keep the limits, to a few samples.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 import leadthrough._core as core
 from leadthrough.arm.limits import JointLimits, refuse_zeros
@@ -55,10 +56,18 @@ class Samples:
             np.concatenate([m.accelerations[c] for m, c in pairs]),
         )
 
-    def with_dwells(self, at: ArrayLike, times: ArrayLike, rate: float) -> Samples:
-        """The motion with further rests at samples, where it stands still."""
+    def with_dwell_before(self, time: float, rate: float) -> Samples:
+        """The motion after a rest."""
+        return Samples.joined([self._rest(0, time, rate), self]) if time > 0.0 else self
+
+    def with_dwell_after(self, time: float, rate: float) -> Samples:
+        """The motion followed by a rest."""
+        return Samples.joined([self, self._rest(-1, time, rate)]) if time > 0.0 else self
+
+    def with_dwells(self, at: NDArray[np.intp], times: Float64Array, rate: float) -> Samples:
+        """The motion with further rests at samples."""
         copies = np.ones(len(self.times), dtype=np.intp)
-        copies[np.asarray(at)] += np.ceil(np.asarray(times) * rate - 1e-9).astype(np.intp)
+        copies[at] += np.ceil(times * rate - 1e-9).astype(np.intp)
         if (copies == 1).all():
             return self
         later = np.concatenate([[0], np.cumsum(copies[:-1] - 1)]) / rate
@@ -69,6 +78,13 @@ class Samples:
     def some(self, count: int) -> Samples:
         """At most `count` evenly spread samples."""
         return self._of(np.unique(np.linspace(0, len(self.times) - 1, count).astype(np.intp)))
+
+    def _rest(self, end: int, time: float, rate: float) -> Samples:
+        """Standing still where the motion begins or ends."""
+        count = math.ceil(time * rate - 1e-9) + 1
+        positions = np.repeat(self.positions[[end]], count, axis=0)
+        still, rows = np.zeros_like(positions), np.repeat(self.rows[end], count)
+        return Samples(np.arange(count) / rate, rows, positions, still, still)
 
     def _of(self, index: NDArray[np.intp]) -> Samples:
         return Samples(

@@ -63,7 +63,7 @@ Free = NDArray[np.bool_]
 def time_section(section: Section, limits: JointLimits, request: Request, begin: float) -> Samples:
     """The fastest motion along a section, and its rest at the end."""
     motion = _fastest(section, limits, request, begin, cuts=0)
-    return motion.with_dwells([-1], [section.dwell_time], request.rate)
+    return motion.with_dwell_after(section.dwell_time, request.rate)
 
 
 def _fastest(

@@ -17,7 +17,7 @@ from leadthrough_studies.study import Report, Row, selected
 
 _COLOURS = (palette.BLUE, palette.VERMILION, palette.GREEN, palette.PINK, palette.AMBER)
 _FEWEST = 4
-_LEAST_ERROR = 1e-3  # mrad; below, the theory expects none
+_MIN_ERROR = 1e-3  # mrad; below, the theory expects none
 
 
 def report(config: Any, rows: list[Row]) -> Report:
@@ -55,7 +55,7 @@ def _pages(config: Any) -> dict[str, list[str]]:
 
 def _setting(rows: list[Row], name: str) -> Row:
     own = selected(rows, setting=name)
-    told = [row for row in own if row["expected_mrad"] > _LEAST_ERROR]
+    told = [row for row in own if row["expected_mrad"] > _MIN_ERROR]
     ratios = [row["joint_error_mrad"] / row["expected_mrad"] for row in told]
     return {
         "what": name,
@@ -127,7 +127,7 @@ def _errors_figure(rows: list[Row]) -> Figure:
     settings = dict.fromkeys(row["setting"] for row in rows)
     for setting, colour in zip(settings, _COLOURS, strict=False):
         own = [
-            row for row in selected(rows, setting=setting) if row["expected_mrad"] > _LEAST_ERROR
+            row for row in selected(rows, setting=setting) if row["expected_mrad"] > _MIN_ERROR
         ]
         if own:
             expected = [row["expected_mrad"] for row in own]

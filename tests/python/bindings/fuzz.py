@@ -40,7 +40,7 @@ core = importlib.import_module("leadthrough._core")
 FEW = 6  # recorded calls of each function
 TOGETHER = 25  # calls in a child; the next one goes on after a call that ends it
 OUTCOMES = {"a": "answered", "r": "refused", "s": "stopped"}
-SECONDS, MOST_SECONDS = 1, 5  # of processor time: to be stopped, and to have ended
+SECONDS, MAX_SECONDS = 1, 5  # of processor time: to be stopped, and to have ended
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -0.0, -1.0, 1e-300, 1e-30, 1e30, 1e300, 0.5, 1e9)
 INTEGERS = (-1, 0, 1, 2, 3, 1000, 2**31 - 1, 2**31, -(2**31), 2**53, 2**63 - 1, -(2**63), 2**64)
 TYPES = ("float32", "complex128", ">f8", "int64", "bool", "object", "U3")
@@ -205,8 +205,8 @@ def stop(*_: object) -> None:
 def run(call: Call) -> bytes:
     """The outcome of a call that ends no process."""
     used = sum(os.times()[:2])
-    resource.setrlimit(resource.RLIMIT_CPU, (int(used) + MOST_SECONDS, resource.RLIM_INFINITY))
-    signal.alarm(100 * MOST_SECONDS)  # for what waits for ever
+    resource.setrlimit(resource.RLIMIT_CPU, (int(used) + MAX_SECONDS, resource.RLIM_INFINITY))
+    signal.alarm(100 * MAX_SECONDS)  # for what waits for ever
     signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
         with np.errstate(all="ignore"):

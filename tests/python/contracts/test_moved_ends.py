@@ -21,7 +21,7 @@ MOST = 1.5
 OFFSETS = (0.01, 0.1, 1.0, 3.0)  # in sizes of the motion, or rad
 SAMPLES = 81
 # Of a motion where one sample of one demonstration moves by a millimetre, m.
-MOST_OF_ONE_SAMPLE = {"GMR": 1e-3, "TaskGMR": 2e-3}
+MAX_OF_ONE_SAMPLE = {"GMR": 1e-3, "TaskGMR": 2e-3}
 
 MODELS = {
     "movement primitive": kind("DMP"),
@@ -195,5 +195,5 @@ def test_a_millimetre_in_one_sample_changes_the_motion_by_a_few_at_most(name):
         moved[row] += beside(of, 1e-3, 0.0, 0.0)
         changed = [replace(motions[0], positions=moved), *motions[1:]]
         made = model.fit(changed).generate(goal=goal, duration=2.0)
-        most = MOST_OF_ONE_SAMPLE.get(STEADY[name].family, 3e-3)
+        most = MAX_OF_ONE_SAMPLE.get(STEADY[name].family, 3e-3)
         assert np.linalg.norm(made.positions - plain.positions, axis=1).max() <= most

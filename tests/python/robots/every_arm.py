@@ -29,7 +29,7 @@ RATE = 50  # Hz, of the recordings
 NOISE = 2e-4  # rad (m), of the encoders
 PACE = 0.4  # of a joint's speed limit, at most
 REACH = 0.15  # of a joint's range, and at most so many rad (m)
-MOST_REACH = 0.5
+MAX_REACH = 0.5
 HELD = 0.8  # of a joint's torque, at most, to hold the arm in a demonstration
 MAX_ATTEMPTS = 4000
 
@@ -84,7 +84,7 @@ def clear_reach(arm, rng):
     lower, upper = np.maximum(arm.limits.lower, -np.pi), np.minimum(arm.limits.upper, np.pi)
     for attempt in range(MAX_ATTEMPTS):
         first = lower + rng.uniform(0.25, 0.75, len(lower)) * (upper - lower)
-        way = rng.choice([-1.0, 1.0], len(lower)) * np.minimum(REACH * (upper - lower), MOST_REACH)
+        way = rng.choice([-1.0, 1.0], len(lower)) * np.minimum(REACH * (upper - lower), MAX_REACH)
         way *= 1.0 - attempt / MAX_ATTEMPTS
         path = first + minimum_jerk(np.linspace(0.0, 1.0, 20))[:, None] * way
         motion = lt.JointTrajectory(np.arange(20.0), path)
