@@ -126,9 +126,7 @@ def _errors_figure(rows: list[Row]) -> Figure:
     axes = figure.subplots()
     settings = dict.fromkeys(row["setting"] for row in rows)
     for setting, colour in zip(settings, _COLOURS, strict=False):
-        own = [
-            row for row in selected(rows, setting=setting) if row["expected_mrad"] > _MIN_ERROR
-        ]
+        own = [row for row in selected(rows, setting=setting) if row["expected_mrad"] > _MIN_ERROR]
         if own:
             expected = [row["expected_mrad"] for row in own]
             errors = [row["joint_error_mrad"] for row in own]
