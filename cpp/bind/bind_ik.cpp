@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bind/parts.hpp"
+#include "leadthrough/ik/closed_form.hpp"
 #include "leadthrough/ik/solve.hpp"
 #include "leadthrough/ik/yang.hpp"
 #include "leadthrough/rotation/so3.hpp"
@@ -20,6 +21,12 @@ IkTarget to_target(const Eigen::Ref<const Eigen::Vector3d>& position,
   if (orientation.size() == 4) target.rotation = so3::to_matrix(orientation);
   return target;
 }
+
+void require_form(const Chain& chain, const std::optional<ClosedForm>& form) {
+  require(!form || form->joints() == chain.joints());
+}
+
+const ClosedForm* pointer(const std::optional<ClosedForm>& form) { return form ? &*form : nullptr; }
 
 std::optional<JointVector> to_joints(const std::optional<Eigen::VectorXd>& q) {
   require(!q || q->size() <= kMaxJoints);
@@ -79,32 +86,47 @@ py::tuple solve_columns(int joints, const Solve& solve) {
 // `orientation` has four numbers or none.
 py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>& position,
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
-                    const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options) {
+                    const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
+                    const std::optional<ClosedForm>& form) {
   require(orientations_fit(4, orientation.size()));
+  require_form(chain, form);
   IkResult result;
   {
     const Unlocked unlocked;
-    result = solve_ik(chain, to_target(position, orientation), q0, options);
+    result = solve_ik(chain, to_target(position, orientation), q0, options, 0, pointer(form));
   }
   return to_tuple(result);
 }
 
 py::tuple solve_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                       const Eigen::Ref<const Rows4>& orientations,
-                      const Eigen::Ref<const Rows>& starts, const IkOptions& options, int threads) {
+                      const Eigen::Ref<const Rows>& starts, const IkOptions& options, int threads,
+                      const std::optional<ClosedForm>& form) {
+  require_form(chain, form);
   return solve_columns(chain.joints(), [&] {
-    return solve_ik_batch(chain, positions, orientations, starts, options, threads);
+    return solve_ik_batch(chain, positions, orientations, starts, options, threads, pointer(form));
   });
 }
 
+// Rows, errors in position and orientation, iterations, status of none, whether these are all, and
+// the resolution of a sweep.
 py::tuple solve_all(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>& position,
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
                     const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
-                    int count, double separation) {
+                    int count, double separation, const std::optional<ClosedForm>& form) {
   require(orientations_fit(4, orientation.size()));
-  return solve_columns(chain.joints(), [&] {
-    return solve_ik_all(chain, to_target(position, orientation), q0, options, count, separation);
-  });
+  require_form(chain, form);
+  IkSolutions solutions;
+  {
+    const Unlocked unlocked;
+    solutions = solve_ik_all(chain, to_target(position, orientation), q0, options, count,
+                             separation, pointer(form));
+  }
+  IkColumns table = columns(solutions.found, chain.joints());
+  return py::make_tuple(std::move(table.q), std::move(table.position_errors),
+                        std::move(table.orientation_errors), std::move(table.iterations),
+                        static_cast<int>(solutions.status), solutions.complete,
+                        solutions.resolution);
 }
 
 py::tuple solve_plainly(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
@@ -177,14 +199,20 @@ void bind_ik(py::module_& module) {
            py::arg("damping"), py::arg("alpha"), py::arg("condition_threshold"),
            py::arg("nullspace_gain"), py::arg("rotation_weight"));
 
+  py::class_<ClosedForm>(module, "ClosedForm")
+      .def_readonly("deviation", &ClosedForm::deviation)
+      .def_property_readonly("joints", [](const ClosedForm& form) { return form.joints(); });
+  module.def("recognize", &recognize, py::arg("chain"));
+
   module.def("solve_ik", &solve_one, py::arg("chain"), py::arg("position").noconvert(),
-             py::arg("orientation").noconvert(), py::arg("q0").noconvert(), py::arg("options"));
+             py::arg("orientation").noconvert(), py::arg("q0").noconvert(), py::arg("options"),
+             py::arg("form"));
   module.def("solve_ik_batch", &solve_batch, py::arg("chain"), py::arg("positions").noconvert(),
              py::arg("orientations").noconvert(), py::arg("starts").noconvert(), py::arg("options"),
-             py::arg("threads"));
+             py::arg("threads"), py::arg("form"));
   module.def("solve_ik_all", &solve_all, py::arg("chain"), py::arg("position").noconvert(),
              py::arg("orientation").noconvert(), py::arg("q0").noconvert(), py::arg("options"),
-             py::arg("count"), py::arg("separation"));
+             py::arg("count"), py::arg("separation"), py::arg("form"));
   module.def("solve_yang", &solve_plainly, py::arg("chain"), py::arg("positions").noconvert(),
              py::arg("orientations").noconvert(), py::arg("starts").noconvert(),
              py::arg("tolerance"), py::arg("max_iterations"), py::arg("options"),

@@ -31,6 +31,7 @@ position, downwards = np.array([0.25, 0.15, 0.12]), np.array([0.0, 1.0, 0.0, 0.0
 
 near_home = lt.arm.IkOptions(mode="closest", posture=home)
 ways = arm.inverse_kinematics_all(position, downwards, options=near_home)
+print(f"{len(ways)} configurations,", "complete" if ways.complete else "others may exist")
 for q in ways.q:
     print(np.round(np.degrees(q)).astype(int), f"{np.linalg.norm(q - home):.2f} rad from home")
 closest = arm.inverse_kinematics(position, downwards, options=near_home)

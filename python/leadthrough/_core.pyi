@@ -70,6 +70,10 @@ class IkMode(Enum):
     FASTEST = ...
     CLOSEST = ...
 
+class ClosedForm:
+    deviation: Final[float]
+    joints: Final[int]
+
 class IkOptions:
     def __init__(
         self,
@@ -358,12 +362,14 @@ def clear_path(
     list[tuple[str, str, int]],
     tuple[float, float, str, str] | None,
 ]: ...
+def recognize(chain: Chain) -> ClosedForm | None: ...
 def solve_ik(
     chain: Chain,
     position: Float64Array,
     orientation: Float64Array,
     q0: Float64Array,
     options: IkOptions,
+    form: ClosedForm | None,
 ) -> tuple[Float64Array, int, float, float, int, int]: ...
 def solve_ik_batch(
     chain: Chain,
@@ -372,6 +378,7 @@ def solve_ik_batch(
     starts: Float64Array,
     options: IkOptions,
     threads: int,
+    form: ClosedForm | None,
 ) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array, Int32Array, NDArray[np.bool_]]: ...
 def solve_ik_all(
     chain: Chain,
@@ -381,7 +388,8 @@ def solve_ik_all(
     options: IkOptions,
     count: int,
     separation: float,
-) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array, Int32Array, NDArray[np.bool_]]: ...
+    form: ClosedForm | None,
+) -> tuple[Float64Array, Float64Array, Float64Array, Int32Array, int, bool, float]: ...
 def solve_yang(
     chain: Chain,
     positions: Float64Array,

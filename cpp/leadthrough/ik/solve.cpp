@@ -4,11 +4,16 @@
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/base/parallel.hpp"
 #include "leadthrough/ik/axis_task.hpp"
+#include "leadthrough/ik/configurations.hpp"
 #include "leadthrough/ik/pose_search.hpp"
+#include "leadthrough/ik/swept_self_motion.hpp"
 
 namespace leadthrough {
 
 namespace {
+
+// Of these one descends to the closest configuration.
+constexpr int kNearestOfSweep = 4;
 
 // The search's best configuration, moved in the null space if requested.
 template <int M, typename Target>
@@ -64,6 +69,31 @@ IkResult solve_closest(const Chain& chain, const Target& target, const IkOptions
   return best;
 }
 
+IkResult search(const Chain& chain, const IkTarget& target, const IkOptions& options,
+                const JointVector& start, std::uint64_t stream) {
+  return visit_target(target, options.axes, [&](auto dimension, const auto& seen) {
+    constexpr int M = decltype(dimension)::value;
+    using Target = std::decay_t<decltype(seen)>;
+    return options.mode == IkMode::kClosest
+               ? solve_closest<M, Target>(chain, seen, options, start, stream)
+               : solve_fastest<M, Target>(chain, seen, options, start, stream);
+  });
+}
+
+// The reason why there is no configuration, by the closed form, where the search found none.
+void explain(const Configurations& all, IkResult& result) {
+  if (all.uncertain || !all.found.empty()) return;
+  const bool known = result.status == IkStatus::kLimits && all.status == IkStatus::kLimits;
+  if (!known) result.limiting = all.limiting;
+  result.status = all.status;
+}
+
+IkResult nearer(const IkResult& a, const IkResult& b, const JointVector& reference) {
+  if (a.status != IkStatus::kConverged || b.status != IkStatus::kConverged)
+    return a.status == IkStatus::kConverged ? a : b;
+  return (a.q - reference).squaredNorm() <= (b.q - reference).squaredNorm() ? a : b;
+}
+
 }  // namespace
 
 void check_options(const Chain& chain, const IkOptions& options, bool rotations) {
@@ -94,22 +124,35 @@ JointVector middle(const Chain& chain) {
 
 IkResult solve_ik(const Chain& chain, const IkTarget& target,
                   const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
-                  std::uint64_t stream) {
+                  std::uint64_t stream, const ClosedForm* form) {
   check_options(chain, options, target.rotation.has_value());
   const JointVector start = project(chain, q0);
-  return visit_target(target, options.axes, [&](auto dimension, const auto& seen) {
-    constexpr int M = decltype(dimension)::value;
-    using Target = std::decay_t<decltype(seen)>;
-    return options.mode == IkMode::kClosest
-               ? solve_closest<M, Target>(chain, seen, options, start, stream)
-               : solve_fastest<M, Target>(chain, seen, options, start, stream);
-  });
+  const bool closest = options.mode == IkMode::kClosest;
+  if (closest && sweeps(form, target, options)) {
+    const JointVector reference = options.reference.value_or(start);
+    const std::vector<IkResult> swept =
+        swept_configurations(chain, *form, target, reference, options.tolerance, kNearestOfSweep);
+    if (!swept.empty()) return swept.front();
+  }
+  if (!applies(form, target, options)) return search(chain, target, options, start, stream);
+  if (!closest) {
+    IkResult result = search(chain, target, options, start, stream);
+    if (result.status != IkStatus::kConverged)
+      explain(all_configurations(chain, *form, target, start, options.tolerance), result);
+    return result;
+  }
+  const JointVector reference = options.reference.value_or(start);
+  const Configurations all = all_configurations(chain, *form, target, reference, options.tolerance);
+  if (!all.found.empty() && !all.uncertain) return all.found.front();
+  IkResult result = search(chain, target, options, start, stream);
+  explain(all, result);
+  return all.found.empty() ? result : nearer(all.found.front(), result, reference);
 }
 
 std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                                      const Eigen::Ref<const Rows4>& orientations,
                                      const Eigen::Ref<const Rows>& starts, const IkOptions& options,
-                                     int threads) {
+                                     int threads, const ClosedForm* form) {
   check_argument(orientations.rows() == positions.rows() || orientations.rows() == 0,
                  "orientations: expected a row for each position, or none");
   check_argument(starts.rows() == positions.rows() && starts.cols() == chain.joints(),
@@ -120,7 +163,7 @@ std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const 
   for_each_index(count, threads, [&](std::size_t i) {
     const auto row = static_cast<Eigen::Index>(i);
     const JointVector q0 = starts.row(row);
-    results[i] = solve_ik(chain, target_in_row(positions, orientations, row), q0, options, i);
+    results[i] = solve_ik(chain, target_in_row(positions, orientations, row), q0, options, i, form);
   });
   return results;
 }

@@ -74,28 +74,40 @@ struct IkResult {
   std::array<bool, kMaxJoints> limiting{};  // with kLimits, the joints whose limits block
 };
 
+struct ClosedForm;
+
 // Here and below, arguments of another size than the chain's throw std::invalid_argument.
 //
 // A start q0 outside the limits is moved to the nearest configuration inside. `stream` selects an
-// independent sequence of restarts.
+// independent sequence of restarts. `form`, of this chain or null, finds the closest configuration
+// and says why there is none.
 IkResult solve_ik(const Chain& chain, const IkTarget& target,
                   const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options = {},
-                  std::uint64_t stream = 0);
+                  std::uint64_t stream = 0, const ClosedForm* form = nullptr);
 
 // One target a row; orientations (w, x, y, z) may have no rows. The results do not depend on the
 // number of threads.
 std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                                      const Eigen::Ref<const Rows4>& orientations,
                                      const Eigen::Ref<const Rows>& starts, const IkOptions& options,
-                                     int threads);
+                                     int threads, const ClosedForm* form = nullptr);
 
-// Up to `count` solutions, nearest to the reference first, of which any two differ by more than
-// `separation` (rad, modulo 2 pi, or m) in some joint. For redundant arms each is first moved in
-// the null space as near to the reference as the task allows. The search continues until the budget
-// is used up, and may return no solution.
-std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
-                                   const Eigen::Ref<const Eigen::VectorXd>& q0,
-                                   const IkOptions& options, int count, double separation);
+struct IkSolutions {
+  std::vector<IkResult> found;             // nearest to the reference first
+  bool complete = false;                   // there are no others
+  IkStatus status = IkStatus::kConverged;  // of no solution, the reason
+  // Of seven joints: distance, rad, of the values of the swept parameter; 0 without a sweep.
+  double resolution = 0.0;
+};
+
+// Up to `count` solutions, of which any two differ by more than `separation` (rad, modulo 2 pi, or
+// m) in some joint; 0 is 0.1 for a search, and all of a closed form's. For redundant arms each is
+// first moved in the null space as near to the reference as the task allows. With a closed form of
+// six joints for a whole pose they are all there; otherwise a search continues until its budget is
+// used up, and may find no solution.
+IkSolutions solve_ik_all(const Chain& chain, const IkTarget& target,
+                         const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
+                         int count, double separation, const ClosedForm* form = nullptr);
 
 // Refuses a reference or posture of another number of joints.
 void check_options(const Chain& chain, const IkOptions& options, bool rotations);

@@ -1,69 +1,65 @@
 #include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/axis_task.hpp"
+#include "leadthrough/ik/configurations.hpp"
 #include "leadthrough/ik/pose_search.hpp"
+#include "leadthrough/ik/swept_self_motion.hpp"
 
 namespace leadthrough {
 
 namespace {
 
 // More postures than any arm's finite number (16, of a general 6R chain: Primrose 1986).
-constexpr std::size_t kMaxPostures = 64;
+constexpr int kMaxPostures = 64;
+// Between solutions of a search, rad or m, by default.
+constexpr double kDistinct = 0.1;
+// Beside a closed form: tolerance of the search, m and rad, and distance between its solutions,
+// rad.
+constexpr double kExactly = 1e-9, kApart = 1e-3;
 
 // Distinct solutions, nearest to the reference first.
 class Postures {
  public:
-  Postures(const Chain& chain, const JointVector& reference, double separation)
-      : chain_(chain), reference_(reference), separation_(separation) {
+  Postures(const Chain& chain, const JointVector& reference)
+      : chain_(chain), reference_(reference) {
     found_.reserve(kMaxPostures + 1);
   }
 
-  // Keeps the nearer one of two that are alike.
-  void add(const IkResult& result) {
+  // Keeps the nearer one of two that are not separate.
+  void add(const IkResult& result, double separation) {
     const auto nearer = [this](const IkResult& a, const IkResult& b) {
       return (a.q - reference_).squaredNorm() < (b.q - reference_).squaredNorm();
     };
-    const auto alike = [this, &result](const IkResult& other) { return same(result.q, other.q); };
+    const auto alike = [&](const IkResult& other) { return same(result.q, other.q, separation); };
     const auto twin = std::find_if(found_.begin(), found_.end(), alike);
     if (twin != found_.end()) {
       if (!nearer(result, *twin)) return;
       found_.erase(std::remove_if(twin, found_.end(), alike), found_.end());
     }
     found_.insert(std::upper_bound(found_.begin(), found_.end(), result, nearer), result);
-    if (found_.size() > kMaxPostures) found_.pop_back();
+    if (found_.size() > std::size_t{kMaxPostures}) found_.pop_back();
   }
 
-  std::vector<IkResult> take(int count) && {
-    found_.resize(std::min(found_.size(), static_cast<std::size_t>(count)));
-    return std::move(found_);
-  }
+  std::vector<IkResult> take() && { return std::move(found_); }
 
  private:
-  bool same(const JointVector& a, const JointVector& b) const {
+  bool same(const JointVector& a, const JointVector& b, double separation) const {
     for (int i = 0; i < chain_.joints(); ++i) {
       double away = std::abs(a[i] - b[i]);
       if (wraps(chain_, i)) away = std::abs(std::remainder(away, kTurn));
-      if (away > separation_) return false;
+      if (away > separation) return false;
     }
     return true;
   }
 
   const Chain& chain_;
   const JointVector& reference_;
-  double separation_;
   std::vector<IkResult> found_;
 };
 
-}  // namespace
-
-std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
-                                   const Eigen::Ref<const Eigen::VectorXd>& q0,
-                                   const IkOptions& options, int count, double separation) {
-  check_argument(count >= 0, "count: expected none or more");
-  check_options(chain, options, target.rotation.has_value());
-  const JointVector start = project(chain, q0);
-  const JointVector reference = options.reference.value_or(start);
-  Postures postures(chain, reference, separation);
+void search_all(const Chain& chain, const IkTarget& target, const IkOptions& options,
+                const JointVector& start, const JointVector& reference, double separation,
+                Postures& postures) {
   visit_target(target, options.axes, [&](auto dimension, const auto& seen) {
     constexpr int M = decltype(dimension)::value;
     PoseSearch<M, std::decay_t<decltype(seen)>> search(chain, seen, options, start, 0);
@@ -72,10 +68,60 @@ std::vector<IkResult> solve_ik_all(const Chain& chain, const IkTarget& target,
       if (!search.found()) continue;
       search.take_turns_near(reference);
       search.approach(towards(reference), 1.0);
-      postures.add(search.result(IkStatus::kConverged));
+      postures.add(search.result(IkStatus::kConverged), separation);
     }
   });
-  return std::move(postures).take(count);
+}
+
+// The first `count`, of which there may be more.
+IkSolutions first_of(std::vector<IkResult> found, int count, bool complete) {
+  IkSolutions solutions;
+  solutions.found = std::move(found);
+  const auto most = static_cast<std::size_t>(count);
+  solutions.complete = complete && solutions.found.size() <= most;
+  if (solutions.found.size() > most) solutions.found.resize(most);
+  if (solutions.found.empty()) solutions.status = IkStatus::kBudget;
+  return solutions;
+}
+
+}  // namespace
+
+IkSolutions solve_ik_all(const Chain& chain, const IkTarget& target,
+                         const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
+                         int count, double separation, const ClosedForm* form) {
+  check_argument(count >= 0, "count: expected none or more");
+  check_options(chain, options, target.rotation.has_value());
+  const JointVector start = project(chain, q0);
+  const JointVector reference = options.reference.value_or(start);
+  Postures postures(chain, reference);
+  const double apart = separation > 0.0 ? separation : kDistinct;
+  if (sweeps(form, target, options)) {
+    for (const IkResult& each :
+         swept_configurations(chain, *form, target, reference, options.tolerance, kMaxPostures))
+      postures.add(each, apart);
+    IkSolutions solutions = first_of(std::move(postures).take(), count, false);
+    solutions.resolution = sweep_resolution(chain, *form);
+    if (!solutions.found.empty()) return solutions;
+  }
+  if (!applies(form, target, options)) {
+    search_all(chain, target, options, start, reference, apart, postures);
+    return first_of(std::move(postures).take(), count, false);
+  }
+  const Configurations all = all_configurations(chain, *form, target, reference, options.tolerance);
+  if (!all.uncertain) {
+    for (const IkResult& each : all.found) postures.add(each, separation);
+    IkSolutions solutions = first_of(std::move(postures).take(), count, true);
+    solutions.status = all.status;
+    return solutions;
+  }
+  // Near singularities only exact convergence tells solutions apart.
+  IkOptions exactly = options;
+  exactly.tolerance.position = std::min(options.tolerance.position, kExactly);
+  exactly.tolerance.orientation = std::min(options.tolerance.orientation, kExactly);
+  for (const IkResult& each : all.found) postures.add(each, 0.0);
+  search_all(chain, target, exactly, start, reference, separation > 0.0 ? separation : kApart,
+             postures);
+  return first_of(std::move(postures).take(), count, false);
 }
 
 }  // namespace leadthrough

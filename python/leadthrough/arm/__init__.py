@@ -17,6 +17,7 @@ from leadthrough.arm.inverse_kinematics import (
     IkBatch as IkBatch,
     IkOptions as IkOptions,
     IkResult as IkResult,
+    IkSolutions as IkSolutions,
 )
 from leadthrough.arm.limits import JointLimits as JointLimits, read_limits as read_limits
 from leadthrough.arm.model import ArmModel as ArmModel

@@ -22,7 +22,7 @@ from leadthrough.arm import (
 )
 from leadthrough.arm.collision import CollisionPairs, CollisionReport
 from leadthrough.arm.following import FollowOptions, OnRateLimit
-from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
+from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult, IkSolutions
 from leadthrough.arm.limits import JointLimits, checked_values
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.path_report import PathReport, path_report
@@ -172,7 +172,7 @@ class Arm(ArmModel):
         target = ik.one_pose(position, orientation)
         start = ik.one_start(self._chain, q0, chosen.posture)
         core_options = ik.compiled(chosen, ik.random_seed(seed))
-        answer = core.solve_ik(self._chain, *target, start, core_options)
+        answer = core.solve_ik(self._chain, *target, start, core_options, self._closed_form)
         return ik.one_result(self.joint_names, answer)
 
     def inverse_kinematics_batch(
@@ -204,7 +204,9 @@ class Arm(ArmModel):
         workers = check.integer(threads, "threads", at_least=1, at_most=256)
         starts = ik.many_starts(self._chain, q0, len(targets[0]), chosen.posture)
         core_options = ik.compiled(chosen, ik.random_seed(seed))
-        columns = core.solve_ik_batch(self._chain, *targets, starts, core_options, workers)
+        columns = core.solve_ik_batch(
+            self._chain, *targets, starts, core_options, workers, self._closed_form
+        )
         return ik.batch_of_results(columns)
 
     def inverse_kinematics_all(
@@ -212,39 +214,48 @@ class Arm(ArmModel):
         position: ArrayLike,
         orientation: ArrayLike | None = None,
         *,
-        count: int = 8,
-        separation: float = 0.1,
+        count: int = 16,
+        separation: float | None = None,
         q0: ArrayLike | None = None,
         seed: int = 0,
         options: IkOptions | None = None,
-    ) -> IkBatch:
+    ) -> IkSolutions:
         """Distinct configurations that reach a pose, the one nearest to the posture first.
 
-        Those of a redundant arm are first moved in the null space as near to the options'
-        `posture`, by default `q0`, as the task lets them. The search uses its whole budget.
+        Arms of six revolute joints have a closed form where axes 2 to 4 are parallel and 5 meets 6,
+        or 4 to 6 meet, counted from the base or from the tip: for whole poses all configurations
+        are returned, each with the whole turns nearest to the posture inside the limits. Arms
+        within 0.01 rad and 0.01 m of such a structure have it too; next to a singularity of theirs
+        the result is not `complete`. Of seven joints that are of such a structure without the last
+        or the first, or have two groups of three axes that meet, the self-motion is swept.
+        Otherwise a search uses its whole budget. Configurations of a redundant arm are moved in
+        the null space as near to the options' `posture`, by default `q0`, as the task lets them.
 
         Args:
             count: number of configurations to return at most, 1 to 64.
             separation: two configurations are distinct if a joint differs by more than this, in
-                rad (whole turns left out) or m, > 0.
+                rad (whole turns left out) or m, > 0; by default all of the closed form are, and
+                0.1 tells those of a search apart.
             q0: configuration (joints,) where the search starts; by default the options' `posture`,
                 else the middle of the joints' ranges.
             options: tolerances, free axes, posture and budget of the whole search; its `mode` does
                 not count.
 
         Returns:
-            One row per configuration; none where no solution was found.
+            One row per configuration, and whether these are all.
         """
         chosen = ik.checked_options(options, self._chain, orientation)
-        columns = core.solve_ik_all(
+        apart = 0.0 if separation is None else check.number(separation, "separation", above=0.0)
+        found = core.solve_ik_all(
             self._chain,
             *ik.one_pose(position, orientation),
             ik.one_start(self._chain, q0, chosen.posture),
             ik.compiled(chosen, ik.random_seed(seed), find_all=True),
             check.integer(count, "count", at_least=1, at_most=64),
-            check.number(separation, "separation", above=0.0),
+            apart,
+            self._closed_form,
         )
-        return ik.batch_of_results(columns)
+        return ik.solutions(found)
 
     def follow(
         self,

@@ -99,7 +99,7 @@ def _nearest(
     """Joints (m, joints) nearest to samples, status codes, errors in m and rad, limiting joints."""
     wanted, starts = path.only(samples), np.repeat(q0[None], len(samples), axis=0)
     q, codes, far, angles, _, bars = core.solve_ik_batch(
-        chain, wanted.positions, wanted.orientations, starts, path.options(), 1
+        chain, wanted.positions, wanted.orientations, starts, path.options(), 1, None
     )
     return q, codes, far, angles, bars
 
@@ -208,6 +208,7 @@ def _require_end(
             near[None],
             compiled(options, seed),
             1,
+            arm._closed_form,
         )
         if codes[0] == 0:
             return

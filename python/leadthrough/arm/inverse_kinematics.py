@@ -42,6 +42,17 @@ Columns = tuple[
     NDArray[np.int32],
     NDArray[np.bool_],
 ]
+# Of all configurations: rows, errors, iterations, reason, whether these are all, resolution.
+Found = tuple[Float64Array, Float64Array, Float64Array, NDArray[np.int32], int, bool, float]
+
+# Columns of solutions that all converged, read-only.
+_MAX_SOLUTIONS = 64
+_MAX_JOINTS = 16
+_SUCCESS = np.ones(_MAX_SOLUTIONS, dtype=np.bool_)
+_CONVERGED = np.full(_MAX_SOLUTIONS, STATUSES[0], dtype=np.array(STATUSES).dtype)
+_NOT_LIMITING = np.zeros((_MAX_SOLUTIONS, _MAX_JOINTS), dtype=np.bool_)
+for _column in (_SUCCESS, _CONVERGED, _NOT_LIMITING):
+    _column.setflags(write=False)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -181,6 +192,23 @@ class IkBatch(ShortRepr):
         return len(self.q)
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class IkSolutions(IkBatch):
+    """Distinct configurations for one pose, the one nearest to the posture first.
+
+    Attributes:
+        complete: whether there are no others inside the limits, apart from whole turns. A set of
+            configurations that a singular pose leaves free has one row.
+        reason: "converged"; without a row "unreachable" or "limits", if complete, else "budget".
+        resolution: distance in rad of the values of a joint, or of the elbow's angle, by which the
+            self-motion of an arm of seven joints was swept; None without a sweep.
+    """
+
+    complete: bool
+    reason: IkStatus
+    resolution: float | None
+
+
 def one_start(
     chain: core.Chain, q0: ArrayLike | None, posture: ArrayLike | None = None
 ) -> Float64Array:
@@ -226,6 +254,24 @@ def batch_of_results(columns: Columns) -> IkBatch:
     statuses = np.array(STATUSES)[codes]
     return IkBatch(
         q, codes == 0, statuses, position_errors, orientation_errors, iterations, limiting
+    )
+
+
+def solutions(found: Found) -> IkSolutions:
+    """The core's answer to all configurations of one target."""
+    q, position_errors, orientation_errors, iterations, status, complete, resolution = found
+    count, joints = q.shape
+    return IkSolutions(
+        q,
+        _SUCCESS[:count],
+        _CONVERGED[:count],
+        position_errors,
+        orientation_errors,
+        iterations,
+        _NOT_LIMITING[:count, :joints],
+        complete,
+        STATUSES[status],
+        resolution or None,
     )
 
 

@@ -72,6 +72,11 @@ class ArmModel(Drawn):
         return core.Dynamics(self._chain)
 
     @cached_property
+    def _closed_form(self) -> core.ClosedForm | None:
+        """The structure by which all configurations of a pose are enumerated."""
+        return core.recognize(self._chain)
+
+    @cached_property
     def _collision(self) -> core.CollisionModel:
         """The collision shapes of the robot and the pairs of them to check."""
         ends = self.base, self.tip

@@ -18,6 +18,9 @@ OPTIONAL = {
     "condition_at": ("time", "position", "noise"),
     "Chain.pose": ("q",),
     "jacobian_of_one": ("q",),
+    "solve_ik": ("form",),
+    "solve_ik_batch": ("form",),
+    "solve_ik_all": ("form",),
 }
 # Arguments of as many numbers, rows or cells as one likes; the sizes of options are looked at
 # where they are used.
