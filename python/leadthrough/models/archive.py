@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from leadthrough import check
 from leadthrough.check import InvalidInput, UnsupportedQuery
 from leadthrough.drawing import Drawn
 from leadthrough.io import npz
@@ -29,7 +30,7 @@ from leadthrough.models.protocol import (
     Skill,
     fit_all,
 )
-from leadthrough.models.queries import CheckedQuery, Via, checked_query
+from leadthrough.models.queries import CheckedQuery, Via, checked_query, ends_apart, is_free
 from leadthrough.models.registry import entry_of_skill
 from leadthrough.motion import Motion, MotionT_co, Target
 from leadthrough.shapes import Shape
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 
 FORMAT = "leadthrough skill"
 VERSION = 1
-_CERTIFICATE, _CHOICE = "certificate", "choice"
+_CERTIFICATE, _CHOICE, _MODES = "certificate", "choice", "modes"
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -71,6 +72,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         duration: float | None = None,
         dt: float = 0.01,
         obstacles: Sequence[Shape] = (),
+        mode: int | None = None,
     ) -> MotionT_co:
         """A motion of the demonstrated type; parts that are left out are as demonstrated.
 
@@ -82,14 +84,50 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
             dt: s, > 0, upper bound of the sampling step.
             obstacles: shapes to keep clear of, in the demonstrations' frame; a drawing of two
                 dimensions lies in the plane z = 0.
+            mode: index in `modes`; by default the one that starts and ends nearest, or with
+                obstacles the nearest one that is free of them, if there is any.
 
         Raises:
             UnsupportedQuery: for a part that is not among `supports`.
             NoPath: if obstacles leave no path, or the goal is not reached.
         """
-        query = CheckedQuery(start, goal, duration, dt, obstacles)
+        return self._in_mode(CheckedQuery(start, goal, duration, dt, obstacles), mode)
+
+    @property
+    def modes(self) -> tuple[Self, ...]:
+        """A skill for each demonstrated mode, the most demonstrated one, which this is, first."""
+        return vars(self).get(_MODES) or (self,)
+
+    def with_modes(self, modes: Sequence[Self]) -> Self:
+        """The same skill, which knows several modes; it is the first of them."""
+        if len(modes) == 1:
+            return self
+        same = copy.copy(self)
+        vars(same)[_MODES] = tuple(modes)
+        return same
+
+    def _in_mode(self, query: CheckedQuery, mode: int | None) -> MotionT_co:
+        """The answer to a query of the mode of a number, or of the one that fits best."""
         self.refuse_obstacles(query)
-        return self._answer(query)
+        last = len(self.modes) - 1
+        if mode is not None:
+            chosen = self.modes[check.integer(mode, "mode", at_least=0, at_most=last)]
+        elif last == 0:
+            chosen = self
+        else:
+            ranked = sorted(self.modes, key=lambda each: each._distance(query))
+            chosen = next((each for each in ranked if each._is_free(query)), ranked[0])
+        return chosen._answer(query)
+
+    def _distance(self, query: CheckedQuery) -> float:
+        """Of the query's start and goal from those of its own motion."""
+        return ends_apart(query, self._own_motion)
+
+    def _is_free(self, query: CheckedQuery) -> bool:
+        """Whether its motion keeps out of the query's obstacles as it is."""
+        if not query.obstacles:
+            return True
+        return is_free(self._answer(replace(query, obstacles=())).positions, query.obstacles)
 
     def refuse_obstacles(self, query: CheckedQuery) -> None:
         """Raises UnsupportedQuery for obstacles that the skill does not avoid."""
@@ -167,7 +205,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         Raises:
             InvalidInput: if the file cannot be written.
         """
-        archive = self.to_archive()
+        archive = archived(self)
         write(path, self.kind, *archive, certificate=self.certificate, choice=self.choice)
 
     @cached_property
@@ -215,6 +253,7 @@ class SteppedSkill(FittedSkill[MotionT_co]):
         start_velocity: ArrayLike | None = None,
         final_velocity: ArrayLike | None = None,
         limits: tuple[ArrayLike, ArrayLike] | None = None,
+        mode: int | None = None,
     ) -> MotionT_co:
         """A motion of the demonstrated type; parts that are left out are as demonstrated.
 
@@ -232,7 +271,8 @@ class SteppedSkill(FittedSkill[MotionT_co]):
             NoPath: if steering does not clear the obstacles.
         """
         ends = via, start_velocity, final_velocity
-        return self._answer(CheckedQuery(start, goal, duration, dt, obstacles, *ends, limits))
+        query = CheckedQuery(start, goal, duration, dt, obstacles, *ends, limits)
+        return self._in_mode(query, mode)
 
     def begin(
         self,
@@ -281,11 +321,39 @@ def load_skill(path: StrPath) -> Skill:
     return loaded
 
 
+def archived(skill: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Settings and arrays of a skill with all its modes."""
+    settings, arrays = skill.to_archive()
+    others = [each.to_archive() for each in skill.modes[1:]] if hasattr(skill, "modes") else []
+    parts = dict(arrays)
+    for i, (_, own) in enumerate(others):
+        parts |= {f"{name}{_of_mode(i)}": array for name, array in own.items()}
+    return {**settings, _MODES: [each for each, _ in others]} if others else settings, parts
+
+
+def from_archived(kind: str, settings: dict[str, Any], arrays: Arrays) -> Skill:
+    """The skill that `archived` took apart, without checks of the file."""
+    entry, own, parts = entry_of_skill(kind), dict(settings), dict(arrays)
+    others: list[Any] = []
+    for i, each in enumerate(own.pop(_MODES, ())):
+        names = [name for name in parts if name.endswith(_of_mode(i))]
+        theirs = {name.removesuffix(_of_mode(i)): parts.pop(name) for name in names}
+        others.append((each, theirs))
+    skills: list[Any] = [entry.restored(own, parts), *(entry.restored(*each) for each in others)]
+    skill: Skill = skills[0].with_modes(skills) if others else skills[0]
+    return skill
+
+
+def _of_mode(number: int) -> str:
+    """The end of the names of a further mode's arrays."""
+    return f"_of_mode_{number + 1}"
+
+
 def restored(path: StrPath, kind: str, settings: dict[str, Any], arrays: Arrays) -> Skill:
-    """The skill that `to_archive` took apart."""
-    entry = entry_of_skill(kind)
+    """The skill that `archived` took apart."""
+    entry_of_skill(kind)
     try:
-        return entry.restored(settings, arrays)
+        return from_archived(kind, settings, arrays)
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise InvalidInput(f"path: {path} is damaged ({error})") from None
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
-from leadthrough.models.archive import Arrays, SteppedSkill
+from leadthrough.models.archive import Arrays, SteppedSkill, archived, from_archived
 from leadthrough.models.frame import Frame, checked_frames
 from leadthrough.models.protocol import (
     Conditioned,
@@ -31,7 +31,6 @@ from leadthrough.models.protocol import (
     motions_of,
 )
 from leadthrough.models.queries import CheckedQuery, Via
-from leadthrough.models.registry import entry_of_skill
 from leadthrough.motion import MotionT, MotionT_co, PoseTrajectory, Target
 from leadthrough.shapes import Shape, check_shapes
 
@@ -253,7 +252,7 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         return after[0] @ self.frame.axes.T + self.frame.origin, turns.reshape(after[1].shape)
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
-        settings, arrays = self.skill.to_archive()
+        settings, arrays = archived(self.skill)
         inside = {f"skill_{name}": value for name, value in arrays.items()}
         frame = {"origin": self.frame.origin, "axes": self.frame.axes}
         return {"kind": self.skill.kind, "skill": settings, "poses": self.poses}, inside | frame
@@ -418,7 +417,7 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> FramedSkill:
         for name, value in arrays.items()
         if name.startswith("skill_")
     }
-    skill = entry_of_skill(settings["kind"]).restored(settings["skill"], inside)
+    skill: Any = from_archived(settings["kind"], settings["skill"], inside)
     frame = Frame(arrays["origin"], arrays["axes"])
     return FramedSkill(Framed(skill.model), skill, frame, bool(settings["poses"]))
 

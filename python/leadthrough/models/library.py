@@ -166,7 +166,7 @@ class SkillLibrary(ShortRepr):
         heads: list[dict[str, Any]] = []
         arrays: dict[str, Any] = {}
         for i, each in enumerate(self.entries):
-            settings, parts = each.skill.to_archive()
+            settings, parts = archive.archived(each.skill)
             names = {"task": each.task, "subtask": each.subtask, "target": each.target.tolist()}
             heads.append({**names, "kind": each.skill.kind, "settings": settings})
             arrays |= {f"{i}.{name}": value for name, value in parts.items()}

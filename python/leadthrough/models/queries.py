@@ -109,6 +109,33 @@ def _check_end(end: Any, demonstrated: Motion, name: str) -> None:
         sanity.orientation(quaternion, demonstrated.orientations, own, name)
 
 
+def ends_apart(query: CheckedQuery, motion: Motion | None) -> float:
+    """Of a query's start and goal from a motion's, in its extents and rad; 0 for malformed ones."""
+    apart = 0.0
+    ends: list[tuple[Any, int]] = [(query.start, 0), (query.goal, -1)]
+    for value, row in ends:
+        if value is None or motion is None:
+            continue
+        posed = isinstance(motion, PoseTrajectory) and isinstance(value, tuple | list)
+        oriented = posed and len(value) == 2
+        position = _numbers(value[0] if oriented else value, motion.positions.shape[1])
+        if position is not None:
+            extent = float(np.linalg.norm(np.ptp(motion.positions, axis=0))) or 1.0
+            apart += float(np.linalg.norm(position - motion.positions[row])) / extent
+        quaternion = _numbers(value[1], 4) if oriented else None
+        if quaternion is not None and isinstance(motion, PoseTrajectory):
+            own = abs(float(quaternion @ motion.orientations[row]))
+            apart += 2.0 * math.acos(min(own / (float(np.linalg.norm(quaternion)) or 1.0), 1.0))
+    return apart
+
+
+def is_free(points: Float64Array, obstacles: Sequence[Shape]) -> bool:
+    """Whether points (n, d) keep out of obstacles."""
+    from leadthrough.planning import detours
+
+    return detours.is_free(points, obstacles)
+
+
 def _numbers(value: Any, count: int) -> Float64Array | None:
     """The finite numbers (count,) of a position or quaternion; None if it is malformed."""
     try:

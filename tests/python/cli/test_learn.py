@@ -35,9 +35,13 @@ def test_a_recording_that_cannot_be_learned_is_named(tmp_path):
     assert "frozen: does not move" in said
 
 
-def test_recordings_out_of_step_are_named_and_learned(tmp_path):
+def test_recordings_out_of_step_are_aligned_and_those_of_rhythms_named(tmp_path):
     files = [written(tmp_path, f"r{i}", reach(at)) for i, at in enumerate((0.5, 0.5, 0.5, 0.9))]
-    said = run("learn", *files, "--model", "promp", "-o", tmp_path / "s.npz").stderr
+    assert (
+        "misaligned"
+        not in run("learn", *files, "--model", "promp", "-o", tmp_path / "s.npz").stderr
+    )
+    said = run("learn", *files, "--model", "rhythmic-dmp", "-o", tmp_path / "s.npz").stderr
     assert "warning: r3: misaligned" in said
     assert (tmp_path / "s.npz").exists()
     (cure,) = re.findall(r"or leave them out: leadthrough (.*)", said)

@@ -8,8 +8,7 @@ from refusals import raised, refused
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
-from leadthrough.models import MisalignmentWarning
-from leadthrough.preprocess import align_by_time_warping
+from leadthrough.preprocess import by_arc_length, frechet_distance
 
 T = np.linspace(0.0, 1.0, 60)
 LINE = np.column_stack([T, 0.3 * np.sin(3.0 * T), T**2])
@@ -79,6 +78,7 @@ def test_other_things_and_types_are_refused_with_what_came_and_where(case):
     assert "use another unit" in str(raised(FitError, model.fit, [large]))
 
 
+U = np.linspace(0.0, 1.0, 200)
 PAUSED_TIMES = np.linspace(0.0, 3.0, 300)
 
 
@@ -103,19 +103,29 @@ ALIGNED_LEARNERS = (
 
 
 @pytest.mark.parametrize("learner", ALIGNED_LEARNERS, ids=str)
-def test_a_warning_names_the_demonstrations_and_the_cure_once_and_here(learner):
-    model = learner.build()
-    shown = [demonstration(at, learner.motion) for at in (0.5, 0.5, 0.5, 0.9, 0.5)]
-    cure = r"demonstrations \[3\]: .* preprocess.align_by_time_warping"
-    with pytest.warns(MisalignmentWarning, match=cure) as told:
-        model.fit(shown)
-    assert [warning.filename for warning in told] == [__file__]
-    model.fit(align_by_time_warping(shown))  # warnings are errors: this one has none
+def test_pauses_of_single_demonstrations_change_no_shape(learner):
+    model, wanted = learner.build(), demonstration(0.5).positions
+    made = model.fit([demonstration(at, learner.motion) for at in (0.2, 0.5, 0.8)]).generate()
+    apart = frechet_distance(by_arc_length(made.positions, 200), by_arc_length(wanted, 200))
+    assert apart < 0.03
 
 
-def test_demonstrations_that_all_differ_are_all_named():
-    with pytest.warns(MisalignmentWarning, match=r"\[0, 2\]: .* 22% of the duration"):
-        lt.ProMP().fit([demonstration(at) for at in (0.2, 0.5, 0.8)])
+@pytest.mark.parametrize("learner", ALIGNED_LEARNERS, ids=str)
+def test_two_routes_are_modes_in_every_family(learner, tmp_path):
+    turn = np.outer(U, [0.0, 0.5, 1.0])
+    shown = [
+        motion_of(
+            learner.motion, 2.0 * U, np.column_stack([U, height * np.sin(np.pi * U), U]), turn
+        )
+        for height in (0.4, -0.4, 0.42, -0.38, 0.38)
+    ]
+    skill = learner.build().fit(shown)
+    skill.save(tmp_path / "skill.npz")
+    for each in (skill, lt.load_skill(tmp_path / "skill.npz")):
+        assert len(each.modes) == 2
+        assert each.generate().positions[:, 1].max() == pytest.approx(0.4, abs=0.03)
+        assert each.generate(mode=1).positions[:, 1].min() == pytest.approx(-0.39, abs=0.03)
+    refused("mode", skill.generate, mode=2)
 
 
 def test_given_phases_say_what_belongs_together():

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
-from leadthrough.models.aligned.curves import Curves, arc_phases, even_phases
+from leadthrough.models.curves import Curves, arc_phases, even_phases
 from leadthrough.motion import lerp
 from leadthrough.preprocess.moved_ends import ROTATED, Chords, bounded, with_ends
 

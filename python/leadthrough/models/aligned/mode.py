@@ -12,7 +12,10 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models import phase
-from leadthrough.models.aligned.curves import (
+from leadthrough.models.aligned.fading import Option, Predictor
+from leadthrough.models.archive import Arrays
+from leadthrough.models.coordinates import NODES, Coordinates, coordinates_of
+from leadthrough.models.curves import (
     Curves,
     arc_phases,
     by_arc,
@@ -20,15 +23,10 @@ from leadthrough.models.aligned.curves import (
     columns_of,
     elastic,
     even_phases,
-    features_of,
-    modes_of,
     piece_count,
     scale_of,
     smoothed,
 )
-from leadthrough.models.aligned.fading import Option, Predictor
-from leadthrough.models.archive import Arrays
-from leadthrough.models.coordinates import NODES, Coordinates, coordinates_of
 from leadthrough.models.queries import CheckedQuery, even_times
 from leadthrough.motion import MotionT, MotionT_co, lerp
 from leadthrough.planning import detours
@@ -71,11 +69,11 @@ class Mode(check.Frozen, Generic[MotionT_co]):
                 wanted[row, : len(given)] = given
         return np.asarray(wanted / self.scale)
 
-    def distance(self, query: CheckedQuery) -> tuple[float, int]:
-        """Of the query's ends from those of the nearest demonstration, scaled; then by number."""
+    def distance(self, query: CheckedQuery) -> float:
+        """Of the query's ends from those of the nearest demonstration, scaled."""
         apart = np.linalg.norm(self.ends - self.asked(query), axis=2)
         asked = [query.start is not None, query.goal is not None]
-        return float(apart[:, asked].sum(axis=1).min()), -len(self.ends)
+        return float(apart[:, asked].sum(axis=1).min())
 
     @cached_property
     def _nominal(self) -> Float64Array:
@@ -157,14 +155,7 @@ def restored(settings: dict[str, Any], arrays: Arrays) -> Mode:
     )
 
 
-def learned(motions: Sequence[MotionT]) -> tuple[Mode[MotionT], ...]:
-    """The modes of demonstrations."""
-    numbers = modes_of(by_arc(features_of(motions), clocks_of(motions)).rows)
-    groups = [np.flatnonzero(numbers == number) for number in range(numbers.max() + 1)]
-    return tuple(_learned([motions[int(i)] for i in group]) for group in groups)
-
-
-def _learned(motions: Sequence[MotionT]) -> Mode[MotionT]:
+def learned(motions: Sequence[MotionT]) -> Mode[MotionT]:
     """The mode of demonstrations alike."""
     columns, reference = columns_of(motions)
     scale = scale_of(columns, motions[0].positions.shape[1])

@@ -29,6 +29,7 @@ from leadthrough.models.dmp.learning import (
 )
 from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.query import check_final_velocity, check_state, check_step
+from leadthrough.models.modes import learned_by_mode
 from leadthrough.models.protocol import Demonstrations, Outliers, Skill, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, even_phases
 from leadthrough.motion import Motion, MotionT, MotionT_co, Target, moved_events
@@ -90,7 +91,7 @@ class DMP(Unfitted):
     def fit(
         self, demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "refuse"
     ) -> DMPSkill[MotionT]:
-        """A skill from demonstrations; several are averaged over normalised time first.
+        """A skill from demonstrations; several of one mode are averaged by phase.
 
         Args:
             demonstrations: all of points, all of joints or all of poses.
@@ -104,7 +105,11 @@ class DMP(Unfitted):
                 "ijspeert" for one of which a channel ends where it began; for several whose
                 orientations lie too far apart for a mean, and where "lifted" would spin.
         """
-        mean, parts = learn_motion(motions_of(demonstrations, outliers=outliers), **asdict(self))
+        return learned_by_mode(self._fitted, motions_of(demonstrations, outliers=outliers))
+
+    def _fitted(self, motions: Sequence[MotionT]) -> DMPSkill[MotionT]:
+        """The skill of one mode."""
+        mean, parts = learn_motion(motions, **asdict(self))
         model = replace(self, weights=len(parts["system"].weights))
         return DMPSkill(model=model, duration=mean.duration, size=mean.size, **parts)
 

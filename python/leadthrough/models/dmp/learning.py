@@ -51,6 +51,7 @@ from leadthrough.models.dmp.transformation import (
     minimum_jerk,
     tabulated,
 )
+from leadthrough.models.modes import common_phases
 from leadthrough.models.protocol import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.motion import (
     Event,
@@ -93,15 +94,13 @@ class MeanMotion:
         return float(np.linalg.norm(np.ptp(self.positions, axis=0)))
 
 
-def mean_motion(demonstrations: Demonstrations[Motion]) -> MeanMotion:
-    """The mean of demonstrations over normalised time."""
-    motions = motions_of(demonstrations)
+def mean_motion(motions: Sequence[Motion], phases: Sequence[Float64Array]) -> MeanMotion:
+    """The mean of motions over the phases (n,) of their samples."""
     first = motions[0]
     names = first.joint_names if isinstance(first, JointTrajectory) else None
     happened = agreed_events(
-        [moved_events(each.events, each.times[[0, -1]], (0.0, 1.0)) for each in motions]
+        [moved_events(each.events, each.times, u) for each, u in zip(motions, phases, strict=True)]
     )
-    phases = [normalised_times(motion.times) for motion in motions]
     posture = demonstrated_posture(motions, phases)
     if len(motions) == 1:
         q = first.orientations if isinstance(first, PoseTrajectory) else None
@@ -111,8 +110,7 @@ def mean_motion(demonstrations: Demonstrations[Motion]) -> MeanMotion:
     pairs = zip(phases, motions, strict=True)
     positions = np.mean([lerp(even, own, motion.positions) for own, motion in pairs], axis=0)
     duration = float(np.mean([motion.duration for motion in motions]))
-    q = _mean_orientations(motions, even)
-    warn_of_misalignment(motions)
+    q = _mean_orientations(motions, phases, even)
     return MeanMotion(even, positions, q, duration, names, happened, posture)
 
 
@@ -121,7 +119,8 @@ def mean_cycle(demonstrations: Demonstrations[Motion], period: float | None) -> 
     cycles = motions_of(demonstrations)
     if period is not None:
         cycles = [part for motion in cycles for part in _periods(motion, period)]
-    mean = mean_motion(cycles)
+    warn_of_misalignment(cycles)
+    mean = mean_motion(cycles, [normalised_times(motion.times) for motion in cycles])
     gap = mean.positions[-1] - mean.positions[0]
     positions = mean.positions - np.outer(mean.phases, gap)
     q = mean.orientations
@@ -131,10 +130,12 @@ def mean_cycle(demonstrations: Demonstrations[Motion], period: float | None) -> 
     return replace(mean, positions=positions, orientations=q)
 
 
-def _mean_orientations(motions: Sequence[Motion], phases: Float64Array) -> Float64Array | None:
+def _mean_orientations(
+    motions: Sequence[Motion], phases: Sequence[Float64Array], even: Float64Array
+) -> Float64Array | None:
     layers = [
-        rotations.interpolate(normalised_times(motion.times), motion.orientations, phases)
-        for motion in motions
+        rotations.interpolate(own, motion.orientations, even)
+        for own, motion in zip(phases, motions, strict=True)
         if isinstance(motion, PoseTrajectory)
     ]
     return mean_orientations(layers) if layers else None
@@ -489,15 +490,15 @@ def check_choices(form: str, regression: str, orientation: str) -> None:
 
 
 def learn_motion(
-    demonstrations: Demonstrations[Motion],
+    motions: Sequence[Motion],
     weights: int | None,
     *,
     form: str,
     regression: str,
     orientation: str,
 ) -> tuple[MeanMotion, Parts]:
-    """The mean of demonstrations, and the parts of a discrete primitive that follows it."""
-    mean = mean_motion(demonstrations)
+    """The mean of motions of one mode, and the parts of a discrete primitive that follows it."""
+    mean = mean_motion(motions, common_phases(motions))
     coordinates, values = None, mean.positions
     groups: tuple[slice, ...] = (slice(None),)
     if mean.orientations is not None:

@@ -110,7 +110,7 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
     supports: ClassVar[frozenset[str]] = frozenset({"start", "goal", "duration"})
 
     @checked_query
-    def generate(
+    def generate(  # type: ignore[override]  # one mode
         self,
         *,
         start: Target | None = None,

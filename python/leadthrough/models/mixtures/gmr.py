@@ -6,6 +6,7 @@ humanoid robot".
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
@@ -20,6 +21,7 @@ from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mixtures.phases import SAMPLES, adapted, fit_phases, sampled, timed_columns
+from leadthrough.models.modes import learned_by_mode, phases_like
 from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, asked_times, even_times
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
@@ -67,7 +69,11 @@ class GMR(Unfitted):
             FitError: if there is none, one does not move or contradicts all others, or the
                 orientations of poses have no mean.
         """
-        samples = sampled(demonstrations, outliers=outliers)
+        return learned_by_mode(self._fitted, motions_of(demonstrations, outliers=outliers))
+
+    def _fitted(self, motions: Sequence[MotionT]) -> GMRSkill[MotionT]:
+        """The skill of one mode."""
+        samples = sampled(motions)
         search = {"seed": self.seed, "starts": self.starts}
         poses = samples.coordinates.kind == "poses"
         fit = fit_phases(samples.points, self.components, poses=poses, **search)
@@ -165,7 +171,7 @@ class GMRSkill(FittedSkill[MotionT_co]):
             FitError: if there is none, or one does not move.
         """
         motions, before = motions_of(demonstrations), self.demonstration_count
-        phases = [normalised_times(motion.times) for motion in motions]
+        phases = phases_like(self.generate(), motions)
         samples = timed_columns(motions, phases, self.coordinates, self.duration)
         points, count = np.concatenate(samples), before + len(motions)
         mixture = adapted(

@@ -33,8 +33,8 @@ from leadthrough.models.gaussians.mixture import (
     fit_blocks,
     sums_of,
 )
-from leadthrough.models.protocol import Demonstrations, Outliers, motions_of, warn_of_misalignment
-from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
+from leadthrough.models.modes import common_phases
+from leadthrough.motion import Motion, MotionT, MotionT_co
 
 # Points of each demonstration, so that all count the same and the work is bounded.
 SAMPLES = 200
@@ -152,16 +152,13 @@ class Sampled(Generic[MotionT_co]):
 
 
 def sampled(
-    demonstrations: Demonstrations[MotionT],
+    motions: Sequence[MotionT],
     *,
     middle: Callable[[Sequence[Float64Array]], Float64Array] = mean_orientations,
-    outliers: Outliers = "keep",
 ) -> Sampled[MotionT]:
-    """Demonstrations, resampled at evenly spaced times."""
-    motions = motions_of(demonstrations, outliers=outliers)
-    phases = [normalised_times(motion.times) for motion in motions]
+    """Motions, resampled at evenly spaced times of their common timing."""
+    phases = common_phases(motions)
     coordinates = coordinates_of(motions, phases, middle=middle)
-    warn_of_misalignment(motions)
     duration = float(np.median([motion.duration for motion in motions]))
     return Sampled(
         motions,

@@ -32,7 +32,7 @@ from leadthrough.models.mixtures.task_frames import (
     placed,
     shrunk,
 )
-from leadthrough.models.protocol import Demonstrations, Outliers, Parameter, Unfitted
+from leadthrough.models.protocol import Demonstrations, Outliers, Parameter, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.motion import Motion, MotionT, MotionT_co, target_of
 
@@ -86,7 +86,7 @@ class TaskGMR(Unfitted):
                 the orientations of poses fall into two groups.
         """
         kept: Outliers = outliers if frames is None else "keep"
-        samples = sampled(demonstrations, middle=middle_orientations, outliers=kept)
+        samples = sampled(motions_of(demonstrations, outliers=kept), middle=middle_orientations)
         motions, poses = samples.motions, samples.coordinates.kind == "poses"
         seen_from: Sequence[tuple[Frame, ...]]
         if frames is None:

@@ -82,6 +82,14 @@ class Fit:
 
 def least_squares(basis: Basis, samples: Samples, regularization: float) -> Fit:
     """The distribution of the weights of curves fitted to each motion."""
+    stacked, noise = fitted_curves(basis, samples, regularization)
+    return Fit(shrunk(stacked, basis, samples.scale), noise, stacked)
+
+
+def fitted_curves(
+    basis: Basis, samples: Samples, regularization: float
+) -> tuple[Float64Array, Float64Array]:
+    """The weights (m, d k) of a curve through each motion, and the variances (d,) about them."""
     curves, residuals = [], []
     known: dict[bytes, CurveFit] = {}
     for at, values in zip(samples.phases, samples.columns, strict=True):
@@ -94,8 +102,7 @@ def least_squares(basis: Basis, samples: Samples, regularization: float) -> Fit:
     count = sum(len(at) for at in samples.phases)
     free = max(count - len(curves) * basis.count, 1)
     noise = np.sum(residuals, axis=0) / free + (_MIN_NOISE * samples.scale) ** 2
-    stacked = np.stack([curve.T.ravel() for curve in curves])
-    return Fit(shrunk(stacked, basis, samples.scale), noise, stacked)
+    return np.stack([curve.T.ravel() for curve in curves]), noise
 
 
 class CurveFit:

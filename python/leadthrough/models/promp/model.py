@@ -21,6 +21,7 @@ from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of, scales
+from leadthrough.models.modes import common_phases, learned_by_mode
 from leadthrough.models.promp import conditioning, limits
 from leadthrough.models.promp.basis import (
     KINDS,
@@ -37,6 +38,7 @@ from leadthrough.models.promp.estimation import (
     Samples,
     checked_phases,
     expectation_maximisation,
+    fitted_curves,
     least_squares,
     refuse_parts,
 )
@@ -121,8 +123,9 @@ class ProMP(Unfitted):
         Args:
             demonstrations: one or more demonstrations, or motions, of one type.
             phases: for each demonstration, the phases (n,) of its samples, increasing in [0, 1];
-                of rhythmic motions in periods. By default its normalised times. A demonstration
-                of a part of the motion covers a part of [0, 1], which needs estimator="em".
+                of rhythmic motions in periods. By default modes are told apart and those of one are
+                aligned; rhythmic motions have their normalised times. A demonstration of a part of
+                the motion covers a part of [0, 1], which needs estimator="em".
             outliers: without phases, treatment of a demonstration that contradicts all others, as
                 for `learn`: "refuse", "drop", "keep". With phases none is compared.
 
@@ -131,23 +134,23 @@ class ProMP(Unfitted):
                 shows too small a part for its estimator, or none shows some part of the motion.
 
         Warns:
-            MisalignmentWarning: if demonstrations are misaligned in time and no phases are given.
+            MisalignmentWarning: if rhythmic motions are misaligned in time and no phases are given.
         """
         kept: Outliers = outliers if phases is None else "keep"
-        motions = motions_of(demonstrations, outliers=kept)
-        at = (
-            [normalised_times(motion.times) for motion in motions]
-            if phases is None
-            else checked_phases(phases, motions, rhythmic=self.basis == "rhythmic")
-        )
-        coordinates = coordinates_of(motions, at)
-        if phases is None:
+        motions, rhythmic = motions_of(demonstrations, outliers=kept), self.basis == "rhythmic"
+        if phases is not None:
+            return self._fitted(motions, checked_phases(phases, motions, rhythmic=rhythmic))
+        if rhythmic:
             warn_of_misalignment(motions)
-        columns = [
-            coordinates.columns(motion, u, f"demonstrations[{i}]")
-            for i, (motion, u) in enumerate(zip(motions, at, strict=True))
-        ]
-        samples = Samples(at, columns, scales(columns, coordinates))
+            return self._fitted(motions, [normalised_times(motion.times) for motion in motions])
+        return learned_by_mode(lambda own: self._fitted(own, common_phases(own)), motions)
+
+    def _fitted(
+        self, motions: Sequence[MotionT], at: Sequence[Float64Array]
+    ) -> ProMPSkill[MotionT]:
+        """The skill of motions of one mode, with the phases (n,) of the samples of each."""
+        coordinates = coordinates_of(motions, at)
+        samples = _samples_of(coordinates, motions, at)
         if self.estimator == "em":
             basis = _basis_of(self)
             fit = expectation_maximisation(basis, samples)
@@ -158,8 +161,17 @@ class ProMP(Unfitted):
         duration = float(np.median(whole))
         experience = None
         if len(fit.curves) > 0:
+            # In their own time, as a motion that has begun is: its timing is part of a forecast.
+            own = [
+                u[0] + (u[-1] - u[0]) * normalised_times(each.times)
+                for each, u in zip(motions, at, strict=True)
+            ]
+            timed = _samples_of(coordinates, motions, own)
+            curves = fit.curves
+            if self.estimator == "least_squares":
+                curves, _ = fitted_curves(basis, timed, self.regularization)
             paces = np.log(np.divide(whole, duration))
-            experience = Experience(basis, fit.curves, paces, fit.noise, samples.scale)
+            experience = Experience(basis, curves, paces, fit.noise, samples.scale)
         return ProMPSkill(
             replace(self, weights=basis.count),
             basis,
@@ -184,6 +196,17 @@ class ProMP(Unfitted):
             if self.weights is not None or is_near or 2 * basis.count > most:
                 return basis, fit
             model = replace(self, weights=2 * basis.count)
+
+
+def _samples_of(
+    coordinates: Coordinates, motions: Sequence[Motion], phases: Sequence[Float64Array]
+) -> Samples:
+    """The columns of motions at phases."""
+    columns = [
+        coordinates.columns(motion, u, f"demonstrations[{i}]")
+        for i, (motion, u) in enumerate(zip(motions, phases, strict=True))
+    ]
+    return Samples(phases, columns, scales(columns, coordinates))
 
 
 @dataclass(frozen=True, eq=False)

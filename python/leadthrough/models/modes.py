@@ -1,0 +1,108 @@
+"""Modes and common phases of demonstrations, which models find before they average any.
+
+Demonstrations of one mode that are misaligned in time pass the same part of the path at the same
+phase: elastic alignment takes their differences in timing out. Phases advance with the median pace,
+so that a pause of one demonstration is none of the motion, and one of all is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import TypeVar
+
+import numpy as np
+
+from leadthrough import rotations
+from leadthrough.check import FitError, Float64Array
+from leadthrough.models.archive import FittedSkill
+from leadthrough.models.coordinates import NODES, groups_of, mean_orientations
+from leadthrough.models.curves import Curves, by_arc, elastic, even_phases, features_of, modes_of
+from leadthrough.motion import Motion, MotionT, PoseTrajectory, normalised_times
+from leadthrough.preprocess.align import lateness
+
+# Fraction of the phase that advances with the demonstration's own time, so that it never stops.
+_ADVANCING = 1e-3
+
+_MIN_COUNT = 3  # motions, of which two can agree
+_AGREEING = 2  # motions that are rotated alike are a mode; a lone one is refused
+
+_Fitted = TypeVar("_Fitted", bound=FittedSkill)
+
+
+def learned_by_mode(
+    fit: Callable[[Sequence[MotionT]], _Fitted], motions: Sequence[MotionT]
+) -> _Fitted:
+    """The skill of the most demonstrated mode, which knows those of the others."""
+    return fitted_modes([fit(each) for each in by_mode(motions)])
+
+
+def fitted_modes(skills: Sequence[_Fitted]) -> _Fitted:
+    """The first of several skills, each of one mode, which knows all."""
+    return skills[0].with_modes(skills)
+
+
+def by_mode(motions: Sequence[MotionT]) -> list[list[MotionT]]:
+    """The motions of each mode, that of the most motions first."""
+    if len(motions) < _MIN_COUNT:
+        return [list(motions)]
+    numbers = modes_of(_curves_of(tuple(motions)).rows)
+    groups = [np.flatnonzero(numbers == number) for number in range(numbers.max() + 1)]
+    parts = [part for group in groups for part in _with_a_mean([motions[int(i)] for i in group])]
+    return sorted(parts, key=len, reverse=True)
+
+
+def _with_a_mean(motions: list[MotionT]) -> list[list[MotionT]]:
+    """Motions of one path, in two parts where each has mean orientations and all have none."""
+    layers = [
+        rotations.interpolate(u, each.orientations, NODES)
+        for u, each in zip(common_phases(motions), motions, strict=True)
+        if isinstance(each, PoseTrajectory)
+    ]
+    try:
+        if layers:
+            mean_orientations(layers)
+    except FitError:
+        parts = groups_of(layers)[:2]
+        if min(map(len, parts)) >= _AGREEING:
+            return [[motions[i] for i in part] for part in parts]
+    return [motions]
+
+
+def common_phases(motions: Sequence[Motion]) -> list[Float64Array]:
+    """Phases (n,) of the samples of each motion, from 0 to 1, equal along their common path."""
+    return list(_phases_of(tuple(motions)))
+
+
+def phases_like(reference: Motion, motions: Sequence[Motion]) -> list[Float64Array]:
+    """Phases (n,) of the samples of each motion, at which another one passes in its own time."""
+    own, *others = common_phases([reference, *motions])
+    return [np.interp(each, own, normalised_times(reference.times)) for each in others]
+
+
+@lru_cache(maxsize=4)  # models of several families are fitted to the same motions
+def _curves_of(motions: tuple[Motion, ...]) -> Curves:
+    """The motions by arc length, with normalised times."""
+    return by_arc(features_of(motions), [normalised_times(each.times) for each in motions])
+
+
+@lru_cache(maxsize=4)
+def _phases_of(motions: tuple[Motion, ...]) -> tuple[Float64Array, ...]:
+    own = [normalised_times(each.times) for each in motions]
+    if not lateness(motions).any():
+        return tuple(own)
+    aligned = elastic(_curves_of(motions)).times
+    pace = np.median(np.diff(aligned, axis=1), axis=0)
+    clock = np.concatenate([[0.0], np.cumsum(pace / pace.sum())])
+    even = even_phases(len(clock))
+    return tuple(
+        _advancing(np.interp(np.interp(u, each, even), even, clock), u)
+        for u, each in zip(own, aligned, strict=True)
+    )
+
+
+def _advancing(phases: Float64Array, own: Float64Array) -> Float64Array:
+    """Phases (n,) from 0 to 1 that rise with the normalised times (n,) wherever they rested."""
+    rising = (1.0 - _ADVANCING) * phases + _ADVANCING * own
+    rising[[0, -1]] = 0.0, 1.0
+    return rising
