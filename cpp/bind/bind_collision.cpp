@@ -9,6 +9,7 @@
 #include "bind/parts.hpp"
 #include "leadthrough/arm/run_down.hpp"
 #include "leadthrough/collision/clearance.hpp"
+#include "leadthrough/collision/edges.hpp"
 #include "leadthrough/collision/shapes.hpp"
 
 namespace py = pybind11;
@@ -133,6 +134,21 @@ void bind_collision(py::module_& module) {
       },
       py::arg("model"), py::arg("obstacles"), py::arg("q").noconvert(), py::arg("margin"),
       py::arg("self_collision_margin"));
+  module.def(
+      "clear_edges",
+      [](const CollisionModel& model, const std::vector<Shape>& obstacles,
+         const Eigen::Ref<const Rows>& starts, const Eigen::Ref<const Rows>& ends, double margin,
+         double self_collision_margin, int threads) {
+        require(starts.cols() == model.chain.joints() && ends.cols() == starts.cols() &&
+                ends.rows() == starts.rows());
+        const Unlocked unlocked;
+        return clear_edges(whole_arm(without_meeting_pairs(model), placed_shapes(obstacles), margin,
+                                     self_collision_margin),
+                           starts, ends, threads);
+      },
+      py::arg("model"), py::arg("obstacles"), py::arg("starts").noconvert(),
+      py::arg("ends").noconvert(), py::arg("margin"), py::arg("self_collision_margin"),
+      py::arg("threads"));
   module.def("nearest_bodies", &nearest, py::arg("scene"), py::arg("q").noconvert(),
              py::arg("threads"));
   module.def("check_motion", &check, py::arg("scene"), py::arg("q").noconvert(), py::arg("margin"),

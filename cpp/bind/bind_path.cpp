@@ -4,6 +4,7 @@
 #include "bind/parts.hpp"
 #include "leadthrough/collision/shapes.hpp"
 #include "leadthrough/path/clear_path.hpp"
+#include "leadthrough/path/connect.hpp"
 
 namespace py = pybind11;
 
@@ -57,6 +58,16 @@ py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
                         std::move(blocking), std::move(touch));
 }
 
+Rows connect_(const CollisionModel& model, const std::vector<Shape>& obstacles,
+              const Eigen::VectorXd& start, const Eigen::Ref<const Rows>& goals,
+              const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double margin,
+              double self_collision_margin, std::uint64_t seed, long steps) {
+  const Unlocked unlocked;
+  const WholeArm arm = whole_arm(without_meeting_pairs(model), placed_shapes(obstacles), margin,
+                                 self_collision_margin);
+  return connect(arm, start, goals, {seed, steps, lower, upper});
+}
+
 }  // namespace
 
 void bind_path(py::module_& module) {
@@ -66,6 +77,9 @@ void bind_path(py::module_& module) {
              py::arg("self_collision_margin"), py::arg("tolerance"),
              py::arg("tube").noconvert() = Rows(0, 6),
              py::arg("max_attempts") = path::kMaxAttempts);
+  module.def("connect", &connect_, py::arg("model"), py::arg("obstacles"), py::arg("start"),
+             py::arg("goals").noconvert(), py::arg("lower"), py::arg("upper"), py::arg("margin"),
+             py::arg("self_collision_margin"), py::arg("seed"), py::arg("steps"));
 }
 
 }  // namespace leadthrough

@@ -23,7 +23,7 @@ _SCENES = {
     "27_plan_motion": ("planned.html", "leadthrough"),
     "28_meshes_and_point_clouds": ("obstacles.html", "leadthrough"),
     "30_simulate_motion": ("simulated.html", "mujoco"),
-    "37_blocked_paths": ("blocked.html", "ompl"),
+    "37_blocked_paths": ("blocked.html", "leadthrough"),
 }
 _PLAYED = {demo: file for demo, (file, needed) in _SCENES.items() if find_spec(needed)}
 # Their pictures are of the scene.

@@ -47,8 +47,7 @@ free_spin = lt.arm.IkOptions(free=("rz",))
 drilled = arm.inverse_kinematics_batch(holes, spins, q0=closest.q, options=free_spin)
 turning = arm.inverse_kinematics_batch(holes, spins, q0=closest.q)
 for name, batch in (("free spin", drilled), ("spin asked for", turning)):
-    turned = np.ptp(batch.q[:, 5])
-    print(f"{name}: {batch.success.mean():.0%} reached, the wrist turns {turned:.1f} rad")
+    print(f"{name}: {batch.success.mean():.0%} reached, wrist {np.ptp(batch.q[:, 5]):.1f} rad")
 
 figure = plt.figure(figsize=(12, 6), layout="constrained")
 for number, q in enumerate(ways.q):

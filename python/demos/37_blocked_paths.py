@@ -1,6 +1,6 @@
 """Three ways past a blocked path segment: a detour, another path, or joint space.
 
-Needs the extra ompl. Writes detours.png and blocked.html:
+Writes detours.png and blocked.html:
 python python/demos/37_blocked_paths.py [FOLDER]
 """
 

@@ -290,6 +290,27 @@ def clear_batch(
     margin: float,
     self_collision_margin: float,
 ) -> list[bool]: ...
+def clear_edges(
+    model: CollisionModel,
+    obstacles: Sequence[Shape],
+    starts: Float64Array,
+    ends: Float64Array,
+    margin: float,
+    self_collision_margin: float,
+    threads: int,
+) -> list[bool]: ...
+def connect(
+    model: CollisionModel,
+    obstacles: Sequence[Shape],
+    start: Float64Array,
+    goals: Float64Array,
+    lower: Float64Array,
+    upper: Float64Array,
+    margin: float,
+    self_collision_margin: float,
+    seed: int,
+    steps: int,
+) -> Float64Array: ...
 
 class StepLimits:
     def __init__(

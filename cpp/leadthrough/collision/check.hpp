@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "leadthrough/base/constants.hpp"
+#include "leadthrough/collision/ball_cover.hpp"
 #include "leadthrough/collision/shapes.hpp"
 
 namespace leadthrough {
@@ -29,7 +30,8 @@ struct BodyShape {
   Transform T_frame_shape;
   int body;
   double radius;  // of a ball about the shape's origin that holds it, m
-  std::shared_ptr<const Cloud> cloud = nullptr;  // of an obstacle, in place of a convex body
+  std::shared_ptr<const Cloud> cloud = nullptr;      // of an obstacle, in place of a convex body
+  std::shared_ptr<const BallCover> cover = nullptr;  // of the arm's own shapes
 };
 
 // Shapes that are checked against each other; more joints move b than a.

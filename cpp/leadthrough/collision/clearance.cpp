@@ -2,15 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "leadthrough/base/interrupt.hpp"
-
 namespace leadthrough {
-
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 WholeArm whole_arm(const CollisionModel& model, const PlacedShapes& obstacles, double margin,
                    double self_collision_margin) {
@@ -92,17 +84,6 @@ NearPair ClearanceTest::with_gradient(std::size_t i, const Separation& found) co
     near.gradient[index(drive.joint)] += drive.multiplier * velocity.dot(found.normal);
   }
   return near;
-}
-
-std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>& q) {
-  check_rows(arm.scene.chain, q);
-  ClearanceTest test(arm);
-  std::vector<bool> clear;
-  for (Eigen::Index i = 0; i < q.rows(); ++i) {
-    check_interrupt();
-    clear.push_back(test.clear(q.row(i).data()));
-  }
-  return clear;
 }
 
 }  // namespace leadthrough

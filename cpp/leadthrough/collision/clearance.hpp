@@ -50,7 +50,4 @@ class ClearanceTest {
   std::size_t blocker_ = 0;
 };
 
-// One flag per row of q: true if it is clear.
-std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>& q);
-
 }  // namespace leadthrough

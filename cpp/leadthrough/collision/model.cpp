@@ -79,7 +79,8 @@ Convex to_convex(const urdf::Geometry& collision) {
 
 void add_shape(CollisionModel& model, const Convex& convex, const Transform& T_frame_shape) {
   const int body = static_cast<int>(model.bodies.size()) - 1;
-  model.shapes.push_back({convex, T_frame_shape, body, bounding_radius(convex)});
+  model.shapes.push_back({convex, T_frame_shape, body, bounding_radius(convex), nullptr,
+                          std::make_shared<const BallCover>(ball_cover(convex))});
 }
 
 // A mesh's frame may lie far from it: the bounding ball needs the middle as origin.

@@ -1,22 +1,41 @@
 #include "leadthrough/collision/motion_bound.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace leadthrough::collision {
 
-std::vector<MovingValues> reaches(const CollisionScene& scene, const MovingValues& extent) {
-  std::vector<MovingValues> result(scene.shapes.size(), MovingValues{});
-  const Chain& chain = scene.chain;
-  for (std::size_t s = 0; s < scene.shapes.size(); ++s) {
-    const BodyShape& shape = scene.shapes[s];
-    // Radius of a bounding ball of the shape, first about its own origin, then about each joint's.
-    double radius = shape.radius;
-    Eigen::Vector3d offset = shape.T_frame_shape.position;
-    for (auto k = static_cast<std::size_t>(scene.joints[s]); k-- > 0;) {
-      result[s][k] = chain.prismatic[k] ? 1.0 : offset.head<2>().norm() + radius;
-      radius += offset.norm() + (chain.prismatic[k] ? extent[k] : 0.0);
-      offset = chain.fixed[k].position;
-    }
+MovingValues reach_of_point(const Chain& chain, int joints, Eigen::Vector3d offset, double radius,
+                            const MovingValues& extent) {
+  MovingValues reach{};
+  // Radius of a ball around the points, first about `offset`, then about each joint's origin.
+  for (auto k = static_cast<std::size_t>(joints); k-- > 0;) {
+    reach[k] = chain.prismatic[k] ? 1.0 : offset.head<2>().norm() + radius;
+    radius += offset.norm() + (chain.prismatic[k] ? extent[k] : 0.0);
+    offset = chain.fixed[k].position;
   }
+  return reach;
+}
+
+std::vector<MovingValues> reaches(const CollisionScene& scene, const MovingValues& extent) {
+  std::vector<MovingValues> result;
+  for (std::size_t s = 0; s < scene.shapes.size(); ++s)
+    result.push_back(reach_of_point(scene.chain, scene.joints[s],
+                                    scene.shapes[s].T_frame_shape.position, scene.shapes[s].radius,
+                                    extent));
   return result;
+}
+
+MovingValues sampled_extent(const Chain& chain) {
+  MovingValues extent{};
+  for (std::size_t k = 0; k < moving_count(chain); ++k) {
+    const Drive& drive = chain.drives[k];
+    const JointRange range = sampled_range(chain, drive.joint);
+    extent[k] =
+        std::abs(drive.multiplier) * std::max(std::abs(range.lower), std::abs(range.upper)) +
+        std::abs(drive.offset);
+  }
+  return extent;
 }
 
 double pair_motion(const CollisionScene& scene, const std::vector<MovingValues>& reach,

@@ -9,9 +9,16 @@
 
 namespace leadthrough::collision {
 
-// Largest distance of any point of each shape from each joint's axis, m; 1 for a prismatic joint,
-// whose value is a length itself. extent: the largest absolute value of each joint.
+// Largest distance from each joint's axis, m, of points within `radius` of `offset` in the frame
+// that the last of `joints` carries; 1 for a prismatic joint, whose value is a length itself.
+// extent: the largest absolute value of each joint.
+MovingValues reach_of_point(const Chain& chain, int joints, Eigen::Vector3d offset, double radius,
+                            const MovingValues& extent);
+// The same for any point of each shape.
 std::vector<MovingValues> reaches(const CollisionScene& scene, const MovingValues& extent);
+
+// Largest absolute value of each moving joint inside the ranges in which joints are sampled.
+MovingValues sampled_extent(const Chain& chain);
 
 // Upper bound on the relative displacement of a pair of shapes for a change of the joints.
 double pair_motion(const CollisionScene& scene, const std::vector<MovingValues>& reach,

@@ -8,7 +8,11 @@
 #include "leadthrough/arm/run_down.hpp"
 #include "leadthrough/collision/check.hpp"
 
-namespace leadthrough::collision {
+namespace leadthrough {
+
+inline std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+namespace collision {
 
 // The base frame, then the frame that each moving joint carries.
 using Frames = std::array<Transform, kMaxJoints + 1>;
@@ -59,4 +63,6 @@ inline double ball_distance(const BodyShape& a, const Transform& A, const BodySh
   return (A.position - B.position).norm() - a.radius - b.radius;
 }
 
-}  // namespace leadthrough::collision
+}  // namespace collision
+
+}  // namespace leadthrough

@@ -21,7 +21,7 @@ constexpr double kAtLimit = 1e-9;
 constexpr double kSlack = 2e-6;
 // Errors of the equations of an arm that deviates, in units of the deviation: of solutions that
 // are tried, and of those beside which others may be missing.
-constexpr double kTried = 4.0, kUncertain = 4.0;
+constexpr double kTried = 4.0, kUncertain = 12.0;
 
 class Enumeration {
  public:

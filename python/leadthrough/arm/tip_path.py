@@ -187,6 +187,12 @@ class CollisionTest:
             for pairs, margin in self._pairs
         )
 
+    def clear_between(self, q: Float64Array) -> bool:
+        """The same without the closest approach; within 0.1 mm of a margin it may fail."""
+        margins = self.scene.margin, self.scene.self_collision_margin
+        starts, ends = q[: max(len(q) - 1, 1)], q[min(1, len(q) - 1) :]
+        return all(core.clear_edges(self.model, self.shapes, starts, ends, *margins, 1))
+
     def clear_rows(self, q: Float64Array) -> list[bool]:
         """Whether the arm keeps the margins, for each row of q (n, joints)."""
         margins = self.scene.margin, self.scene.self_collision_margin

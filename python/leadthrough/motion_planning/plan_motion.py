@@ -62,14 +62,13 @@ def plan_motion(
         last_resort: action if no path of the tip was found that the arm can follow.
             None: raise IkFailure.
             "joint_space": follow the first path up to where the arm is blocked, go on through
-            joint space to where it is free again, found by OMPL's RRT-Connect and certified by
-            the same check, and follow the rest. The arm stops at the corners of that way, and its
-            tip goes anywhere: the answer's `connected` says when. Needs the extra `ompl`.
+            joint space to where it is free again, found by RRT-Connect and certified by the same
+            check, and follow the rest. The arm stops at the corners of that way, and its
+            tip goes anywhere: the answer's `connected` says when.
 
     Raises:
         UnsupportedQuery: for a part of the query that the skill does not support.
         NoPath: if obstacles leave the tip no path.
-        MissingDependency: if `last_resort` is needed and OMPL is not installed.
         IkFailure: if the arm cannot follow, also after the path was changed; with the place, the
             reason and, if obstacles block it, the bodies.
     """

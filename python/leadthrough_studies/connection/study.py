@@ -119,7 +119,7 @@ def _ways(arm: Arm, problem: Problem, seed: int) -> Row:
 def _plain(arm: Arm, problem: Problem, seed: int) -> Float64Array | None:
     """A way by RRT-Connect with OMPL's own settings, None if it finds none."""
     base, geometric, util = (
-        check.package(f"ompl.{name}", extra="ompl") for name in ("base", "geometric", "util")
+        check.package(f"ompl.{name}", extra="rivals") for name in ("base", "geometric", "util")
     )
     util.setLogLevel(util.LOG_NONE)
     util.RNG.setSeed(seed + 1)

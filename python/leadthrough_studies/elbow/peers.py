@@ -1,4 +1,4 @@
-"""What others make of a scene: the slow search of `reference`, and OMPL's RRT-Connect.
+"""What others make of a scene: the slow search of `reference`, and RRT-Connect.
 
 The slow search is asked only where `follow` has no solution.
 """

@@ -8,8 +8,8 @@ given to a slow search (`reference`) for at least a minute of processor time. If
 solution, the scene counts as one that such a search solves as well.
 
 Every solution is looked at again by coal, if that and Pinocchio are installed, in steps of 0.1 mm
-along the spline that is executed. The first scenes of each kind are also given to OMPL's
-RRT-Connect, if that is installed, which knows the ends of the path only.
+along the spline that is executed. The first scenes of each kind are also given to
+RRT-Connect, which knows the ends of the path only.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +76,7 @@ def tasks(config: ElbowConfig) -> list[Task]:
         asked.append((searched, config.scenes))
     if coal_arm.installed():
         asked.append((rechecked, config.scenes))
-    if config.connected and find_spec("ompl"):
+    if config.connected:
         asked.append((connected, config.scenes))
     return [
         Task(function, {**kind, "seed": config.seed, "index": i})

@@ -368,6 +368,29 @@ def test_clear_is_what_distances_say(arm):
     assert arm.is_clear(rows[0], scene) is bool(clear[0])
 
 
+def test_a_motion_is_clear_where_its_closest_approach_says_so(arm):
+    rng = np.random.default_rng(8)
+    starts = configurations(arm, 80, 8)
+    ends = np.clip(starts + rng.normal(0, 0.3, starts.shape), arm.limits.lower, arm.limits.upper)
+    room = [
+        lt.PointCloud(scattered(3000), 0.01),
+        shelf((0.5, 0.1, 0.4)),
+        lt.Cylinder(0.1, 0.5, (-0.4, 0.3, 0.4), TURN),
+        lt.Box((0.2, 0.1, 0.4), (0.4, -0.4, 0.5), TURN),
+    ]
+    verdicts = []
+    for edge in np.stack([starts, ends], axis=1):
+        report = arm.check(edge, lt.Scene(room, 0.02), tolerance=1e-4)
+        motion = lt.JointTrajectory([0.0, 1.0], edge, joint_names=arm.joint_names)
+        verdicts.append(arm.is_clear(motion, lt.Scene(room, 0.02)))
+        room_left = report.obstacles.minimum_distance - 0.02
+        if report.itself.first or room_left < -1e-6:
+            assert not verdicts[-1]
+        elif room_left > 3e-4 and not report.itself.first:
+            assert verdicts[-1]
+    assert 5 < sum(verdicts) < 75
+
+
 def shelf(place):
     return mesh_of(*(lt.Box((0.3, 0.4, 0.02), (0, 0, z)) for z in (0, 0.3)), place=place)
 

@@ -34,7 +34,7 @@ FREE = dict(
     Shape.distances(points)  SpeedMap.at(cells)  TimedPath(coefficients)  Walls.distances(cells)
     all_finite(values)  arc_lengths(points)  bezier_values(fractions points)
     bridge_on_time(target)  bridge_to_start(target)  by_arc_length(points)  check_motion(q)
-    clear_batch(q)  cloud_shape(points)  condition_at(noise)  cubic_through(q)
+    clear_batch(q)  cloud_shape(points)  condition_at(noise)  connect(goals)  cubic_through(q)
     curves_over(basis weights)  curves_over_basis(centres factors phases weights)
     descend(arrival)  directions(arrival points)  distance_transform(mask)
     dmp_orientations(values)  dmp_peak_speeds(phases)  dmp_poses(phases)  dmp_rollout(phases)

@@ -22,6 +22,7 @@ from leadthrough.arm import (
     TaskStack,
     resolve,
 )
+from leadthrough.motion_planning import connect_configurations
 from leadthrough_studies.damped_least_squares import damped_inverse_kinematics, follow_path
 
 HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
@@ -137,6 +138,9 @@ def test_collisions_are_seen():
     report = panda.check(followed, OBSTACLES)
     assert report.minimum_distance <= panda.distance(HOME, OBSTACLES) + 1e-9
     assert panda.self_distance(HOME) > 0.0
+    assert panda.is_clear(followed, OBSTACLES) == report.ok
+    away = HOME + 0.3
+    np.testing.assert_array_equal(connect_configurations(panda, HOME, away)[[0, -1]], [HOME, away])
     assert "<iframe" in lt.show.inline(panda, followed)._repr_html_()
 
 

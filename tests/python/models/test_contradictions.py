@@ -76,8 +76,10 @@ def test_demonstrations_to_other_goals_do_not_contradict():
 
 def test_one_that_is_meant_is_kept_on_request():
     shown = [POINTS[0], wave(POINTS[1]), POINTS[2]]
-    kept = lt.DMP().fit(shown, outliers="keep").generate().positions
-    assert np.abs(kept - lt.DMP().fit(POINTS).generate().positions).max() > 0.05
+    kept = lt.DMP().fit(shown, outliers="keep")
+    other = kept.generate(mode=1).positions
+    assert len(kept.modes) == 2
+    assert np.abs(other - lt.DMP().fit(POINTS).generate().positions).max() > 0.05
     lt.learn(shown, candidates=["dmp"], outliers="keep")
     with pytest.raises(InvalidInput, match="outliers"):
         lt.learn(POINTS, outliers="refused")

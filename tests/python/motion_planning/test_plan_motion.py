@@ -11,8 +11,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import KDTree
 
 import leadthrough as lt
-from leadthrough.errors import IkFailure, InvalidInput, MissingDependency
-from leadthrough.motion_planning import connect_configurations, connection
+from leadthrough.errors import IkFailure, InvalidInput
+from leadthrough.motion_planning import connect_configurations
 from leadthrough.motion_planning.blocked_segment import BlockedSegment, CollisionFreeIk
 from leadthrough.motion_planning.tip_paths import detours
 
@@ -177,7 +177,6 @@ def joint_skill():
 
 @pytest.fixture(scope="module")
 def planned(panda, joint_skill, box):
-    pytest.importorskip("ompl")
     return lt.plan_motion(joint_skill, panda, [box], **LAST_RESORT)
 
 
@@ -232,17 +231,7 @@ def test_it_is_off_by_default_and_helps_at_no_end(panda, joint_skill, box, roof)
         lt.plan_motion(joint_skill, panda, [roof], QUERY, last_resort="joint_space")
 
 
-def test_without_ompl_the_extra_is_named(panda, joint_skill, box, monkeypatch):
-    def missing(name, *, extra):
-        raise MissingDependency("ompl", extra=extra)
-
-    monkeypatch.setattr(connection.check, "package", missing)
-    with pytest.raises(MissingDependency, match=r"leadthrough\[ompl\]"):
-        lt.plan_motion(joint_skill, panda, [box], **LAST_RESORT)
-
-
 def test_a_connection_is_clear_or_not_found_in_the_steps_allowed(panda):
-    pytest.importorskip("ompl")
     wall = [lt.Box([0.3, 0.02, 0.6], [0.5, 0.0, 0.3])]
     left, right = (panda.inverse_kinematics([0.5, y, 0.3], DOWN).q for y in (-0.3, 0.3))
     assert not panda.check([left, right], wall).ok

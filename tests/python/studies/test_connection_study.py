@@ -46,7 +46,6 @@ def test_what_plain_alone_solves_is_told(outcome):
 # Found touching between its configurations, twice; and found by luck: most seeds need 25,000 steps.
 @pytest.mark.parametrize(("kind", "number"), [("table_under_pick", 4), ("bookshelf_tall", 2)])
 def test_a_way_that_is_hard_to_find_begins_and_ends_where_asked(recordings, kind, number):
-    pytest.importorskip("ompl")
     (problem,) = problems(recordings / ARCHIVE, kind, [number])
     arm, ends = panda(), (problem.start, problem.goal)
     way = connect_configurations(arm, *ends, problem.scene)

@@ -336,7 +336,8 @@ def test_speeds_of_a_motion_and_of_its_goal_add_up(seed, moved_by, degrees):
     made = fitted(u, q).generate(goal=((0.3, 0.1, 0.2), goal))
     assert angle_turned(made.orientations) <= 1.001 * degrees + moved_by
     together = np.radians(1.875 * (degrees + moved_by) / DURATION)
-    assert peak_speed(made) <= 1.001 * together
+    # The progress of 100 samples, by which the goal moves, peaks at up to 0.4 % more.
+    assert peak_speed(made) <= 1.005 * together
 
 
 @pytest.mark.parametrize("degrees", [170, 350, 720])
