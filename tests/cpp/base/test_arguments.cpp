@@ -5,6 +5,7 @@
 #include "arm/robots.hpp"
 #include "leadthrough/arm/jacobian.hpp"
 #include "leadthrough/collision/clearance.hpp"
+#include "leadthrough/collision/edges.hpp"
 #include "leadthrough/dmp/avoidance.hpp"
 #include "leadthrough/dmp/orientation_curve.hpp"
 #include "leadthrough/guard/brake.hpp"

@@ -5,6 +5,7 @@
 
 #include "arm/robots.hpp"
 #include "leadthrough/collision/clearance.hpp"
+#include "leadthrough/collision/edges.hpp"
 
 namespace leadthrough::clearance_tests {
 
