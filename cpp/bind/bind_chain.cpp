@@ -239,17 +239,7 @@ void bind_chain(py::module_& module) {
       .def_property_readonly("middle", &middle)
       .def_readonly("mass", &Chain::mass)
       .def_property_readonly("reach", &reach)
-      .def(
-          "with_bounds",
-          [](const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& lower,
-             const Eigen::Ref<const Eigen::VectorXd>& upper) {
-            require(lower.size() == chain.joints() && upper.size() == chain.joints());
-            Chain bounded = chain;
-            bounded.lower = lower;
-            bounded.upper = upper;
-            return bounded;
-          },
-          py::arg("lower").noconvert(), py::arg("upper").noconvert())
+      .def("with_bounds", &with_bounds, py::arg("lower").noconvert(), py::arg("upper").noconvert())
       .def(
           "with_tool",
           [](const Chain& chain, const Eigen::Vector3d& position,

@@ -204,6 +204,20 @@ std::variant<Chain, urdf::Error> make_chain(const Robot& robot, const std::strin
   return chain;
 }
 
+Chain with_bounds(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& lower,
+                  const Eigen::Ref<const Eigen::VectorXd>& upper) {
+  check_argument(lower.size() == chain.joints() && upper.size() == chain.joints(),
+                 "bounds: expected one of each joint");
+  check_argument(
+      (lower.array() <= upper.array() && lower.array() < kInfinity && upper.array() > -kInfinity)
+          .all(),
+      "bounds: expected some value of each joint between lower and upper");
+  Chain result = chain;
+  result.lower = lower;
+  result.upper = upper;
+  return result;
+}
+
 Chain with_tool(const Chain& chain, const Transform& T_tip_tool) {
   Chain result = chain;
   Transform& T_body_tip = result.fixed[moving_count(chain)];

@@ -60,6 +60,9 @@ std::variant<std::vector<const urdf::Joint*>, urdf::Error> joints_between(const 
                                                                           const std::string& base,
                                                                           const std::string& tip);
 
+// The chain with other limits of position; throws std::invalid_argument where they leave no value.
+Chain with_bounds(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& lower,
+                  const Eigen::Ref<const Eigen::VectorXd>& upper);
 // The chain with another tip, given in the frame of the present one.
 Chain with_tool(const Chain& chain, const Transform& T_tip_tool);
 // The chain that carries a body, given in the frame of its tip.

@@ -160,4 +160,18 @@ TEST(Chain, AToolMovesTheTip) {
   EXPECT_LE((after.rotation - before.rotation * tool.rotation).norm(), 1e-15);
 }
 
+TEST(Chain, BoundsLeaveAValue) {
+  const Chain chain = std::get<Chain>(make_chain(crooked_robot(), "l0", "l9"));
+  const double inf = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd lower = Eigen::VectorXd::Constant(chain.joints(), -1.0);
+  const Eigen::VectorXd upper = -lower;
+  EXPECT_EQ(with_bounds(chain, lower, upper).lower[0], -1.0);
+  EXPECT_THROW(with_bounds(chain, lower.head(1), upper), std::invalid_argument);
+  for (const double wrong : {1.5, inf, std::nan("")}) {
+    lower[0] = wrong;
+    EXPECT_THROW(with_bounds(chain, lower, upper), std::invalid_argument);
+    EXPECT_THROW(with_bounds(chain, -upper, -lower), std::invalid_argument);
+  }
+}
+
 }  // namespace leadthrough::chain_tests
