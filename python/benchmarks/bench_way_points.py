@@ -34,7 +34,7 @@ LONGER = 1e-3
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
-    """Two rows of way-points, and one of samples."""
+    """Two rows of way-points, and two of samples."""
     logging.getLogger("toppra").setLevel(logging.ERROR)
     limits, count = lt.Arm.load("panda").limits, 400 if quick else 4000
     way = _way_points(limits, count)
@@ -63,6 +63,16 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
         error=partial(_off, followed.positions, limits, TOLERANCE),
         tolerance=EXCESS,
     )
+    recorded, some = _recorded(25_000 if quick else 600_000), 5000
+    thin = recorded.positions[:: len(recorded) // some]
+    yield Benchmark(
+        f"time law of a recording of {len(recorded)} samples of seven joints",
+        ours=partial(lt.retime, recorded, limits, rate=RATE, path_tolerance=TOLERANCE),
+        peer=partial(_through, thin, limits, len(thin)),
+        peer_name=f"toppra through {some} of them",
+        error=partial(_off, thin, limits, TOLERANCE),
+        tolerance=EXCESS,
+    )
 
 
 def _way_points(limits: Any, count: int) -> Any:
@@ -80,6 +90,13 @@ def _followed() -> lt.JointTrajectory:
     way = position + np.column_stack([0.1 * np.sin(5.0 * u), 0.2 * u, 0.1 * np.sin(3.0 * u)])
     turned = lt.rotations.compose(np.tile(orientation, (SAMPLES, 1)), lt.rotations.exp(turn))
     return arm.follow(lt.PoseTrajectory(8.0 * u, way, turned))
+
+
+def _recorded(count: int) -> lt.JointTrajectory:
+    """Joints that move all the time, at 1 kHz."""
+    times = np.arange(count) / RATE
+    phases = np.outer(times, np.linspace(0.3, 0.7, 7)) + np.arange(7)
+    return lt.JointTrajectory(times, _followed().positions[0] + 0.2 * np.sin(phases))
 
 
 def _line_by_line(way: Any, limits: Any) -> float:

@@ -21,7 +21,8 @@ _ORDER = 3  # of the differences that smoothing penalises: parabolas stay as the
 # smooths over 200 samples. In a longer path it is that of a few windows.
 _WEAKEST, _STRONGEST, _TOLERANCE = -3.0, 12.0, 1e-3
 _MAX_SMOOTHED, _WINDOWS = 2000, 8
-_SPREAD = 3.0  # standard deviations: hardly a sample has noise so much longer than the mean
+# Standard deviations by which hardly one of _MAX_SMOOTHED samples has noise longer than the mean.
+_SPREAD = 3.0
 # The steps of a random walk are unrelated to those before: all their correlations are near 0. Those
 # of a motion with white noise are not: noise makes neighbouring steps turn back, the motion keeps
 # steps farther apart alike. With fewer steps chance decides.
@@ -69,7 +70,9 @@ def without_noise(path: Float64Array) -> Float64Array:
     if strength <= _WEAKEST:
         return path
     lost = _smoothed(path, _penalty(len(path)), strength) - path
-    most = noise * (np.sqrt(path.shape[1]) + _SPREAD)
+    # Of more samples some have longer noise: a Gaussian's tail falls with exp(-spread^2 / 2).
+    spread = np.sqrt(_SPREAD**2 + 2.0 * np.log(max(len(path) / _MAX_SMOOTHED, 1.0)))
+    most = noise * (np.sqrt(path.shape[1]) + spread)
     shares = most / np.maximum(np.linalg.norm(lost, axis=1), most)
     return np.asarray(path + shares[:, None] * lost)
 

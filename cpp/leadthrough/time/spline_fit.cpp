@@ -27,6 +27,11 @@ constexpr double kWeightOfEnds = 1e4;
 // Weights of the third derivative over a path of length 1, as powers of ten: a bend of a thousandth
 // of the path counts nothing at the first, one of the whole path much at the last.
 constexpr double kSoftest = -32.0, kStiffest = 4.0, kStep = 0.25;
+// Samples of a long path. Its pieces are looked for from few to many, first among every eighth
+// sample; a smooth path needs so many that, without a penalty, they miss no sample by more than
+// half of the tolerance.
+constexpr Index kLong = 20'000, kThinning = 8, kFirstWidth = 128;
+constexpr double kRoom = 0.5;
 
 class Fit {
  public:
@@ -56,9 +61,18 @@ class Fit {
   bool solve() {
     if (!factorize(0.0)) return false;
     check_interrupt();
-    coefficients_ = solved(q_);
-    coefficients_ += solved(missed(q_, coefficients_));
+    coefficients_ = solved(moments(q_));
+    coefficients_ += solved(moments(missed(q_, coefficients_)));
     finish();
+    return true;
+  }
+
+  // Whether there are pieces enough to be within the tolerance.
+  bool can_follow(double tolerance) {
+    if (!factorize(0.0)) return false;
+    const Rows x = solved(moments(q_));
+    for (Index j = 0; j < q_.cols(); ++j)
+      if (!is_within(j, x.col(j), tolerance)) return false;
     return true;
   }
 
@@ -66,15 +80,15 @@ class Fit {
   bool smooth(const CurveBounds& bounds, double tolerance) {
     set_penalty();
     coefficients_.resize(spans_ + kDegree, q_.cols());
+    const Rows sums = moments(q_);
     for (Index j = 0; j < q_.cols(); ++j) {
-      const Rows column = q_.col(j);
       const auto fit = [&](double exponent) -> std::optional<Rows> {
         check_interrupt();
         if (!factorize(std::pow(10.0, exponent))) return {};
-        Rows x = solved(column);
+        Rows x = solved(sums.col(j));
         // A curve lies between its coefficients.
         x = x.cwiseMax(bounds.lower[j]).cwiseMin(bounds.upper[j]);
-        if (missed(column, x).cwiseAbs().maxCoeff() > tolerance) return {};
+        if (!is_within(j, x, tolerance)) return {};
         return x;
       };
       std::optional<Rows> best = fit(kSoftest);
@@ -193,15 +207,23 @@ class Fit {
     return true;
   }
 
-  // Coefficients that fit samples, one column a coordinate.
-  Rows solved(const Rows& samples) const {
-    const Index size = spans_ + kDegree;
-    Rows x = Rows::Zero(size, samples.cols());
+  // Right sides of the normal equations, one column a coordinate.
+  Rows moments(const Eigen::Ref<const Rows>& samples) const {
+    Rows sums = Rows::Zero(spans_ + kDegree, samples.cols());
     for (Index i = 0; i < samples.rows(); ++i) {
-      const Index first = span_[static_cast<std::size_t>(i)];
-      for (Index k = 0; k < kOrder; ++k)
-        x.row(first + k) += weight(i) * basis_(i, k) * samples.row(i);
+      const double* sample = samples.row(i).data();
+      for (Index k = 0; k < kOrder; ++k) {
+        const double factor = weight(i) * basis_(i, k);
+        double* sum = sums.row(span_[static_cast<std::size_t>(i)] + k).data();
+        for (Index j = 0; j < samples.cols(); ++j) sum[j] += factor * sample[j];
+      }
     }
+    return sums;
+  }
+
+  // Their solution.
+  Rows solved(Rows x) const {
+    const Index size = spans_ + kDegree;
     for (Index i = 0; i < size; ++i)
       for (Index k = 1; k <= std::min(kDegree, size - 1 - i); ++k)
         x.row(i + k) -= band_(i, k) * x.row(i);
@@ -213,11 +235,26 @@ class Fit {
     return x;
   }
 
+  // Whether a column of the samples is missed nowhere by more than the tolerance.
+  bool is_within(Index column, const Rows& coefficients, double tolerance) const {
+    for (Index i = 0; i < q_.rows(); ++i) {
+      double residual = q_(i, column);
+      const Index first = span_[static_cast<std::size_t>(i)];
+      for (Index k = 0; k < kOrder; ++k) residual -= basis_(i, k) * coefficients(first + k, 0);
+      if (!(std::abs(residual) <= tolerance)) return false;
+    }
+    return true;
+  }
+
   Rows missed(const Rows& samples, const Rows& coefficients) const {
     Rows residuals = samples;
-    for (Index i = 0; i < samples.rows(); ++i)
-      for (Index k = 0; k < kOrder; ++k)
-        residuals.row(i) -= basis_(i, k) * coefficients.row(span_[static_cast<std::size_t>(i)] + k);
+    for (Index i = 0; i < samples.rows(); ++i) {
+      double* residual = residuals.row(i).data();
+      for (Index k = 0; k < kOrder; ++k) {
+        const double* own = coefficients.row(span_[static_cast<std::size_t>(i)] + k).data();
+        for (Index j = 0; j < samples.cols(); ++j) residual[j] -= basis_(i, k) * own[j];
+      }
+    }
     return residuals;
   }
 
@@ -277,6 +314,59 @@ bool wide_enough(const std::vector<Index>& breaks) {
   return true;
 }
 
+// Breaks of equally many samples.
+std::vector<Index> even_breaks(Index samples, Index spans) {
+  std::vector<Index> breaks;
+  for (Index k = 0; k <= spans; ++k) breaks.push_back(k * (samples - 1) / spans);
+  return breaks;
+}
+
+// halved_fit of every so many samples: its pieces are nearly those that all of them need.
+SplineFit thinned_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
+                      double tolerance);
+
+// Halves pieces until all are within the tolerance; no coefficients if they become too short.
+SplineFit halved_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
+                     double tolerance) {
+  SplineFit found;
+  std::vector<Index>& breaks = found.breaks;
+  breaks = q.rows() > kLong ? thinned_fit(parameters, q, tolerance).breaks
+                            : even_breaks(q.rows(), kFirstSpans);
+  std::vector<Index> finer = breaks;
+  while (wide_enough(finer)) {
+    check_interrupt();
+    breaks.swap(finer);
+    Fit fit(parameters, q, breaks);
+    if (!fit.solve()) break;
+    const std::vector<bool> misses = fit.misses(tolerance);
+    finer = {breaks[0]};
+    for (std::size_t span = 0; span < misses.size(); ++span) {
+      if (misses[span]) finer.push_back((breaks[span] + breaks[span + 1]) / 2);
+      finer.push_back(breaks[span + 1]);
+    }
+    if (finer.size() == breaks.size()) {
+      found.coefficients = fit.pieces();
+      break;
+    }
+  }
+  return found;
+}
+
+SplineFit thinned_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
+                      double tolerance) {
+  const Index count = (q.rows() - 1) / kThinning + 1;
+  VectorXd some(count);
+  Rows rows(count, q.cols());
+  for (Index i = 0; i < count; ++i) {
+    some[i] = parameters[i * kThinning];
+    rows.row(i) = q.row(i * kThinning);
+  }
+  SplineFit fit = halved_fit(some, rows, tolerance);
+  for (Index& at : fit.breaks) at *= kThinning;
+  fit.breaks.back() = q.rows() - 1;
+  return fit;
+}
+
 }  // namespace
 
 SplineFit fit_spline(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
@@ -284,22 +374,9 @@ SplineFit fit_spline(const Eigen::Ref<const VectorXd>& parameters, const Eigen::
   check_argument(q.rows() == parameters.size() && q.cols() > 0,
                  "q: expected one row for each parameter");
   check_argument(q.rows() > 6, "q: expected at least seven rows");
-  std::vector<Index> breaks;
-  for (Index k = 0; k <= kFirstSpans; ++k) breaks.push_back(k * (q.rows() - 1) / kFirstSpans);
-  while (wide_enough(breaks)) {
-    check_interrupt();
-    Fit fit(parameters, q, breaks);
-    if (!fit.solve()) break;
-    const std::vector<bool> misses = fit.misses(tolerance);
-    std::vector<Index> finer{breaks[0]};
-    for (std::size_t span = 0; span < misses.size(); ++span) {
-      if (misses[span]) finer.push_back((breaks[span] + breaks[span + 1]) / 2);
-      finer.push_back(breaks[span + 1]);
-    }
-    if (finer.size() == breaks.size()) return {breaks, fit.pieces()};
-    breaks.swap(finer);
-  }
-  return {};
+  SplineFit fit = halved_fit(parameters, q, tolerance);
+  if (fit.coefficients.size() == 0) return {};
+  return fit;
 }
 
 SplineFit smooth_spline(const Eigen::Ref<const VectorXd>& parameters,
@@ -310,12 +387,18 @@ SplineFit smooth_spline(const Eigen::Ref<const VectorXd>& parameters,
   check_argument(q.rows() > 6, "q: expected at least seven rows");
   check_argument(bounds.lower.size() == q.cols() && bounds.upper.size() == q.cols(),
                  "bounds: expected one value a joint");
-  std::vector<Index> breaks;
-  const Index spans = std::max<Index>((q.rows() - 1) / kMinSamples, 1);
-  for (Index k = 0; k <= spans; ++k) breaks.push_back(k * (q.rows() - 1) / spans);
-  Fit fit(parameters, q, breaks);
-  if (!fit.smooth(bounds, tolerance)) return {};
-  return {breaks, fit.pieces()};
+  const Index most = std::max<Index>((q.rows() - 1) / kMinSamples, 1);
+  Index spans = q.rows() > kLong ? q.rows() / kFirstWidth : most;
+  while (true) {
+    const std::vector<Index> breaks = even_breaks(q.rows(), spans);
+    Fit fit(parameters, q, breaks);
+    if (spans < most && !fit.can_follow(kRoom * tolerance)) {
+      spans = std::min(2 * spans, most);
+      continue;
+    }
+    if (!fit.smooth(bounds, tolerance)) return {};
+    return {breaks, fit.pieces()};
+  }
 }
 
 std::vector<Index> rows_apart(const Eigen::Ref<const Rows>& q, double tolerance) {

@@ -10,7 +10,7 @@ satisfies `check_limits`, or an error is raised.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar, cast
 
@@ -43,6 +43,9 @@ from leadthrough.trajectories import Curve
 _MAX_ATTEMPTS = 4
 _TIGHTER = 0.999
 _MIN_RATE = 1e-3  # 1/s; the law is computed a thousand times a second, or more
+# Windows of so many samples choose the tolerance of a long path: a wider one has to make them
+# faster by this part: the gain of the whole motion differs, and must not become a loss.
+_LONG, _WINDOWS, _WINDOW, _WORTH = 20_000, 4, 1000, 0.98
 # A path that leaves the position limits by so much is bounded by this much more inside them.
 _INSIDE = 1.5
 PathT = TypeVar("PathT")
@@ -111,21 +114,66 @@ def retime(
         inverse_dynamics=checks.checked_dynamics(inverse_dynamics),
     )
     if not isinstance(path, JointTrajectory):
-        return _timed(route, path, limits, request)
+        return _timed(route, route.sections(request), path, limits, request)
     tip = path_tolerance if isinstance(path_tolerance, TipTolerance) else None
-    motions = list[JointTrajectory]()
-    for each in request.smoother(endless=tip is not None):
-        if tip is not None and motions and not tip.allows(_off(route, path, each)):
+    if len(path) > _LONG:
+        return _timed_as_its_windows(path, limits, request, tip)
+    return min(_within(path, limits, request, tip), key=lambda motion: motion.duration)
+
+
+def _within(
+    path: JointTrajectory, limits: JointLimits, request: Request, tip: TipTolerance | None
+) -> Iterator[JointTrajectory]:
+    """Motions along smoother and smoother paths, as far as the tolerance allows."""
+    route = path_of(path)
+    for i, each in enumerate(request.smoother(endless=tip is not None)):
+        sections = route.sections(each)
+        if i > 0 and not _is_allowed(sections, path, each, tip):
+            return
+        yield _timed(route, sections, path, limits, each)
+
+
+def _timed_as_its_windows(
+    path: JointTrajectory, limits: JointLimits, request: Request, tip: TipTolerance | None
+) -> JointTrajectory:
+    """The motion along the path that is worth it in windows of a long path, or the next smooth."""
+    inner = replace(request.between_rests(first=False, last=False), dwell_times={})
+    columns = [
+        [motion.duration for motion in _within(window, limits, inner, tip)]
+        for window in _windows(path)
+    ]
+    rungs, route = request.smoother(endless=tip is not None), path_of(path)
+    for i in reversed(_worth_it([sum(row) for row in zip(*columns, strict=False)])):
+        sections = route.sections(rungs[i])
+        if i == 0 or _is_allowed(sections, path, rungs[i], tip):
             break
-        motions.append(_timed(route, path, limits, each))
-    return min(motions, key=lambda motion: motion.duration)
+    return _timed(route, sections, path, limits, rungs[i])
 
 
-def _off(route: Path, path: JointTrajectory, request: Request) -> Float64Array:
-    """How far the fitted path is from the samples, joint by joint, rad (m) (n, joints)."""
-    parts = [part for part in route.sections(request).parts if isinstance(part, Section)]
-    off = [part.spline.evaluate(part.parameters) - path.positions[part.rows] for part in parts]
-    return np.asarray(np.abs(np.concatenate([np.zeros((1, route.joints)), *off])) + request.dropped)
+def _windows(path: JointTrajectory) -> list[JointTrajectory]:
+    """Windows of a path at equal lengths from each other."""
+    lengths = np.cumsum(np.linalg.norm(np.diff(path.positions, axis=0), axis=1))
+    middles = np.searchsorted(lengths, lengths[-1] * (np.arange(_WINDOWS) + 0.5) / _WINDOWS)
+    starts = np.clip(middles - _WINDOW // 2, 0, len(path) - _WINDOW)
+    return [path[start : start + _WINDOW] for start in starts.tolist()]
+
+
+def _worth_it(durations: Sequence[float]) -> list[int]:
+    """The first duration, and those that are shorter than the one before by a clear part."""
+    worth = [0]
+    for i, duration in enumerate(durations):
+        if duration < _WORTH * durations[worth[-1]]:
+            worth.append(i)
+    return worth
+
+
+def _is_allowed(
+    sections: Sections, path: JointTrajectory, request: Request, tip: TipTolerance | None
+) -> bool:
+    """Whether a tolerance at the tip, if there is one, allows the fitted path."""
+    parts = [part for part in sections.parts if isinstance(part, Section)]
+    off = (part.spline.evaluate(part.parameters) - path.positions[part.rows] for part in parts)
+    return tip is None or all(tip.allows(np.abs(each) + request.dropped) for each in off)
 
 
 def keep_timing(
@@ -170,7 +218,7 @@ def keep_timing(
         tip_speed=checks.checked_tip_speed(tip_speed),
         inverse_dynamics=checks.checked_dynamics(inverse_dynamics),
     )
-    return _timed(route, motion, limits, request)
+    return _timed(route, route.sections(request), motion, limits, request)
 
 
 def _named(path: PathT, limits: JointLimits, argument: str) -> PathT:
@@ -201,12 +249,13 @@ def _route(path: JointTrajectory | Curve | ArrayLike, limits: JointLimits) -> Pa
 
 def _timed(
     route: Path,
+    sections: Sections,
     path: JointTrajectory | Curve | ArrayLike,
     limits: JointLimits,
     request: Request,
 ) -> JointTrajectory:
     """The motion over all sections, with the rests between them; it satisfies the limits."""
-    sections, inner = route.sections(request), limits
+    inner = limits
     for _ in range(_MAX_ATTEMPTS):
         motion = _joined(sections, inner, request, start=route.start)
         timed = _trajectory(motion, path, limits.joint_names)

@@ -118,8 +118,6 @@ def _moved(piece: Float64Array, by: float) -> Float64Array:
 # it lies within this fraction of the tolerance from the samples; dropped ones need the rest.
 _MIN_SPANS, _MAX_SPANS, _SHARE = 128, 30_000, 0.8
 _FADE = 0.1  # of such a spline, over which its distance from the limits grows
-# Samples to which a smooth path is fitted, where straight lines between them come near the others.
-_MAX_FITTED = 20_000
 # Number of samples through which curves are fitted that are not splines, or not smooth enough.
 _SAMPLES_OF_A_CURVE = 2000
 
@@ -224,7 +222,7 @@ def _bounded(near: Spline, parameters: Float64Array, q: Float64Array, request: R
 def _smoothed(q: Float64Array, request: Request) -> tuple[Rows, Float64Array, Spline] | None:
     """The smoothest spline over arc length within the tolerance; None if samples are too few."""
     dropped = request.dropped
-    kept = _thinned(q, _kept(q, dropped), dropped)
+    kept = _kept(q, dropped)
     if len(kept) <= _DEGREE + 1:
         return None
     points = np.ascontiguousarray(q[kept])
@@ -234,19 +232,6 @@ def _smoothed(q: Float64Array, request: Request) -> tuple[Rows, Float64Array, Sp
     bounds = request.lower + request.margins, request.upper - request.margins
     breaks, table = core.smooth_spline(lengths, points, tolerance, *bounds)
     return (kept, lengths, _quintics(lengths[breaks], table)) if len(breaks) else None
-
-
-def _thinned(q: Float64Array, kept: Rows, tolerance: float) -> Rows:
-    """The rows, or every so many of a long path, if lines between them come as near to all."""
-    index = np.arange(len(q))
-    stride = 2 ** math.ceil(math.log2(max(len(kept) / _MAX_FITTED, 1.0)))
-    while stride > 1:
-        some = np.append(kept[:-1:stride], kept[-1])
-        columns = zip(q.T, q[some].T, strict=True)
-        if all(np.abs(np.interp(index, some, b) - a).max() <= tolerance for a, b in columns):
-            return some
-        stride //= 2
-    return kept
 
 
 def _reached(spline: Spline) -> Float64Array:

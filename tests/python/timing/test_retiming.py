@@ -532,6 +532,25 @@ def test_recordings_that_rest_at_a_limit_are_legal(robot, rate):
         np.testing.assert_allclose(motion.positions[[0, -1]], given.positions[[0, -1]], atol=1e-9)
 
 
+def test_a_long_recording_stays_within_the_tolerance_and_more_never_takes_longer():
+    times = np.linspace(0.0, 120.0, 24_000)
+    phases = np.outer(times, np.linspace(0.3, 0.6, 7)) + np.arange(7)
+    tremor = 2e-4 * np.sin(80.0 * phases)
+    q = 0.5 * (PANDA.lower + PANDA.upper) + 0.3 * np.sin(phases) + tremor
+    given = lt.JointTrajectory(times, q)
+    durations = []
+    for tolerance in (1e-5, 2e-4, 1e-3):
+        motion = lt.retime(given, PANDA, rate=500.0, path_tolerance=tolerance)
+        durations.append(motion.duration)
+        assert check_limits(motion, PANDA).ok
+        steps = np.linspace(0.0, motion.duration, 4 * len(motion.times))
+        fine = np.column_stack([np.interp(steps, motion.times, q) for q in motion.positions.T])
+        missed, _ = cKDTree(fine).query(given.positions, p=np.inf)
+        assert missed.max() <= tolerance + np.abs(np.diff(fine, axis=0)).max()
+    assert (np.diff(durations) <= 1e-9).all()
+    assert durations[-1] < 0.9 * durations[0]  # the tremor is not followed
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_more_path_tolerance_never_takes_longer_and_is_a_tube(seed):
     given = hand_motion(seed, PANDA, noise=3e-4)
