@@ -35,11 +35,7 @@ Value value_or_raise(std::variant<Value, urdf::Error>&& answer) {
 }
 
 urdf::Robot parse(const std::string& document) {
-  auto answer = [&] {
-    const Unlocked unlocked;
-    return urdf::parse(document);
-  }();
-  return value_or_raise(std::move(answer));
+  return value_or_raise(without_gil([&] { return urdf::parse(document); }));
 }
 
 std::vector<std::string> link_names(const urdf::Robot& robot) {
@@ -255,11 +251,7 @@ void bind_chain(py::module_& module) {
       .def(
           "forward_kinematics",
           [](const Chain& chain, const Eigen::Ref<const Rows>& q) {
-            Poses poses;
-            {
-              const Unlocked unlocked;
-              poses = forward_kinematics_batch(chain, q);
-            }
+            Poses poses = without_gil([&] { return forward_kinematics_batch(chain, q); });
             return py::make_tuple(std::move(poses.positions), std::move(poses.orientations));
           },
           py::arg("q").noconvert())

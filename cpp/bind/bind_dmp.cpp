@@ -146,11 +146,8 @@ PoseState make_pose_state(std::shared_ptr<Course> course, const VectorIn& value,
 py::tuple rollout(const Forces& forces, const Course& course, const VectorIn& value,
                   const VectorIn& slope, const VectorIn& phases) {
   require(phases.size() > 0);
-  dmp::Rollout result;
-  {
-    const Unlocked unlocked;
-    result = dmp::rollout(forces, course, {value, slope, phases[0]}, phases);
-  }
+  dmp::Rollout result =
+      without_gil([&] { return dmp::rollout(forces, course, {value, slope, phases[0]}, phases); });
   return py::make_tuple(std::move(result.values), std::move(result.slopes));
 }
 
@@ -217,11 +214,9 @@ py::tuple rollout_around(const Forces& forces, const Course& course,
                          const dmp::AvoidanceScene& scene, const VectorIn& value,
                          const VectorIn& slope, const VectorIn& phases) {
   require(phases.size() > 0);
-  dmp::Passage result;
-  {
-    const Unlocked unlocked;
-    result = dmp::rollout_around(forces, course, scene, {value, slope, phases[0]}, phases);
-  }
+  dmp::Passage result = without_gil([&] {
+    return dmp::rollout_around(forces, course, scene, {value, slope, phases[0]}, phases);
+  });
   return py::make_tuple(std::move(result.rollout.values), std::move(result.rollout.slopes),
                         result.last_push);
 }

@@ -60,7 +60,7 @@ std::vector<Source> sources_at(const Grid& grid, const CArray<Index>& cells) {
 }
 
 void require_options(int order, double source_radius) {
-  require((order == 1 || order == 2) && std::isfinite(source_radius) && source_radius >= 0.0);
+  require((order == 1 || order == 2) && source_radius >= 0.0);
 }
 
 template <typename Real>
@@ -72,11 +72,8 @@ py::array_t<Real> march_one(const CArray<Real>& speed, const std::vector<double>
   require_options(order, source_radius);
   require(stop == kNoStop || contains(grid, stop));
   const MarchProblem<Real> problem{speed.data(), sources_at(grid, cells)};
-  std::vector<Real> arrival;
-  {
-    const Unlocked unlocked;
-    arrival = march(grid, problem, {order, source_radius, stop});
-  }
+  std::vector<Real> arrival =
+      without_gil([&] { return march(grid, problem, {order, source_radius, stop}); });
   return moved_array(std::move(arrival), shape_of(speed));
 }
 
@@ -94,11 +91,8 @@ py::list march_many(const std::vector<CArray<Real>>& speeds, const std::vector<d
     require_speeds(speeds[n]);
     problems.push_back({speeds[n].data(), sources_at(grid, cells[n])});
   }
-  std::vector<std::vector<Real>> arrivals;
-  {
-    const Unlocked unlocked;
-    arrivals = march_batch(grid, problems, {order, source_radius}, threads);
-  }
+  std::vector<std::vector<Real>> arrivals =
+      without_gil([&] { return march_batch(grid, problems, {order, source_radius}, threads); });
   py::list result;
   for (std::vector<Real>& arrival : arrivals)
     result.append(moved_array(std::move(arrival), shape_of(speeds[0])));
@@ -183,21 +177,15 @@ py::array_t<std::int32_t> label_sources(const CArray<double>& arrival,
                                         const std::vector<Index>& cells) {
   const Grid grid = grid_of(arrival, spacing);
   for (const Index cell : cells) require(contains(grid, cell));
-  std::vector<std::int32_t> labels;
-  {
-    const Unlocked unlocked;
-    labels = nearest_sources(grid, arrival.data(), cells);
-  }
+  std::vector<std::int32_t> labels =
+      without_gil([&] { return nearest_sources(grid, arrival.data(), cells); });
   return moved_array(std::move(labels), shape_of(arrival));
 }
 
 py::array_t<double> transform(const CArray<bool>& mask, const std::vector<double>& spacing) {
   const Grid grid = grid_of(mask, spacing);
-  std::vector<double> distance;
-  {
-    const Unlocked unlocked;
-    distance = distance_transform(grid, reinterpret_cast<const std::uint8_t*>(mask.data()));
-  }
+  std::vector<double> distance = without_gil(
+      [&] { return distance_transform(grid, reinterpret_cast<const std::uint8_t*>(mask.data())); });
   return moved_array(std::move(distance), shape_of(mask));
 }
 
@@ -209,11 +197,7 @@ py::tuple follow_down(const CArray<Real>& arrival, const std::vector<double>& sp
   const std::size_t dimensions = spacing.size();
   const Coordinates from = with_leading_zero(start, dimensions);
   const Coordinates to_cell = with_leading_zero(goal, dimensions);
-  Descent descent;
-  {
-    const Unlocked unlocked;
-    descent = descend(grid, arrival.data(), from, to_cell, step);
-  }
+  Descent descent = without_gil([&] { return descend(grid, arrival.data(), from, to_cell, step); });
   py::array_t<double> path({descent.path.size(), dimensions});
   double* to = path.mutable_data();
   for (const Coordinates& p : descent.path)

@@ -89,10 +89,8 @@ py::tuple curves(const BasisRows& basis, Eigen::Index functions, Eigen::Index ba
     for (py::ssize_t i = 0; i < count; ++i) places.push_back(block.mutable_data(i));
     blocks.append(std::move(block));
   }
-  const bool certain = [&] {
-    const Unlocked unlocked;
-    return fill_curves(basis, rows, weights, width, threads, places);
-  }();
+  const bool certain =
+      without_gil([&] { return fill_curves(basis, rows, weights, width, threads, places); });
   return py::make_tuple(std::move(blocks), certain);
 }
 
@@ -139,10 +137,9 @@ void bind_gaussian(py::module_& module) {
          const Eigen::Ref<const Rows>& basis, const Eigen::Ref<const Columns>& columns,
          const Eigen::Ref<const Rows>& values, const Eigen::Ref<const Rows>& noise,
          const Eigen::Ref<const Eigen::VectorXd>& scale, double least) {
-        Conditioned result = [&] {
-          const Unlocked unlocked;
+        Conditioned result = without_gil([&] {
           return condition_weights(mean, covariance, basis, columns, values, noise, scale, least);
-        }();
+        });
         return py::make_tuple(result.certain, std::move(result.mean), std::move(result.covariance));
       },
       py::arg("mean").noconvert(), py::arg("covariance").noconvert(), py::arg("basis").noconvert(),

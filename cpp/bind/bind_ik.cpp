@@ -73,11 +73,7 @@ IkColumns columns(const std::vector<IkResult>& results, int joints) {
 
 template <typename Solve>
 py::tuple solve_columns(int joints, const Solve& solve) {
-  IkColumns table;
-  {
-    const Unlocked unlocked;
-    table = columns(solve(), joints);
-  }
+  IkColumns table = without_gil([&] { return columns(solve(), joints); });
   return py::make_tuple(std::move(table.q), std::move(table.status),
                         std::move(table.position_errors), std::move(table.orientation_errors),
                         std::move(table.iterations), std::move(table.limiting));
@@ -90,11 +86,9 @@ py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>&
                     const std::optional<ClosedForm>& form) {
   require(orientations_fit(4, orientation.size()));
   require_form(chain, form);
-  IkResult result;
-  {
-    const Unlocked unlocked;
-    result = solve_ik(chain, to_target(position, orientation), q0, options, 0, pointer(form));
-  }
+  IkResult result = without_gil([&] {
+    return solve_ik(chain, to_target(position, orientation), q0, options, 0, pointer(form));
+  });
   return to_tuple(result);
 }
 
@@ -116,12 +110,10 @@ py::tuple solve_all(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>&
                     int count, double separation, const std::optional<ClosedForm>& form) {
   require(orientations_fit(4, orientation.size()));
   require_form(chain, form);
-  IkSolutions solutions;
-  {
-    const Unlocked unlocked;
-    solutions = solve_ik_all(chain, to_target(position, orientation), q0, options, count,
-                             separation, pointer(form));
-  }
+  IkSolutions solutions = without_gil([&] {
+    return solve_ik_all(chain, to_target(position, orientation), q0, options, count, separation,
+                        pointer(form));
+  });
   IkColumns table = columns(solutions.found, chain.joints());
   return py::make_tuple(std::move(table.q), std::move(table.position_errors),
                         std::move(table.orientation_errors), std::move(table.iterations),
@@ -143,11 +135,8 @@ py::tuple step_along(const Chain& chain, const Eigen::Ref<const Rows3>& position
                      const Eigen::Ref<const Rows4>& orientations,
                      const Eigen::Ref<const Eigen::VectorXd>& start,
                      const Eigen::Ref<const Eigen::VectorXd>& steps, const YangOptions& options) {
-  YangPath path;
-  {
-    const Unlocked unlocked;
-    path = yang_path(chain, positions, orientations, start, steps, options);
-  }
+  YangPath path =
+      without_gil([&] { return yang_path(chain, positions, orientations, start, steps, options); });
   return py::make_tuple(std::move(path.q), std::move(path.condition), std::move(path.damping),
                         std::move(path.position_errors), std::move(path.orientation_errors));
 }

@@ -11,21 +11,13 @@ namespace leadthrough {
 namespace {
 
 py::bytes write_records_(const Eigen::Ref<const Rows>& values, const RecordLayout& layout) {
-  std::string text;
-  {
-    const Unlocked unlocked;
-    text = write_records(values, layout);
-  }
+  std::string text = without_gil([&] { return write_records(values, layout); });
   return py::bytes(text);
 }
 
 py::tuple read_records_(const py::bytes& block, const RecordLayout& layout) {
   const std::string_view text(block);
-  Records found;
-  {
-    const Unlocked unlocked;
-    found = read_records(text, layout);
-  }
+  Records found = without_gil([&] { return read_records(text, layout); });
   return py::make_tuple(moved_array(std::move(found.values)), found.length);
 }
 

@@ -15,20 +15,12 @@ using QuaternionsRef = Eigen::Ref<const so3::Quaternions>;
 using NumbersRef = Eigen::Ref<const Eigen::VectorXd>;
 
 py::tuple mean(const QuaternionsRef& layers, const NumbersRef& weights) {
-  so3::Means result;
-  {
-    const Unlocked unlocked;
-    result = so3::mean_batch(layers, weights);
-  }
+  so3::Means result = without_gil([&] { return so3::mean_batch(layers, weights); });
   return py::make_tuple(std::move(result.means), std::move(result.reach));
 }
 
 py::tuple lift(const QuaternionsRef& quaternions) {
-  so3::Lifted result;
-  {
-    const Unlocked unlocked;
-    result = so3::lift(quaternions);
-  }
+  so3::Lifted result = without_gil([&] { return so3::lift(quaternions); });
   return py::make_tuple(std::move(result.vectors), result.broken);
 }
 

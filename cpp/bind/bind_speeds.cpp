@@ -124,11 +124,7 @@ py::tuple quickest(const BoundSpeeds& bound, const std::vector<double>& start,
   const bool holds_goal = bound.cells.find(to).has_value();
   require((holds_start || holds_goal) &&
           ((holds_start && holds_goal) || bound.map->outside() > 0.0));
-  Quickest found;
-  {
-    const Unlocked unlocked;
-    found = quickest_path(*bound.map, from, to);
-  }
+  Quickest found = without_gil([&] { return quickest_path(*bound.map, from, to); });
   return py::make_tuple(name(found.status), bound.cells.rows(found.path));
 }
 

@@ -15,21 +15,14 @@ using Vector = Eigen::Ref<const Eigen::VectorXd>;
 using Table = Eigen::Ref<const Rows>;
 
 py::tuple fit_spline_(const Vector& parameters, const Table& q, double tolerance) {
-  SplineFit fit;
-  {
-    const Unlocked unlocked;
-    fit = fit_spline(parameters, q, tolerance);
-  }
+  SplineFit fit = without_gil([&] { return fit_spline(parameters, q, tolerance); });
   return py::make_tuple(as_array(fit.breaks), std::move(fit.coefficients));
 }
 
 py::tuple smooth_spline_(const Vector& parameters, const Table& q, double tolerance,
                          const Vector& lower, const Vector& upper) {
-  SplineFit fit;
-  {
-    const Unlocked unlocked;
-    fit = smooth_spline(parameters, q, tolerance, {lower, upper});
-  }
+  SplineFit fit =
+      without_gil([&] { return smooth_spline(parameters, q, tolerance, {lower, upper}); });
   return py::make_tuple(as_array(fit.breaks), std::move(fit.coefficients));
 }
 
@@ -39,11 +32,7 @@ Rows spline_slopes_(const Vector& parameters, const Table& q, bool at_rest) {
 }
 
 py::array_t<Eigen::Index> rows_apart_(const Table& q, double tolerance) {
-  std::vector<Eigen::Index> rows;
-  {
-    const Unlocked unlocked;
-    rows = rows_apart(q, tolerance);
-  }
+  std::vector<Eigen::Index> rows = without_gil([&] { return rows_apart(q, tolerance); });
   return as_array(rows);
 }
 

@@ -44,11 +44,8 @@ class GriddedPath {
   }
 
   py::tuple states_along(const Vector& length, const Vector& speed, const Vector& push) const {
-    MotionStates states;
-    {
-      const Unlocked unlocked;
-      states = leadthrough::states_along(path_, grid_, length, speed, push);
-    }
+    MotionStates states =
+        without_gil([&] { return leadthrough::states_along(path_, grid_, length, speed, push); });
     return py::make_tuple(std::move(states.positions), std::move(states.velocities),
                           std::move(states.accelerations));
   }
@@ -60,11 +57,8 @@ class GriddedPath {
 
 py::tuple time_lines_(const Table& points, const Vector& velocity, const Vector& acceleration,
                       const Vector& jerk, double period, double longest) {
-  LineMotions motions;
-  {
-    const Unlocked unlocked;
-    motions = time_lines(points, {velocity, acceleration, jerk}, period, longest);
-  }
+  LineMotions motions = without_gil(
+      [&] { return time_lines(points, {velocity, acceleration, jerk}, period, longest); });
   Rows3 shares(static_cast<Eigen::Index>(motions.shares.size()), 3);
   for (Eigen::Index k = 0; k < shares.rows(); ++k) {
     const JointState& share = motions.shares[static_cast<std::size_t>(k)];
@@ -81,11 +75,8 @@ py::tuple step_extremes_(const Vector& times, const Table& positions, const Tabl
 
 py::tuple motion_peaks_(const Vector& times, const Table& positions, const Table& velocities,
                         const Table& accelerations) {
-  MotionPeaks found;
-  {
-    const Unlocked unlocked;
-    found = motion_peaks(times, positions, velocities, accelerations);
-  }
+  MotionPeaks found =
+      without_gil([&] { return motion_peaks(times, positions, velocities, accelerations); });
   return py::make_tuple(std::move(found.value), std::move(found.time), std::move(found.step));
 }
 

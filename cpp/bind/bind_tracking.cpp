@@ -21,11 +21,8 @@ py::tuple track_path(const Chain& chain, const Eigen::Ref<const Rows3>& position
                      const Eigen::Ref<const Eigen::VectorXd>& start,
                      const Eigen::Ref<const Rows>& postures,
                      const Eigen::Ref<const Eigen::VectorXd>& shares, const TrackOptions& options) {
-  Track path;
-  {
-    const Unlocked unlocked;
-    path = track(chain, positions, orientations, start, {postures, shares}, options);
-  }
+  Track path = without_gil(
+      [&] { return track(chain, positions, orientations, start, {postures, shares}, options); });
   return columns(std::move(path));
 }
 
@@ -36,22 +33,16 @@ py::tuple pursue_path(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd
                       const Eigen::Ref<const Rows>& postures,
                       const Eigen::Ref<const Eigen::VectorXd>& shares,
                       const PursuitOptions& options) {
-  Track path;
-  {
-    const Unlocked unlocked;
-    path = pursue(chain, {times, positions, orientations}, start, {postures, shares}, options);
-  }
+  Track path = without_gil([&] {
+    return pursue(chain, {times, positions, orientations}, start, {postures, shares}, options);
+  });
   return columns(std::move(path));
 }
 
 py::tuple slow(const Eigen::Ref<const Eigen::VectorXd>& times, const Eigen::Ref<const Rows>& q,
                const Eigen::Ref<const Eigen::VectorXd>& velocity,
                const Eigen::Ref<const Eigen::VectorXd>& acceleration) {
-  Slowing slowing;
-  {
-    const Unlocked unlocked;
-    slowing = slow_down(times, q, velocity, acceleration);
-  }
+  Slowing slowing = without_gil([&] { return slow_down(times, q, velocity, acceleration); });
   return py::make_tuple(std::move(slowing.times), slowing.stuck);
 }
 

@@ -62,6 +62,13 @@ class Unlocked {
   Interruptible call_{&signal_raises};
 };
 
+// Its value, computed without the GIL.
+template <typename Compute>
+auto without_gil(const Compute& compute) {
+  const Unlocked scope;
+  return compute();
+}
+
 // Of a function that is bound as it is.
 using Unlocking = pybind11::call_guard<Unlocked>;
 

@@ -262,6 +262,7 @@ MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Ro
 
 double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q) {
   check_rows(scene.chain, q);
+  if (q.rows() < 2) return 0.0;
   const MotionOptions options;
   const Motion motion(scene, q, options);
   std::vector<double> room(scene.pairs.size());

@@ -44,6 +44,9 @@ struct MarchProblem {
   std::vector<Source> sources;
 };
 
+// Balls of exact times have millions of cells beyond this, in the smallest spacing.
+constexpr double kMaxSourceRadius = 50.0;
+
 struct MarchOptions {
   int order = 1;               // 1 or 2
   double source_radius = 0.0;  // of balls of exact times, in the smallest spacing

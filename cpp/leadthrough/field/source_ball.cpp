@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/field/eikonal.hpp"
 #include "leadthrough/field/sparse_march.hpp"
@@ -76,6 +77,8 @@ void append_ball(const Grid& grid, const std::vector<Offset>& offsets, const Sou
 }
 
 std::vector<Offset> ball_offsets(const Grid& grid, double radius) {
+  check_argument(radius >= 0.0 && radius <= kMaxSourceRadius,
+                 "source_radius: expected 0 to kMaxSourceRadius");
   return offsets_within(grid, radius * *std::min_element(grid.spacing.begin(), grid.spacing.end()));
 }
 

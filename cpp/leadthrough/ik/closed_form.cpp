@@ -6,6 +6,9 @@ namespace leadthrough {
 
 namespace {
 
+// The sine of an angle below which the plane of two vectors is not known.
+constexpr double kParallel = 1e-12;
+
 Eigen::Vector3d moved(const Transform& T, const Eigen::Vector3d& point) {
   return T.rotation * point + T.position;
 }
@@ -14,6 +17,14 @@ Eigen::Vector3d moved(const Transform& T, const Eigen::Vector3d& point) {
 Transform undoing(const Screw& screw, Angle angle) {
   const Eigen::Matrix3d R = rotation_about(screw.axis, opposite(angle));
   return {R, screw.point - R * screw.point};
+}
+
+// The shortest rotation of a onto b, of the same length.
+Eigen::Matrix3d shortest_turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d cross = a.cross(b);
+  const bool parallel = cross.norm() <= kParallel * b.squaredNorm();
+  const Eigen::Vector3d axis = parallel ? a.unitOrthogonal() : cross.normalized();
+  return rotation_about(axis, angle_between(axis, a, b));
 }
 
 class Pass {
@@ -177,9 +188,7 @@ class Pass {
     const Eigen::Vector3d to = moved(goal_, form_.wrist) - form_.meeting;
     each_distance(3, form_.wrist, form_.meeting, to.squaredNorm(), [&] {
       const Eigen::Vector3d from = turn(3, form_.wrist) - form_.meeting;
-      const Eigen::Matrix3d shortest =
-          Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
-      const Eigen::Matrix3d R = rotation_about(to.normalized(), elbow) * shortest;
+      const Eigen::Matrix3d R = rotation_about(to.normalized(), elbow) * shortest_turn(from, to);
       each_spherical(0, R, [&] {
         const Eigen::Matrix3d rest = (R * rotation(3)).transpose() * goal_.rotation;
         each_spherical(4, rest, [&] { add(); });

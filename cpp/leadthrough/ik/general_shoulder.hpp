@@ -80,7 +80,7 @@ inline void add_square(const Affine& f, double weight, SecondDegree& sum) {
 template <typename Visit>
 void each_general_shoulder(const std::array<Screw, 7>& screws, const Eigen::Vector3d& x,
                            const Eigen::Vector3d& goal, Walk& walk, const Visit& visit) {
-  const auto& [first, second, third] = std::tie(screws[0], screws[1], screws[2]);
+  const Screw &first = screws[0], &second = screws[1], &third = screws[2];
   // The common perpendicular of axes 1 and 2, from a to b on them.
   const Eigen::Vector3d along = first.axis.cross(second.axis), apart = second.point - first.point;
   const double sine_squared = along.squaredNorm();

@@ -120,6 +120,13 @@ TEST(Collision, NothingIsPassedThroughBetweenRows) {
   EXPECT_LT(report.closest.nearest.distance, -0.1);
 }
 
+TEST(Collision, NoRowsHaveNoStepBetweenThem) {
+  const Planar arm;
+  const auto wall = against(arm.model, {{sphere(0.1), at(2.0, 0, 0)}});
+  EXPECT_EQ(longest_step(wall, Rows(0, 2)), 0.0);
+  EXPECT_EQ(longest_step(wall, rows({{0.1, 0.2}})), 0.0);
+}
+
 TEST(Collision, AHullIsWhereItsMeshIs) {
   const std::string mesh = "<mesh filename='cube.stl'/>";
   const std::string text = "<robot name='r'>" + test::link("a") + round_link("b", "1 0 0", mesh) +

@@ -213,6 +213,14 @@ TEST(Eikonal, AGridOfTooManyCellsIsRefused) {
   EXPECT_THROW(march_first_order<float>(grid, nullptr, {{0, 0.0}}), std::length_error);
 }
 
+TEST(Eikonal, ABallOfTooManyCellsIsRefused) {
+  const Grid grid{{1, 1, 2}};
+  const double speed[] = {1.0, 1.0};
+  EXPECT_EQ(with_balls(grid, speed, {{0, 0.0}}, kMaxSourceRadius).size(), 2U);
+  for (const double radius : {1e30, -1.0, std::nan("")})
+    EXPECT_THROW(with_balls(grid, speed, {{0, 0.0}}, radius), std::invalid_argument);
+}
+
 TEST(Eikonal, ABallMakesTimesExactUpToTheFirstOtherSpeed) {
   const Grid grid{{1, 21, 31}, {1.0, 1.0, 1.0}};
   std::vector<double> speed(grid.size(), 2.0);
