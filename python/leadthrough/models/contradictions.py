@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import rotations
 from leadthrough.check import Float64Array
@@ -16,6 +17,8 @@ from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.align import features
 from leadthrough.preprocess.moved_ends import with_ends
+
+Indices = NDArray[np.intp]
 
 _SAMPLES, _ALONG = 400, 100  # rows of a motion, and points of its path
 _MAX_OTHERS = 50  # with which each is compared
@@ -38,7 +41,7 @@ def contradictions(motions: Sequence[Motion]) -> list[Contradiction]:
     """Lone motions that contradict all others; of two, the second may be reversed."""
     if len(motions) < 2:
         return []
-    paths = [by_arc_length(each, _ALONG) for each in features(motions, _SAMPLES)]
+    paths = np.array([by_arc_length(each, _ALONG) for each in features(motions, _SAMPLES)])
     found: dict[int, str] = {}
     for index, text in (
         *_reversed(paths),
@@ -50,33 +53,32 @@ def contradictions(motions: Sequence[Motion]) -> list[Contradiction]:
     return [Contradiction(index, found[index]) for index in sorted(found)]
 
 
-def _others(count: int, index: int) -> list[int]:
+def _others(count: int, index: int) -> Indices:
     """Indices of the other motions; of many, evenly chosen ones."""
-    rest = [i for i in range(count) if i != index]
+    rest = np.delete(np.arange(count), index)
     some = np.linspace(0, len(rest) - 1, min(len(rest), _MAX_OTHERS)).round().astype(int)
-    return [rest[i] for i in some]
+    return np.asarray(rest[some])
 
 
-def _reversed(paths: Sequence[Float64Array]) -> Iterator[tuple[int, str]]:
+def _reversed(paths: Float64Array) -> Iterator[tuple[int, str]]:
     for i, path in enumerate(paths):
         if len(paths) < 3 and i == 0:
             continue  # of two, the second
-        others = [paths[j] for j in _others(len(paths), i)]
+        others = paths[_others(len(paths), i)]
         ahead, back = (
-            min(float(np.linalg.norm(each - own, axis=1).mean()) for each in others)
+            float(np.linalg.norm(others - own, axis=2).mean(axis=1).min())
             for own in (path, path[::-1])
         )
-        if others and ahead > _FAR and back < _REVERSED * ahead:
+        if ahead > _FAR and back < _REVERSED * ahead:
             yield i, "runs backwards, from the goal of the others to their start"
 
 
-def _of_other_paths(paths: Sequence[Float64Array], size: int) -> Iterator[tuple[int, str]]:
-    positions = [each[:, :size] for each in paths]
-
-    def apart(i: int, j: int) -> Float64Array:
-        """Distances (n,) once both ends are carried to those of the other."""
-        carried = with_ends(positions[i], positions[j][0], positions[j][-1])
-        return np.asarray(np.linalg.norm(carried - positions[j], axis=1))
+def _of_other_paths(paths: Float64Array, size: int) -> Iterator[tuple[int, str]]:
+    def apart(i: int, others: Indices) -> Float64Array:
+        """Distances (others, n) once both ends are carried to those of the others."""
+        there = paths[others, :, :size]
+        carried = with_ends(paths[i, :, :size], there[:, :1], there[:, -1:])
+        return np.asarray(np.linalg.norm(carried - there, axis=2))
 
     for i, distances in _lone(len(paths), apart, _FAR):
         at = int(np.argmax(distances))
@@ -90,15 +92,20 @@ def _of_other_paths(paths: Sequence[Float64Array], size: int) -> Iterator[tuple[
 
 
 def _rotated(motions: Sequence[Motion]) -> Iterator[tuple[int, str]]:
-    turned = [
-        rotations.interpolate(along / along[-1], each.orientations, np.linspace(0.0, 1.0, _ALONG))
-        for each in motions
-        if isinstance(each, PoseTrajectory)
-        for along in [_phases(each)]
-    ]
+    turned = np.array(
+        [
+            rotations.interpolate(
+                along / along[-1], each.orientations, np.linspace(0.0, 1.0, _ALONG)
+            )
+            for each in motions
+            if isinstance(each, PoseTrajectory)
+            for along in [_phases(each)]
+        ]
+    )
 
-    def apart(i: int, j: int) -> Float64Array:
-        return np.asarray(rotations.distance(turned[i], turned[j]))
+    def apart(i: int, others: Indices) -> Float64Array:
+        own = np.tile(turned[i], (len(others), 1))
+        return rotations.distance(own, turned[others].reshape(-1, 4)).reshape(-1, _ALONG)
 
     for i, angles in _lone(len(turned), apart, _ROTATED):
         at = int(np.argmax(angles))
@@ -131,15 +138,13 @@ def _of_other_pace(motions: Sequence[Motion]) -> Iterator[tuple[int, str]]:
 
 
 def _lone(
-    count: int, apart: Callable[[int, int], Float64Array], far: float
+    count: int, apart: Callable[[int, Indices], Float64Array], far: float
 ) -> Iterator[tuple[int, Float64Array]]:
     """Those far from all others, with the distances from the nearest along the path."""
     if count < 3:
         return
-    rows = [
-        min((apart(i, j) for j in _others(count, i)), key=lambda each: float(each.mean()))
-        for i in range(count)
-    ]
+    distances_of = (apart(i, _others(count, i)) for i in range(count))
+    rows = [each[int(np.argmin(each.mean(axis=1)))] for each in distances_of]
     means = np.array([each.mean() for each in rows])
     for i, distances in enumerate(rows):
         if means[i] > max(far, _LONE * float(np.delete(means, i).max())):

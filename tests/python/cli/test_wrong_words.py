@@ -193,29 +193,24 @@ def test_help_fits_and_begins_with_a_sentence(name, monkeypatch):
         assert parameter.help.endswith("."), f"{name} {parameter.opts[0]}: {parameter.help}"
 
 
-@pytest.fixture(autouse=True)
-def _reach(folder):
-    run("learn", "recorded", "-o", "reach.npz")
-
-
 def test_a_goal_in_millimetres_is_refused(folder):
-    told = run("plan", "reach.npz", "--goal", "300,200,250", "-o", "x.json", code=2).stderr
+    told = run("plan", "skill.npz", "--goal", "300,200,250", "-o", "x.json", code=2).stderr
     assert "--goal: (300, 200, 250) lies" in told
     assert "m, not mm" in told
 
 
 def test_a_goal_out_of_reach_says_by_how_much(folder):
-    told = run("plan", "reach.npz", "--goal", "0.9,0.5,0.4", "-o", "x.json", code=1).stderr
+    told = run("plan", "skill.npz", "--goal", "0.9,0.5,0.4", "-o", "x.json", code=1).stderr
     assert "beyond the arm's reach of" in told
 
 
 def test_an_obstacle_in_millimetres_is_warned_of(folder):
-    told = run("plan", "reach.npz", "--obstacle", "sphere:50@300,0,400", "-o", "x.json").stderr
+    told = run("plan", "skill.npz", "--obstacle", "sphere:50@300,0,400", "-o", "x.json").stderr
     assert "warning: --obstacle[0]: lies at" in told or "warning: --obstacle: lies at" in told
 
 
 def test_a_step_in_milliseconds_is_refused(folder):
-    told = run("plan", "reach.npz", "--dt", "10", "-o", "x.json", code=2).stderr
+    told = run("plan", "skill.npz", "--dt", "10", "-o", "x.json", code=2).stderr
     assert "--dt: expected at most the motion's duration" in told
 
 
@@ -239,6 +234,6 @@ def test_another_tip_than_the_one_shown_is_warned_of(folder):
     )
     (folder / "longer.urdf").write_text(moved)
     words = ("--robot", "longer.urdf", "--tip", "far", "--limits", "ur3.toml", "-o", "x.json")
-    told = run("plan", "reach.npz", *words).stderr
+    told = run("plan", "skill.npz", *words).stderr
     assert "warning: --robot: with the demonstrated joints" in told
-    assert "warning" not in run("plan", "reach.npz", "-o", "x.json").stderr
+    assert "warning" not in run("plan", "skill.npz", "-o", "x.json").stderr
