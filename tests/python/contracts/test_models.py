@@ -168,10 +168,9 @@ def test_one_demonstration_is_enough(model, demonstrated):
     np.testing.assert_allclose(motion.positions[-1], demonstrated[0].positions[-1], atol=1e-5)
 
 
-def test_scale_of_the_data_does_not_matter(kind, model):
-    metres = model.fit(kinds.demonstrations(kind)).generate()
+def test_scale_of_the_data_does_not_matter(kind, model, skill):
     millimetres = model.fit(kinds.demonstrations(kind, scale=1000.0)).generate()
-    np.testing.assert_allclose(millimetres.positions, 1000 * metres.positions, atol=1e-2)
+    np.testing.assert_allclose(millimetres.positions, 1000 * skill.generate().positions, atol=1e-2)
 
 
 @pytest.mark.parametrize(
