@@ -236,6 +236,8 @@ MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Ro
   check_argument(longest_step(scene, q) <= kMaxTests * options.tolerance,
                  "q, tolerance: expected at most kMaxTests tests between two configurations");
   MotionReport report;
+  report.samples.resize(static_cast<std::size_t>(q.rows()));
+  if (scene.pairs.empty()) return report;
   report.samples = nearest_batch(scene, q, options.threads);
   const auto& samples = report.samples;
   double least = kInfinity;

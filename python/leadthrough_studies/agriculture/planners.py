@@ -7,11 +7,11 @@ from dataclasses import replace
 from leadthrough.models import DMP
 
 PLANNERS = {
-    "euler": DMP(orientation="euler"),
-    "log": DMP(orientation="log"),
-    "lifted": DMP(orientation="lifted"),
+    "euler": DMP(50, orientation="euler"),
+    "log": DMP(50, orientation="log"),
+    "lifted": DMP(50, orientation="lifted"),
     "lauretti": DMP.lauretti(),
-    "anchored": DMP(),
+    "anchored": DMP(50),
 }
 
 

@@ -86,6 +86,6 @@ METHODS: dict[str, Method] = {
     "FML, start": generated_by(FastMarching(method="start")),
     "FML, mean path": generated_by(FastMarching(method="mean_path")),
     "ProMP": generated_by(ProMP()),
-    "GMR": generated_by(GMR()),
+    "GMR": generated_by(GMR(components=8)),
     "nearest demonstration, shifted": nearest_shifted,
 }

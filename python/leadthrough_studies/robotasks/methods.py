@@ -91,7 +91,7 @@ def peer_primitive(demonstrations: Shown, start: Pose, goal: Pose) -> PoseTrajec
 METHODS: dict[str, Method] = {
     "DMP": generated_by(DMP()),
     "ProMP": generated_by(ProMP()),
-    "GMR": generated_by(GMR()),
+    "GMR": generated_by(GMR(components=8)),
     "TaskGMR": generated_by(TaskGMR()),
     "FastMarching": generated_by(FastMarching()),
     "Lauretti et al.": generated_by(DMP.lauretti()),

@@ -56,7 +56,7 @@ class DMP(Unfitted):
             by these coordinates at the start, seen from the goal; "anchored" has none.
     """
 
-    weights: int | None = 50
+    weights: int | None = None
     form: str = "blended"
     regression: str = "replay"
     orientation: str = "anchored"

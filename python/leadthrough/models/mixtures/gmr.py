@@ -34,14 +34,14 @@ class GMR(Unfitted):
     """Gaussian mixture regression of points, joints or poses over time.
 
     Attributes:
-        components: number of components, 1 to 200; None for the number from 1 to 15 with the least
-            Bayesian information criterion.
+        components: number of components, 1 to 200; None: as few, doubled from 8 up to 64, as keep
+            the mean within 2 % of the positions' extent from that of the demonstrations.
         seed: seed of the random number generator that draws the starts of EM, >= 0.
         starts: number of starts of EM that are followed to the end, >= 1; the most likely result
             is taken. 1 is several times faster.
     """
 
-    components: int | None = 8
+    components: int | None = None
     seed: int = 0
     starts: int = 5
 

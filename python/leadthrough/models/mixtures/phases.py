@@ -18,9 +18,7 @@ from leadthrough.models.coordinates import Coordinates, coordinates_of, mean_ori
 from leadthrough.models.gaussians.fitting import (
     FittedMixture,
     Units,
-    bic,
     in_order,
-    least_criterion,
     own_units,
     phase_units,
 )
@@ -44,14 +42,16 @@ SAMPLES = 200
 # of joints seven times as far.
 WIDE = 0.05
 _THINNER = (0.03, 0.01, 0.003, 0.001)
-_MAX_COMPONENTS = 15
+# Components chosen by the data are doubled from the first number up to the second, until the mean
+# lies within this fraction of the motion's extent from that of the demonstrations.
+_FIRST_COMPONENTS, _MAX_COMPONENTS, _MISSED = 8, 64, 0.02
 _MAX_ITERATIONS = 200
 
 
 def fit_phases(
     points: Float64Array, components: int | None, *, poses: bool, seed: int, starts: int
 ) -> FittedMixture:
-    """The mixture of times and columns whose components follow phases; None: the best number."""
+    """The mixture of times and columns whose components follow phases; None: as few as suffice."""
 
     def fitted(count: int) -> FittedMixture:
         blocks, history = phase_blocks(
@@ -61,7 +61,21 @@ def fit_phases(
 
     if components is not None:
         return fitted(components)
-    return least_criterion(fitted, lambda fit: bic(fit, len(points)), _MAX_COMPONENTS)
+    count, mean = _FIRST_COMPONENTS, points.reshape(-1, SAMPLES, points.shape[1]).mean(axis=0)
+    while True:
+        fit = fitted(count)
+        if count == _MAX_COMPONENTS or _follows(fit.mixture, mean, poses=poses):
+            return fit
+        count *= 2
+
+
+def _follows(mixture: Mixture, mean: Float64Array, *, poses: bool) -> bool:
+    """Whether the positions of a mixture's mean are near those of the demonstrations' mean."""
+    columns = range(1, 4 if poses else mean.shape[1])
+    found, _ = mixture.regress(mean[:, :1], inputs=[0], outputs=columns)
+    positions = mean[:, columns]
+    missed = np.linalg.norm(found - positions, axis=1).max()
+    return bool(missed <= _MISSED * np.linalg.norm(np.ptp(positions, axis=0)))
 
 
 def phase_blocks(

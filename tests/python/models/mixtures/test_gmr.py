@@ -38,8 +38,13 @@ def test_mixture_may_be_asked_for_the_time_of_a_place(family):
 
 
 def test_number_of_components_may_be_chosen_by_the_data(family):
-    skill = lt.GMR(components=None).fit(family(2))
-    assert 3 <= skill.mixture.count <= 15
+    assert lt.GMR().fit(family(2)).mixture.count == 8
+    u = np.linspace(0.0, 1.0, 400)
+    detailed = np.column_stack([u, 0.2 * np.sin(10.0 * np.pi * u)])
+    skill = lt.GMR().fit([lt.Trajectory(2.0 * u, detailed)])
+    assert skill.mixture.count > 8
+    mean, _ = skill.regress(2.0 * u)
+    assert np.linalg.norm(mean - detailed, axis=1).max() < 0.03 * np.linalg.norm([1.0, 0.4])
 
 
 def test_update_comes_near_to_a_fit_of_everything(family):
