@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/collision/scene.hpp"
@@ -17,6 +18,8 @@ namespace leadthrough {
 namespace {
 
 using Eigen::Vector3d;
+
+constexpr double kTooFar = 1e100;  // squares beyond are infinite, and none is nearest
 
 constexpr int kLeaf = 8;  // maximum number of points of a leaf
 constexpr std::size_t kPlanes = 8;
@@ -198,6 +201,7 @@ const Vector3d& Cloud::nearest_to(const Vector3d& point) const {
   const cores::Point core;
   const Convex body{core};
   const Transform pose = unturned(point);
+  check_argument((point.array().abs() < kTooFar).all(), "point: expected numbers below 1e100");
   return *nearest(Probe<cores::Point>(body, core, pose, 0.0), kInfinity);
 }
 

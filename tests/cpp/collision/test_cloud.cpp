@@ -6,6 +6,7 @@
 #include <random>
 
 #include "base/allocations.hpp"
+#include "leadthrough/base/constants.hpp"
 #include "leadthrough/collision/cloud.hpp"
 #include "leadthrough/collision/shapes.hpp"
 
@@ -92,6 +93,14 @@ TEST(Cloud, AllocatesNothing) {
     cloud.apart(own, body, other, 0.5, 0.1);
   }
   EXPECT_EQ(test::allocations(), before);
+}
+
+TEST(Cloud, IsNearestToFinitePointsAlone) {
+  Random random;
+  const Cloud cloud(scattered(random, 20), kRadius);
+  EXPECT_LE(cloud.nearest_to({1e30, 0.0, 0.0}).norm(), 1.0);
+  for (const double far : {1e300, kInfinity, std::nan("")})
+    EXPECT_THROW(cloud.nearest_to({far, 0.0, 0.0}), std::invalid_argument);
 }
 
 TEST(Cloud, LiesInItsBall) {
