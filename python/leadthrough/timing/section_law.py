@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits, refuse_zeros
+from leadthrough.arm.model import ArmModel
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.timing.limits_report import check_positions
 from leadthrough.timing.request import InverseDynamics, Jacobian, Request
@@ -386,6 +387,8 @@ def _efforts(
     dynamics: InverseDynamics, q: Float64Array, qd: Float64Array, qdd: Float64Array
 ) -> Float64Array:
     """Efforts (n, joints) of states (n, joints), N m (N)."""
+    if getattr(dynamics, "__func__", None) is ArmModel.inverse_dynamics:
+        return dynamics(q, qd, qdd)  # all at once
     name = "inverse_dynamics(q, qd, qdd)"
     rows = zip(q, qd, qdd, strict=True)
     return np.array([check.array(dynamics(*row), name, shape=(q.shape[1],)) for row in rows])
