@@ -130,7 +130,7 @@ def _mixture(u: Any, curves: Any) -> Iterator[Benchmark]:
 def _handwriting(motions: Sequence[str]) -> Iterator[Benchmark]:
     for name, model, peer, peer_name in (
         ("ProMP", lt.ProMP(), _peer_promp, "movement_primitives"),
-        ("GMR", lt.GMR(starts=1), _peer_gmr, "gmr"),
+        ("GMR", lt.GMR(8, starts=1), _peer_gmr, "gmr"),
     ):
         yield Benchmark(
             f"{name}: {7 * len(motions)} drawings left out; our area over the peer's",
