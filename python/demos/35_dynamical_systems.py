@@ -33,7 +33,7 @@ for model in (SEDS(), LPVDS(), FSMDM(), UMIC(), CLFDM(), ModifiedDS()):
     skill = model.fit(shown)
     made = skill.generate(start=drawn[0])
     apart = frechet_distance(drawn, by_arc_length(made.positions, 200))
-    report = skill.stability(200)
+    report = skill.stability(500)
     assert report.ok
 
     # A control loop: the velocity of wherever the tool is, and a push after 1 s.
