@@ -23,6 +23,8 @@ Rows = NDArray[np.intp]
 
 
 _SAME_PLACE = 1e-12  # rad or m
+# Rows beyond each end of a part, by which a cubic between rows is the same as with all of them.
+_BESIDE = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +37,7 @@ class Section:
     dwell_time: float = 0.0  # s, how long the motion rests at the end
 
     def cut_at(self, parameters: Float64Array) -> list[Section]:
-        """The section in parts, without its rest; all rows stay, some beyond the part's ends."""
+        """The section in parts, without its rest; rows near a part's ends stay, beyond them too."""
         parts, begin = list[Section](), self.spline.coefficients[0, 0]
         for part in _parts(self.spline, parameters):
             # From 0, as a short part's own parameters would be lost in the digits of the whole,
@@ -43,8 +45,11 @@ class Section:
             table = part.coefficients.copy()
             table[0, 0] = begin
             spline = Spline(part.knots - part.knots[0], table)
-            own = self.parameters - part.knots[0]
-            parts.append(replace(self, spline=spline, parameters=own, dwell_time=0.0))
+            first, last = np.searchsorted(self.parameters, part.knots[[0, -1]])
+            near = slice(max(first - _BESIDE, 0), last + _BESIDE)
+            own = self.parameters[near] - part.knots[0]
+            rows = self.rows[near]
+            parts.append(replace(self, spline=spline, rows=rows, parameters=own, dwell_time=0.0))
             begin = spline.evaluate(spline.domain[1])
         return parts
 

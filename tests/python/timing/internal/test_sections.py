@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 import leadthrough as lt
 from leadthrough.arm import JointLimits
@@ -20,6 +20,19 @@ def test_a_section_is_cut_where_it_moves_whichever_way(side):
     assert [part.spline.domain for part in parts] == [(0.0, 0.5), (0.0, 1.0), (0.0, 0.5)]
     ends = [part.spline.evaluate(part.spline.domain[1])[0] for part in parts]
     np.testing.assert_allclose(ends, side * np.array([0.5, 1.5, 2.0]), atol=1e-15)
+
+
+def test_parts_keep_the_rows_near_them_and_interpolate_as_the_whole():
+    q = np.random.default_rng(1).normal(size=(200, 2)).cumsum(axis=0)
+    whole = Section(through(np.arange(200.0), q), np.arange(200), np.arange(200.0))
+    cuts = np.linspace(1.5, 197.5, 50)
+    clock = PchipInterpolator(whole.parameters, np.arange(200.0) ** 2)
+    parts = whole.cut_at(cuts)
+    assert sum(len(part.rows) for part in parts) < 2.1 * 200 + 50 * 4
+    for part, begin in zip(parts, [0.0, *cuts], strict=True):
+        inside = np.linspace(*part.spline.domain, 20)
+        own = PchipInterpolator(part.parameters, part.rows.astype(float) ** 2)
+        np.testing.assert_allclose(own(inside), clock(begin + inside), rtol=1e-12, atol=1e-9)
 
 
 def test_a_violation_raises_instead_of_being_returned(monkeypatch):
