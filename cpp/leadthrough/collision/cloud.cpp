@@ -19,8 +19,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTooFar = 1e100;  // squares beyond are infinite, and none is nearest
-
 constexpr int kLeaf = 8;  // maximum number of points of a leaf
 constexpr std::size_t kPlanes = 8;
 constexpr int kDepth = 64;  // more halvings than any number of points needs

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "leadthrough/base/argument.hpp"
+#include "leadthrough/base/constants.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/path/refine.hpp"
 
@@ -273,9 +274,10 @@ ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obsta
                           const std::optional<JointArray>& start, const Margins& margins,
                           const IkTolerance& tolerance, int max_attempts) {
   const Eigen::Index samples = path.positions.rows();
-  check_argument(samples > 0 && path.positions.allFinite(), "positions: expected finite numbers");
+  check_argument(samples > 0 && (path.positions.array().abs() < kTooFar).all(),
+                 "positions: expected numbers below 1e100");
   check_argument((path.orientations.rows() == samples || path.orientations.rows() == 0) &&
-                     path.orientations.allFinite(),
+                     (path.orientations.array().abs() < kTooFar).all(),
                  "orientations: expected a finite row for each position, or none");
   check_argument(postures.rows() == samples && postures.cols() == model.chain.joints(),
                  "postures: expected a row for each position and one value a joint");

@@ -57,6 +57,14 @@ PlacedShapes ball(double x, double y) {
 
 }  // namespace
 
+TEST(ClearPath, RefusesPathsWhoseLengthIsNotFinite) {
+  Planar arm;
+  for (const double far : {1e300, kInfinity, std::nan("")}) {
+    arm.positions(3, 0) = far;
+    EXPECT_THROW(arm.among({}), std::invalid_argument);
+  }
+}
+
 TEST(ClearPath, LeadsTheElbowAroundABallAndKeepsTheTip) {
   const Planar arm;
   const path::ClearPath free = arm.among({});
