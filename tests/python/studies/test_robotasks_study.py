@@ -83,18 +83,17 @@ def test_without_recordings_the_study_says_where_it_looks(monkeypatch, tmp_path)
 
 # Swept area, mm^2, velocity error, mm/s, DTW distance per sample and Fréchet distance, mm.
 HANDWRITING = {
-    "FastMarching": (lt.FastMarching(), (89.7, 7.32, 0.94, 2.22)),
-    "ProMP": (lt.ProMP(), (97.4, np.inf, np.inf, np.inf)),  # another implementation, of all: 126
+    "FastMarching": (lt.FastMarching(), (91.54, 7.44, 0.98, 2.28)),
+    "ProMP": (lt.ProMP(), (1.01 * 101.3, np.inf, np.inf, np.inf)),  # another implementation: 126
 }
-# Demonstrations left out, of nine, where GMR takes a second for each; DTW distance per sample, mm;
-# and mean error of the orientation, degrees.
+# DTW distance per sample, mm, and mean error of the orientation, degrees.
 TASKS = [
-    ("bottle2shelf", "DMP", 9, (12.0, 4.3)),
-    ("pouring", "FastMarching", 9, (15.6, 5.5)),
-    ("bottle2shelf", "GMR", 4, (10.8, 3.5)),
-    ("pouring", "GMR", 6, (15.9, 5.8)),
-    ("bottle2shelf", "TaskGMR", 4, (12.7, 3.5)),
-    ("pouring", "TaskGMR", 9, (15.8, 5.6)),
+    ("bottle2shelf", "DMP", 12.0, 4.3),
+    ("pouring", "FastMarching", 15.6, 5.5),
+    ("bottle2shelf", "GMR", 12.0, 4.4),
+    ("pouring", "GMR", 16.3, 5.8),
+    ("bottle2shelf", "TaskGMR", 13.6, 4.56),
+    ("pouring", "TaskGMR", 15.8, 5.6),
 ]
 
 
@@ -105,13 +104,12 @@ def test_left_out_handwriting_is_reproduced_as_well_as_ever(name):
     rows = []
     for motion in lt.io.lasa.motions():
         shown = lt.io.lasa.load(motion)
-        for i in (1, 3, 5):
-            left_out = shown[i]
+        for i, left_out in enumerate(shown):
             skill = model.fit(shown[:i] + shown[i + 1 :])
             made = skill.generate(start=left_out.motion.positions[0])
             errors = metrics.reproduction_errors(left_out.motion, made)
             rows.append([*vars(errors).values()][:4])
-    assert len(rows) == 90
+    assert len(rows) == 210
     assert (np.mean(rows, axis=0) <= most).all()
 
 
@@ -124,12 +122,13 @@ def test_gmr_predicts_left_out_handwriting_better_than_another_implementation():
     assert np.mean([row["SEA_mm2"] for row in rows]) < 140.0
 
 
-@pytest.mark.parametrize(("task", "method", "left_out", "most"), TASKS)
+@pytest.mark.parametrize(("task", "method", "path", "turn"), TASKS)
 def test_left_out_poses_of_a_real_tool_are_predicted_as_well_as_ever(
-    recordings, task, method, left_out, most
+    recordings, task, method, path, turn
 ):
     """The nearest demonstration, shifted: 16.7 and 16.9 mm, 7.1 and 8.3 degrees."""
     file = recordings / "robotasks" / f"{task}.npy"
-    rows = study.compare(task=task, file=file, method=method, left_out=left_out)
-    assert len(rows) == left_out
-    assert (np.mean([(row["DTW_mm"], row["mean_deg"]) for row in rows], axis=0) <= most).all()
+    rows = study.compare(task=task, file=file, method=method, left_out=None)
+    assert len(rows) == 9
+    assert np.mean([row["DTW_mm"] for row in rows]) <= path
+    assert np.mean([row["mean_deg"] for row in rows]) <= turn

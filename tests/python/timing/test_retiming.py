@@ -383,7 +383,7 @@ def random_paths():
 ONCE_WRONG = (303, 325, 389, 609, 1153, 1469, 1863)  # refused, exceeding limits or crept along
 
 
-@pytest.mark.parametrize("seeds", [*(range(i, i + 50) for i in (0, 100, 200)), ONCE_WRONG])
+@pytest.mark.parametrize("seeds", [*(range(i, i + 100) for i in (0, 100, 200)), ONCE_WRONG])
 def test_random_paths_are_timed_and_keep_their_limits(random_paths, seeds):
     for seed in seeds:
         one = random_paths.case(seed)

@@ -12,9 +12,9 @@ from leadthrough.models import Frame, TaskGMR, fit_mixture
 from leadthrough.models.mixtures.phases import fit_phases, sampled
 from leadthrough.models.mixtures.task_frames import shrunk
 
-U = np.linspace(0.0, 1.0, 60)
+U = np.linspace(0.0, 1.0, 100)
 KINDS = ("points", "joints", "poses")
-COUNTS = (2, 5, 40)
+COUNTS = (2, 3, 5, 12, 40)
 # Times the way of the ends.
 BOUND = 1.5
 MODELS = {"GMR": lt.GMR(starts=1), "TaskGMR": TaskGMR(components=6, starts=1)}

@@ -127,7 +127,7 @@ def test_known_distribution_is_recovered_as_well_as_by_the_sample_covariance(cou
     rows = np.kron(np.eye(size), basis(u))
     middle = np.concatenate([np.linspace(0, 2, 8), np.linspace(1, -1, 8)])
     ours, samples = [], []
-    for seed in range(10):
+    for seed in range(20):
         rng = np.random.default_rng(seed)
         weights = rng.multivariate_normal(middle, truth, count)
         curves = (weights @ rows.T).reshape(count, size, -1).transpose(0, 2, 1)
