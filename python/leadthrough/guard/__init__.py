@@ -5,6 +5,7 @@ from leadthrough.guard.admission import (
     CommandedState as CommandedState,
     Reason as Reason,
 )
+from leadthrough.guard.chunks import Chunks as Chunks
 from leadthrough.guard.connect import connect as connect
 from leadthrough.guard.guard import Guard as Guard
 from leadthrough.guard.playback import Playback as Playback

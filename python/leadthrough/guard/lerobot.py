@@ -1,8 +1,9 @@
-"""A guard in a LeRobot pipeline: a processor step for actions by motor names."""
+"""A guard in a LeRobot pipeline: processor steps for actions by motor names."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard.admission import Admission
+from leadthrough.guard.chunks import Chunks
 from leadthrough.guard.guard import Guard
 
 _UNITS = {"degrees": np.pi / 180.0, "radians": 1.0}
@@ -48,9 +50,7 @@ class GuardStep:
         if self.answer is None:
             state = self._joints(transition.get("observation"), "observation")
         self.answer = self.guard.admit(wanted[None], state)
-        q = self.guard.next().q / _UNITS[self.unit]
-        admitted = dict(zip(self._keys, q.tolist(), strict=True))
-        return {**transition, "action": {**transition["action"], **admitted}}
+        return self._sent(transition, self.guard.next().q)
 
     def reset(self) -> None:
         """Begins a new episode, whose first action comes with an observation."""
@@ -71,6 +71,11 @@ class GuardStep:
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Takes no tensors."""
 
+    def _sent(self, transition: dict[str, Any], q: Float64Array) -> dict[str, Any]:
+        """The transition with joints (joints,), rad, as its action."""
+        admitted = dict(zip(self._keys, (q / _UNITS[self.unit]).tolist(), strict=True))
+        return {**transition, "action": {**(transition.get("action") or {}), **admitted}}
+
     def _joints(self, values: object, name: str) -> Float64Array:
         """The arm's joints of an action or observation, rad."""
         if not isinstance(values, Mapping):
@@ -83,4 +88,43 @@ class GuardStep:
             raise InvalidInput(
                 f"{name}: expected {missing[0]!r}, got {', '.join(map(str, values))}"
             )
-        return np.array([float(values[key]) for key in self._keys]) * _UNITS[self.unit]
+        columns = np.broadcast_arrays(*(np.asarray(values[key], np.float64) for key in self._keys))
+        return np.stack(columns, axis=-1) * _UNITS[self.unit]
+
+
+class ChunkStep(GuardStep):
+    """A processor step that follows chunks of actions, one transition a period of the guard.
+
+        pipeline.steps.append(ChunkStep(lt.guard.Chunks(lt.Guard(arm, rate=200.0), rate=30.0)))
+
+    An action is a chunk, a mapping with n numbers for each joint, or None while the policy has no
+    new one; other entries stay as they are. A chunk was observed at the number of seconds at
+    "observed_at" in the transition's "complementary_data", on the clock; by default now. The first
+    transition of an episode has an observation, at which the arm has to rest.
+
+    Attributes:
+        chunks: of the guard's arm; its joints are named as the motors, with or without ".pos".
+    """
+
+    def __init__(
+        self,
+        chunks: Chunks,
+        *,
+        unit: Literal["degrees", "radians"] = "degrees",
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        super().__init__(chunks.guard, unit=unit)
+        self.chunks = chunks
+        self._clock = clock
+
+    def __call__(self, transition: dict[str, Any]) -> dict[str, Any]:
+        """The transition with the action that is to be executed now."""
+        now = self._clock()
+        if self.answer is None:
+            self.chunks.start(self._joints(transition.get("observation"), "observation"), now)
+        if (action := transition.get("action")) is not None:
+            observed = (transition.get("complementary_data") or {}).get("observed_at", now)
+            self.chunks.put(np.atleast_2d(self._joints(action, "action")), observed)
+        q = self.chunks.next(now).q
+        self.answer = self.chunks.answer
+        return self._sent(transition, q)

@@ -1,0 +1,291 @@
+"""Chunks of a policy's actions, followed at the rate of a control loop."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import replace
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import leadthrough._core as core
+from leadthrough import check
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
+from leadthrough.guard.admission import Admission, CommandedState, trajectory
+from leadthrough.guard.chunk_curve import Ahead, ChunkCurve, Run, smoothed
+from leadthrough.guard.guard import Guard
+from leadthrough.guard.rules import row_of, step_limits
+
+Kind = Literal["absolute", "relative", "delta"]
+_WINDOW = 0.25  # s of a chunk that are admitted at a time
+_MAX_ROWS = 256  # of them, so that the answer takes a millisecond
+_MEMORY = 2.0  # s of commands that are remembered, for relative actions
+_STALE = 2.0  # s that a chunk is followed behind its own timing at most
+_SHORTEST_JOIN = 0.25  # of `join`, so that no rounding is joined abruptly
+_PARTS_BEHIND = (0.0, 0.5, 1.0)  # of the lag that there is, with which it may go on
+_PACES = (1.0, 0.9)  # at which a path that is slowed at once may go on
+_SLOWEST = 4  # times as long as the policy has it that a window may take
+_LONGER_JOINS = (1.0, 2.0, 4.0)  # times `join` it takes where the limits demand it
+_GENTLE = 0.5  # of the limits that a stop at the end of a chunk uses, if that is enough
+_JITTER = 0.005  # s that a call may be off its time, if the half of a period is less
+_DRIFT = 0.01  # of what a call is off its time that is followed at once
+_PASSED = 3  # poses before now that the curve needs
+
+
+class Chunks(ShortRepr):
+    """Follows a policy's chunks of joint actions at the rate of a control loop, through a guard.
+
+        chunks = lt.guard.Chunks(lt.Guard(arm, scene, rate=1000.0), rate=30.0)
+        chunks.start(robot.q, clock())
+        while running:
+            if (new := policy.newest()) is not None:
+                chunks.put(new.actions, new.observed_at)
+            robot.send(chunks.next(clock()).q)
+
+    Chunks may come at any time: late (actions that were due before are left out), overlapping (the
+    newest is followed from its own time on), or with gaps. A chunk takes over without a step in
+    velocity or acceleration, and keeps its timing where the limits allow; else it runs as fast as
+    they allow and catches up when they do. Everything is admitted by the guard. If no chunk comes,
+    the arm stops on the path of the last one, at its end. If `next` was not called for some
+    periods, the arm goes on from its last command and catches up.
+
+    Args:
+        guard: of the arm and its scene, at the loop's rate.
+        rate: actions per second, 0.1 to 1e4.
+        actions: "absolute" joint positions; "relative", all from the joints at the chunk's time;
+            "delta", each from the one before it, the first from the joints at the chunk's time.
+        join: duration in s, > 0, over which the difference to a new chunk decays; up to four times
+            as long where the limits demand it.
+    """
+
+    def __init__(
+        self, guard: Guard, *, rate: float, actions: Kind = "absolute", join: float = 0.2
+    ) -> None:
+        self._guard = guard
+        self._step = 1.0 / check.number(rate, "rate", at_least=0.1, at_most=1e4)
+        self._kind = check.choice(actions, "actions", get_args(Kind))
+        self._join = check.number(join, "join", above=0.0)
+        self._period = 1.0 / guard.rate
+        limits = guard.arm.limits
+        gentle = {name: _GENTLE * getattr(limits, name) for name in ("acceleration", "jerk")}
+        self._gentle = replace(limits, **gentle)
+        self._rows = max(16, min(_MAX_ROWS, round(_WINDOW * guard.rate)))
+        self._sent: deque[tuple[float, Float64Array]] = deque(maxlen=round(_MEMORY * guard.rate))
+        self._time: float | None = None
+        self._waiting: list[ChunkCurve] = []  # the ones that begin later
+        self._curve: ChunkCurve | None = None  # the one that is followed
+        self._again = np.inf  # when more of it is admitted, s
+        self._joined_by = 0.0  # when the last difference to it has decayed, s
+        self._lags = np.zeros((2, 1))  # times of commands and how far each is behind, s
+        self._answer: Admission | None = None
+
+    @property
+    def guard(self) -> Guard:
+        """The guard."""
+        return self._guard
+
+    @property
+    def answer(self) -> Admission | None:
+        """The guard's last answer; None before the first chunk."""
+        return self._answer
+
+    @property
+    def time(self) -> float:
+        """Time of the last command, s.
+
+        Raises:
+            InvalidInput: if it has not been started.
+        """
+        if self._time is None:
+            raise InvalidInput("chunks: expected `start` with the joints before the first action")
+        return self._time
+
+    @property
+    def lag(self) -> float:
+        """Time in s by which the arm is behind the policy's own timing; 0 where limits allow."""
+        return float(np.interp(self.time - self._period, *self._lags))
+
+    def start(self, q: ArrayLike, time: float = 0.0) -> None:
+        """Begins, at rest; again after the arm was moved by something else.
+
+        Args:
+            q: joint positions (joints,) commanded now, in rad (m).
+            time: now, s on the clock that chunks are stamped with.
+        """
+        self._time = check.number(time, "time")
+        q = check.array(q, "q", shape=(len(self._guard.arm.joint_names),))
+        self._answer = self._guard.admit(q[None], q)
+        self._sent.clear()
+        self._sent.append((self._time, q))
+        self._waiting, self._curve, self._lags = [], None, np.zeros((2, 1))
+
+    def put(self, actions: ArrayLike, time: float, *, measured: ArrayLike | None = None) -> int:
+        """Takes over a chunk.
+
+        Args:
+            actions: (n, joints) in rad (m), the first due at `time`. A chunk with NaN or infinity
+                is left out, and the arm follows what came before.
+            time: when it was observed, s.
+            measured: joint positions (joints,) at `time`, for relative and delta actions; by
+                default the command that was sent then.
+
+        Returns:
+            Number of its actions that are still due; at 0 it came too late, or is not finite, and
+            is left out.
+        """
+        rows = check.with_gaps(actions, "actions", shape=("n", len(self._guard.arm.joint_names)))
+        stamp, base = check.number(time, "time"), None
+        if measured is not None:
+            base = check.array(measured, "measured", shape=rows.shape[1:])
+        if not self._due(stamp, len(rows)) or not np.isfinite(rows).all():
+            return 0
+        return self._take(self._absolute(rows, stamp, base), stamp)
+
+    def put_poses(self, positions: ArrayLike, orientations: ArrayLike, time: float) -> int:
+        """Takes over a chunk of poses of the tip, by the configurations nearest to each other.
+
+        Args:
+            positions: (n, 3) in m, base frame, the first due at `time`.
+            orientations: (n, 4) w, x, y, z.
+            time: when it was observed, s.
+
+        Returns:
+            Number of its actions that are still due. The chunk ends before the first pose that is
+            out of reach; at 0 it is left out, as by `put`.
+        """
+        places = check.with_gaps(positions, "positions", shape=("n", 3))
+        turns = check.with_gaps(orientations, "orientations", shape=(len(places), 4))
+        stamp = check.number(time, "time")
+        due = self._due(stamp, len(places))
+        if not due or not (np.isfinite(places).all() and np.isfinite(turns).all()):
+            return 0
+        first = max(0, len(places) - due - _PASSED)
+        q, rows = self._command_at(stamp), []
+        for place, turn in zip(places[first:], turns[first:], strict=True):
+            found = self._guard.arm.inverse_kinematics(place, turn, q0=q)
+            if not found.success:
+                break
+            q = found.q
+            rows.append(q)
+        stamp += first * self._step
+        return self._take(np.array(rows), stamp) if self._due(stamp, len(rows)) else 0
+
+    def stop(self) -> Admission:
+        """Brakes now, and forgets all chunks."""
+        self._waiting, self._curve = [], None
+        self._answer = self._guard.stop()
+        return self._answer
+
+    def next(self, time: float | None = None) -> CommandedState:
+        """Advances by one period; the state to command now.
+
+        Args:
+            time: now, s; by default a period after the last call.
+        """
+        due = self.time + self._period
+        now = due if time is None else check.number(time, "time")
+        missed = abs(now - due) > max(0.5 * self._period, _JITTER)
+        if not missed:
+            now = due + _DRIFT * (now - due)  # drift is followed, jitter is not
+        self._time = now
+        begun = [each for each in self._waiting if each.start <= now]
+        if begun:
+            self._curve = begun[-1]
+            self._waiting = [each for each in self._waiting if each.start > now]
+            self._lags = np.zeros((2, 1))
+        if begun or missed:
+            self._joined_by = now + self._join
+        if self._curve is not None and (begun or missed or now >= self._again):
+            self._follow(self._curve, now)
+        state = self._guard.next()
+        self._sent.append((now, state.q))
+        return state
+
+    def _due(self, stamp: float, count: int) -> int:
+        """Number of the actions of a chunk that are still due."""
+        return int(np.count_nonzero(stamp + self._step * np.arange(count) > self.time))
+
+    def _take(self, rows: Float64Array, stamp: float) -> int:
+        """Waits for a chunk of joint positions to begin."""
+        limits = self._guard.arm.limits
+        rows = smoothed(np.clip(rows, limits.lower, limits.upper), self._step, limits)
+        self._waiting = [each for each in self._waiting if each.start < stamp]
+        self._waiting.append(ChunkCurve.of(rows, stamp, self._step))
+        return self._due(stamp, len(rows))
+
+    def _absolute(
+        self, rows: Float64Array, stamp: float, base: Float64Array | None
+    ) -> Float64Array:
+        if self._kind == "absolute":
+            return rows
+        base = self._command_at(stamp) if base is None else base
+        return base + (rows if self._kind == "relative" else np.cumsum(rows, axis=0))
+
+    def _command_at(self, time: float) -> Float64Array:
+        """The command (joints,) that was sent at a time, or nearest to it."""
+        return min(self._sent, key=lambda sent: abs(sent[0] - time))[1]
+
+    def _follow(self, curve: ChunkCurve, now: float) -> None:
+        """Admits a window of the curve, the first row for now."""
+        last, behind = now - self._period, self.lag
+        if last - behind + self._period > curve.end or behind > _STALE:
+            self._again = np.inf  # the rest is admitted already
+            return
+        present = row_of(self._guard.state, len(self._guard.arm.joint_names))
+        run = self._on_time(curve, present, last) or self._slower(curve, present, last - behind)
+        times = last + self._period * np.arange(1, len(run.rows) + 1, dtype=np.float64)
+        self._lags = np.stack([times, times - run.places])
+        self._answer = self._guard.admit(trajectory(times, run.rows, self._guard.arm.joint_names))
+        done = self._answer.verdict == "allowed" and self._is_whole(run, curve)
+        self._again = np.inf if done else now + 0.5 * self._period * self._rows
+
+    def _on_time(self, curve: ChunkCurve, present: Float64Array, last: float) -> Run | None:
+        """States inside the limits, as little behind the curve's timing as they can; or None."""
+        left = max(self._joined_by - last, _SHORTEST_JOIN * self._join)
+        starts = last - self.lag * np.array(_PARTS_BEHIND if self.lag else _PARTS_BEHIND[:1])
+        for start in starts[starts + self._period <= curve.end]:
+            ahead = self._ahead(curve, start)
+            for join in np.multiply(left, _LONGER_JOINS):
+                run = self._ended(present, ahead.joined(present, float(join)), curve)
+                if self._guard._rules.excess(present, run.rows) is None:
+                    self._joined_by = last + float(join)
+                    return run
+        return None
+
+    def _slower(self, curve: ChunkCurve, present: Float64Array, start: float) -> Run:
+        """States on the curve as fast as the limits allow, or too fast where none are found."""
+        run = self._ahead(curve, start).joined(present, max(_LONGER_JOINS) * self._join)
+        path, rules = np.concatenate([present, run.rows]), self._guard._rules
+        slowed = core.slowed(rules.limits, path, _SLOWEST * len(path))
+        if slowed is None:
+            return run
+        rows, at = slowed[0][1:], slowed[1][1:]
+        if not len(rows) or rules.excess(present, rows) is not None:
+            eased = [e for p in _PACES if (e := core.eased(rules.limits, present, slowed[0], p))]
+            if not eased:
+                return run
+            rows, at = max(eased, key=lambda each: float(each[1][-1]))
+            at = np.interp(at, np.arange(len(slowed[1])), slowed[1])
+        kept = slice(self._rows)
+        return self._ended(present, Run(rows[kept], start + self._period * at[kept]), curve)
+
+    def _ahead(self, curve: ChunkCurve, start: float) -> Ahead:
+        """The window of a curve after a time on it."""
+        count = min(self._rows, int((curve.end - start) / self._period) + 1)
+        times = np.minimum(start + self._period * np.arange(count + 1), curve.end)
+        return Ahead(times, curve.states(times))
+
+    def _ended(self, present: Float64Array, run: Run, curve: ChunkCurve) -> Run:
+        """The states with a stop on the path, where they lead to the curve's end."""
+        if not self._is_whole(run, curve):
+            return run
+        limits = (step_limits(self._gentle, self._period), self._guard._rules.limits)
+        stops = (core.stopped(each, present, run.rows) for each in limits)
+        stopped = next((each for each in stops if each is not None), None)
+        if stopped is None:
+            return run
+        return Run(stopped[0], np.interp(stopped[1], np.arange(len(run.places)), run.places))
+
+    def _is_whole(self, run: Run, curve: ChunkCurve) -> bool:
+        return bool(run.places[-1] > curve.end - self._period)
