@@ -86,8 +86,13 @@ def arrays(path: Path) -> dict[str, NDArray[Any]]:  # Any: of whatever type the 
 def write(motion: Motion, path: StrPath) -> None:
     """Writes a motion to the last bit."""
     checked_motion(motion, "motion")
+    write_arrays(path, _content(motion))
+
+
+def write_arrays(path: StrPath, arrays: Mapping[str, Any]) -> None:
+    """Writes an archive of arrays by name, whole or not at all."""
     with replacing(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, allow_pickle=False, **_content(motion))
+        np.savez(file, allow_pickle=False, **arrays)
 
 
 def _content(motion: Motion) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from .certificate import (
     Target as Target,
     TargetRegion as TargetRegion,
 )
+from .corrected import CorrectedSkill as CorrectedSkill, Correction as Correction
 from .dmp.discrete import DMP as DMP, DMPSkill as DMPSkill
 from .dmp.rhythmic import RhythmicDMP as RhythmicDMP, RhythmicDMPSkill as RhythmicDMPSkill
 from .dynamical.clf_dm import CLFDM as CLFDM

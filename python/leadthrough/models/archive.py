@@ -20,7 +20,6 @@ from leadthrough import check
 from leadthrough.check import InvalidInput, UnsupportedQuery
 from leadthrough.drawing import Drawn
 from leadthrough.io import npz
-from leadthrough.io.files import StrPath, replacing
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.protocol import (
     Choice,
@@ -37,6 +36,7 @@ from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:
     from leadthrough.drawing import Panel
+    from leadthrough.models.corrected import CorrectedSkill
 
 
 FORMAT = "leadthrough skill"
@@ -109,15 +109,17 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
     def _in_mode(self, query: CheckedQuery, mode: int | None) -> MotionT_co:
         """The answer to a query of the mode of a number, or of the one that fits best."""
         self.refuse_obstacles(query)
-        last = len(self.modes) - 1
+        return self.modes[self.mode_of(query, mode)]._answer(query)
+
+    def mode_of(self, query: CheckedQuery, mode: int | None) -> int:
+        """The index of the mode that answers a query: the given one, or the one that fits best."""
+        modes = self.modes
         if mode is not None:
-            chosen = self.modes[check.integer(mode, "mode", at_least=0, at_most=last)]
-        elif last == 0:
-            chosen = self
-        else:
-            ranked = sorted(self.modes, key=lambda each: each._distance(query))
-            chosen = next((each for each in ranked if each._is_free(query)), ranked[0])
-        return chosen._answer(query)
+            return check.integer(mode, "mode", at_least=0, at_most=len(modes) - 1)
+        if len(modes) == 1:
+            return 0
+        ranked = sorted(range(len(modes)), key=lambda i: modes[i]._distance(query))
+        return next((i for i in ranked if modes[i]._is_free(query)), ranked[0])
 
     def _distance(self, query: CheckedQuery) -> float:
         """Of the query's start and goal from those of its own motion."""
@@ -136,6 +138,40 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
             raise UnsupportedQuery(
                 f"obstacles: {name} cannot avoid them; leave them out or use FastMarching"
             )
+
+    def corrected(
+        self,
+        time: float,
+        position: Target,
+        *,
+        start: Target | None = None,
+        goal: Target | None = None,
+        duration: float | None = None,
+        obstacles: Sequence[Shape] = (),
+        mode: int | None = None,
+    ) -> CorrectedSkill[MotionT_co]:
+        """A skill whose motion passes a position at a time; call it again for more.
+
+        The motion changes within a fifth of the path's length and is the same elsewhere; start and
+        goal stay. A new start or goal moves the correction along with the path, and saved skills
+        keep it. Corrections made before are still met, except one at the same point, which is
+        replaced; `undone` takes the last one back.
+
+        Args:
+            time: of the point that is moved, s, on the motion that `generate` returns for the
+                arguments below.
+            position: its new position (d,); of poses (3,), which keeps the orientation, or
+                (position (3,), orientation (4,)).
+            start: of the motion that is corrected, as for `generate`, and so are those that follow.
+
+        Raises:
+            InvalidInput: for a time outside the motion, or at its start or goal.
+            UnsupportedQuery, NoPath: as in `generate`.
+        """
+        from leadthrough.models.corrected import corrected
+
+        query = CheckedQuery(start, goal, duration, obstacles=obstacles)
+        return corrected(self, time, position, query, mode)
 
     @abstractmethod
     def _answer(self, query: CheckedQuery) -> MotionT_co:
@@ -196,7 +232,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         vars(same)[_CHOICE] = choice
         return same
 
-    def save(self, path: StrPath) -> None:
+    def save(self, path: str | PathLike[str]) -> None:
         """Writes the skill to a .npz file that `load_skill` reads.
 
         Args:
@@ -300,7 +336,7 @@ class SteppedSkill(FittedSkill[MotionT_co]):
         """The state at the start of a query."""
 
 
-def load_skill(path: StrPath) -> Skill:
+def load_skill(path: str | PathLike[str]) -> Skill:
     """The skill in a file that its `save` wrote.
 
     It generates motions of the demonstrated type; a file does not tell a type checker which.
@@ -324,7 +360,7 @@ def load_skill(path: StrPath) -> Skill:
 def archived(skill: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Settings and arrays of a skill with all its modes."""
     settings, arrays = skill.to_archive()
-    others = [each.to_archive() for each in skill.modes[1:]] if hasattr(skill, "modes") else []
+    others = [each.to_archive() for each in vars(skill).get(_MODES, ())[1:]]
     parts = dict(arrays)
     for i, (_, own) in enumerate(others):
         parts |= {f"{name}{_of_mode(i)}": array for name, array in own.items()}
@@ -349,7 +385,9 @@ def _of_mode(number: int) -> str:
     return f"_of_mode_{number + 1}"
 
 
-def restored(path: StrPath, kind: str, settings: dict[str, Any], arrays: Arrays) -> Skill:
+def restored(
+    path: str | PathLike[str], kind: str, settings: dict[str, Any], arrays: Arrays
+) -> Skill:
     """The skill that `archived` took apart."""
     entry_of_skill(kind)
     try:
@@ -359,7 +397,7 @@ def restored(path: StrPath, kind: str, settings: dict[str, Any], arrays: Arrays)
 
 
 def write(
-    path: StrPath,
+    path: str | PathLike[str],
     kind: str,
     settings: Mapping[str, Any],
     arrays: Arrays,
@@ -373,19 +411,18 @@ def write(
         head[_CERTIFICATE] = certificate.to_settings()
     if choice is not None:
         head[_CHOICE] = asdict(choice)
-    with replacing(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, allow_pickle=False, head=np.array(json.dumps(head)), **dict(arrays))
+    npz.write_arrays(path, {"head": np.array(json.dumps(head)), **arrays})
 
 
 def read(
-    path: StrPath,
+    path: str | PathLike[str],
 ) -> tuple[str, dict[str, Any], dict[str, NDArray[Any]], Choice | None]:
     """Kind, settings and arrays of a skill in a file, and the reason for its family, if any."""
     head, arrays = _read(path)
     return head["kind"], head["settings"], arrays, head.get(_CHOICE)
 
 
-def _read(path: StrPath) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+def _read(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """The checked head of a skill in a file, and its arrays."""
     with suppress(OSError):  # a name that no file can have: reading says so
         if isinstance(path, str | PathLike) and not Path(path).exists():

@@ -115,6 +115,19 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
     ) -> Sequence[Parameter[MotionT_co]]:
         """Adjustable parameters of its model, as `FittedSkill.parameters`."""
 
+    def corrected(
+        self,
+        time: float,
+        position: Target,
+        *,
+        start: Target | None = None,
+        goal: Target | None = None,
+        duration: float | None = None,
+        obstacles: Sequence[Shape] = (),
+        mode: int | None = None,
+    ) -> Skill[MotionT_co]:
+        """A skill whose motion passes a position at a time, as by `FittedSkill.corrected`."""
+
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads."""
 

@@ -87,8 +87,11 @@ MODELS = (
     _system("clf-dm", "clf_dm:CLFDM"),
     _system("modified-ds", "modified_ds:ModifiedDS"),
 )
-# A model around another one; the command line does not make it.
-_FRAMED = ModelEntry("framed", "leadthrough.models.framed:Framed", ("framed",))
+# Skills around another one; the command line does not make them.
+_AROUND = (
+    ModelEntry("framed", "leadthrough.models.framed:Framed", ("framed",)),
+    ModelEntry("corrected", "leadthrough.models.corrected:CorrectedSkill", ("corrected",)),
+)
 
 
 def model_names() -> tuple[str, ...]:
@@ -128,7 +131,7 @@ def entry_of_class(name: str) -> ModelEntry:
 def entry_of_skill(kind: str) -> ModelEntry:
     """The row of the model whose skills files call by a name; of several, the first."""
     known: set[str] = set()
-    for each in (_FRAMED, *_entries()):
+    for each in (*_AROUND, *_entries()):
         if kind in each.skills:
             return each
         known.update(each.skills)
