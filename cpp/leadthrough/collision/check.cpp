@@ -36,14 +36,19 @@ class Placement {
     }
   }
 
-  // The two nearest bodies. The pair with the nearest balls is tested first: it excludes most.
-  Nearest nearest() const {
+  // The two nearest bodies. The pair that was nearest before is tested first, at the beginning the
+  // one with the nearest balls: they exclude most.
+  Nearest nearest() {
     Nearest best;
     if (balls_.empty()) return best;
-    const auto first = std::min_element(balls_.begin(), balls_.end()) - balls_.begin();
-    measure(static_cast<std::size_t>(first), kInfinity, best);
-    for (std::size_t i = 0; i < balls_.size(); ++i)
-      if (balls_[i] < best.distance) measure(i, best.distance, best);
+    const auto balls = std::min_element(balls_.begin(), balls_.end()) - balls_.begin();
+    const std::size_t first = nearest_.value_or(static_cast<std::size_t>(balls));
+    measure(first, kInfinity, best);
+    nearest_ = first;
+    for (std::size_t i = 0; i < balls_.size(); ++i) {
+      const double least = best.distance;
+      if (balls_[i] < least && i != first && measure(i, least, best) < least) nearest_ = i;
+    }
     return best;
   }
 
@@ -67,6 +72,7 @@ class Placement {
   Frames frames_;
   std::vector<Transform> poses_;
   std::vector<double> balls_;
+  std::optional<std::size_t> nearest_;  // pair at the last configuration
 };
 
 // Between two samples: the nearest approach and the first hit, if it is not at the first sample.
@@ -83,7 +89,11 @@ class Motion {
       : scene_(scene),
         q_(q),
         options_(options),
-        reach_(collision::reaches(scene, extents(scene.chain, q))) {}
+        reach_(collision::reaches(scene, extents(scene.chain, q))) {
+    for (const ShapePair& pair : scene.pairs)
+      for (auto k = index(scene.joints[index(pair.a)]); k < index(scene.joints[index(pair.b)]); ++k)
+        most_reach_[k] = std::max(most_reach_[k], reach_[index(pair.b)][k]);
+  }
 
   // The largest absolute value of each moving joint.
   static MovingValues extents(const Chain& chain, const Eigen::Ref<const Rows>& q) {
@@ -100,7 +110,7 @@ class Motion {
   Interval between(Eigen::Index i, const Nearest& start, const Nearest& end, double least,
                    Placement& placement, std::vector<double>& motion) const {
     Interval found;
-    const double longest = pair_motions(i, motion);
+    double longest = motion_bound(i);
     double local = std::min(start.distance, end.distance);
     bool hit = is_hit(start.distance);
     double share = 0.0;
@@ -110,7 +120,12 @@ class Motion {
       // Distances already known to be lower, or no hit, need no second test.
       const double threshold =
           (hit ? local : std::max(options_.margin, std::min(least, local))) - options_.tolerance;
-      if (0.5 * (here + end.distance - longest * (1.0 - share)) >= threshold) return found;
+      const auto clear = [&] {
+        return 0.5 * (here + end.distance - longest * (1.0 - share)) >= threshold;
+      };
+      if (clear()) return found;
+      if (share == 0.0) longest = pair_motions(i, motion);
+      if (clear()) return found;
       const double step =
           share == 0.0 ? (here - threshold) / longest : free_share(placement, motion, threshold);
       share += step;
@@ -130,12 +145,16 @@ class Motion {
 
   bool is_hit(double distance) const { return distance < options_.margin - kTouching; }
 
+  // Bound on what the pairs move between rows i and i + 1, m, without a look at each.
+  double motion_bound(Eigen::Index i) const {
+    const MovingValues change = changes(i);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < moving_count(scene_.chain); ++k) sum += change[k] * most_reach_[k];
+    return sum;
+  }
+
   double pair_motions(Eigen::Index i, std::vector<double>& motion) const {
-    MovingValues change{};
-    for (std::size_t k = 0; k < moving_count(scene_.chain); ++k) {
-      const Drive& drive = scene_.chain.drives[k];
-      change[k] = std::abs(drive.multiplier * (q_(i + 1, drive.joint) - q_(i, drive.joint)));
-    }
+    const MovingValues change = changes(i);
     double longest = 0.0;
     for (std::size_t p = 0; p < scene_.pairs.size(); ++p) {
       motion[p] = collision::pair_motion(scene_, reach_, scene_.pairs[p], change);
@@ -145,6 +164,15 @@ class Motion {
   }
 
  private:
+  MovingValues changes(Eigen::Index i) const {
+    MovingValues change{};
+    for (std::size_t k = 0; k < moving_count(scene_.chain); ++k) {
+      const Drive& drive = scene_.chain.drives[k];
+      change[k] = std::abs(drive.multiplier * (q_(i + 1, drive.joint) - q_(i, drive.joint)));
+    }
+    return change;
+  }
+
   void interpolate(Eigen::Index i, double share, MovingValues& q) const {
     for (Eigen::Index k = 0; k < q_.cols(); ++k)
       q[static_cast<std::size_t>(k)] = (1.0 - share) * q_(i, k) + share * q_(i + 1, k);
@@ -168,6 +196,7 @@ class Motion {
   const Eigen::Ref<const Rows>& q_;
   const MotionOptions& options_;
   std::vector<MovingValues> reach_;
+  MovingValues most_reach_{};  // of any pair
 };
 
 // Calls work(first, end) for blocks of rows.
@@ -271,7 +300,7 @@ double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q
   double longest = 0.0;
   for (Eigen::Index i = 0; i + 1 < q.rows(); ++i) {
     check_interrupt();
-    longest = std::max(longest, motion.pair_motions(i, room));
+    if (motion.motion_bound(i) > longest) longest = std::max(longest, motion.pair_motions(i, room));
   }
   return longest;
 }

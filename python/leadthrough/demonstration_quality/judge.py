@@ -50,6 +50,8 @@ _FAULTS: dict[Trait, Fault] = {
 }
 _GOALS = 100  # at random, of which the least certain is suggested
 _SAMPLES = 200
+_DT = 0.01  # of generated motions, s, unless they are so long that fewer steps are enough
+_STEPS = 2000
 _MAX_ROWS = 4000  # of a demonstration that models are learned from; a long log has 600,000
 _WINDOW = 11  # samples, of a twentieth of the duration: quicker movements are tremor
 _ALONG = 100  # points of a path at which shapes are compared
@@ -406,10 +408,11 @@ def uncertainties(
     used = [i for i in range(len(common.motions)) if i not in set(without)]
     ends = goals_of([common.motions[i] for i in used])
     skills = [_learned(common, {*without, i}) for i in used]
+    duration = max(motion.duration for motion in common.motions)
     rows = []
     for _ in range(count):
         goal = np.asarray(common.goals.draw(rng), dtype=np.float64)
-        apart = _spread([skill for skill in skills if skill is not None], goal)
+        apart = _spread([skill for skill in skills if skill is not None], goal, duration)
         away = float(np.linalg.norm(ends - goal, axis=1).min())
         numbers = [float(number) for number in goal]
         rows.append({"goal": numbers, "uncertainty": math.hypot(apart, slope * away)})
@@ -437,12 +440,15 @@ def _learned(common: Material, without: set[int]) -> Skill[Motion] | None:
             return None
 
 
-def _generated(skill: Skill[Motion], start: Target | None, goal: Target) -> Motion | None:
+def _generated(
+    skill: Skill[Motion], start: Target | None, goal: Target, duration: float
+) -> Motion | None:
     query = {"goal": goal} if start is None else {"start": start, "goal": goal}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            return skill.generate(**query)  # type: ignore[arg-type]  # the two ends alone
+            dt = max(_DT, duration / _STEPS)
+            return skill.generate(**query, dt=dt)  # type: ignore[arg-type]  # the two ends alone
         except LeadthroughError:
             return None
 
@@ -453,7 +459,7 @@ def _error(common: Material, without: set[int], expected: Motion) -> float:
     made = (
         None
         if skill is None
-        else _generated(skill, target_of(expected, 0), target_of(expected, -1))
+        else _generated(skill, target_of(expected, 0), target_of(expected, -1), expected.duration)
     )
     if made is None:
         return _FAILED
@@ -461,9 +467,9 @@ def _error(common: Material, without: set[int], expected: Motion) -> float:
     return float(np.linalg.norm(ours - theirs, axis=1).mean())
 
 
-def _spread(skills: Sequence[Skill[Motion]], goal: Target) -> float:
+def _spread(skills: Sequence[Skill[Motion]], goal: Target, duration: float) -> float:
     """Root mean square distance of the skills' motions from their mean, in their unit."""
-    motions = [_generated(skill, None, goal) for skill in skills]
+    motions = [_generated(skill, None, goal, duration) for skill in skills]
     even = np.linspace(0.0, 1.0, _SAMPLES)
     paths = [_positions(each, even) for each in motions if each is not None]
     if len(paths) < 2:

@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 FORMAT = "leadthrough skill"
 VERSION = 1
 _CERTIFICATE, _CHOICE, _MODES = "certificate", "choice", "modes"
+# Of a skill's own motion: the step, s, unless it is so long that fewer tell its extent and ends.
+_DT, _STEPS = 0.01, 2000
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -247,8 +249,9 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
     @cached_property
     def _own_motion(self) -> Motion | None:
         """Its own motion, to compare queries with; None without demonstrations."""
+        dt = max(_DT, getattr(self, "duration", 0.0) / _STEPS)
         try:
-            return self.generate()
+            return self.generate(dt=dt)
         except InvalidInput:  # without demonstrations, a motion needs a start and a goal
             return None
 

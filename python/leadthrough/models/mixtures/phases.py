@@ -53,7 +53,7 @@ def fit_phases(
 ) -> FittedMixture:
     """The mixture of times and columns whose components follow phases; None: as few as suffice."""
 
-    def fitted(count: int) -> FittedMixture:
+    def fitted(count: int, starts: int = starts) -> FittedMixture:
         blocks, history = phase_blocks(
             [points], count, poses=poses, seed=seed, starts=starts, least=MIN_VARIANCE
         )
@@ -61,12 +61,12 @@ def fit_phases(
 
     if components is not None:
         return fitted(components)
-    count, mean = _FIRST_COMPONENTS, points.reshape(-1, SAMPLES, points.shape[1]).mean(axis=0)
-    while True:
-        fit = fitted(count)
-        if count == _MAX_COMPONENTS or _follows(fit.mixture, mean, poses=poses):
-            return fit
+    mean = points.reshape(-1, SAMPLES, points.shape[1]).mean(axis=0)
+    count = _FIRST_COMPONENTS
+    # One start of EM tells as well as all whether the components are enough.
+    while count < _MAX_COMPONENTS and not _follows(fitted(count, 1).mixture, mean, poses=poses):
         count *= 2
+    return fitted(count)
 
 
 def _follows(mixture: Mixture, mean: Float64Array, *, poses: bool) -> bool:
