@@ -11,6 +11,8 @@
 #include "leadthrough/collision/clearance.hpp"
 #include "leadthrough/collision/edges.hpp"
 #include "leadthrough/collision/shapes.hpp"
+#include "leadthrough/collision/side_by_side.hpp"
+#include "leadthrough/rotation/so3.hpp"
 
 namespace py = pybind11;
 
@@ -38,6 +40,15 @@ CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const st
   return make_collision_model(robot, chain, base, tip, hulls, placed_shapes(attached));
 }
 
+CollisionModel beside(const CollisionModel& left, const CollisionModel& right,
+                      const Eigen::Vector3d& position, const Eigen::Vector4d& orientation,
+                      bool one_robot, bool shared_object, const std::vector<std::string>& names) {
+  require(left.chain.moving + right.chain.moving <= kMaxJoints &&
+          static_cast<int>(names.size()) == left.chain.joints() + right.chain.joints());
+  const Transform T_left_right{so3::to_matrix(orientation), position};
+  return side_by_side(left, right, {T_left_right, one_robot, shared_object}, names);
+}
+
 const std::string& name_of(const CollisionModel& model, int body) {
   return model.bodies[static_cast<std::size_t>(body)].name;
 }
@@ -50,10 +61,12 @@ std::vector<std::string> body_names(const CollisionModel& model) {
 
 std::vector<std::pair<std::string, std::string>> pair_names(const CollisionModel& model) {
   std::vector<std::pair<std::string, std::string>> names;
-  for (const auto& [a, b] : model.pairs) {
-    const auto body = [&](int i) { return model.shapes[static_cast<std::size_t>(i)].body; };
-    std::pair<std::string, std::string> pair{name_of(model, body(a)), name_of(model, body(b))};
-    if (names.empty() || names.back() != pair) names.push_back(std::move(pair));
+  const auto body = [&](int i) { return model.shapes[static_cast<std::size_t>(i)].body; };
+  for (const auto* pairs : {&model.pairs, &model.between_arms}) {
+    for (const auto& [a, b] : *pairs) {
+      std::pair<std::string, std::string> pair{name_of(model, body(a)), name_of(model, body(b))};
+      if (names.empty() || names.back() != pair) names.push_back(std::move(pair));
+    }
   }
   return names;
 }
@@ -110,6 +123,9 @@ void bind_collision(py::module_& module) {
   py::class_<CollisionModel>(module, "CollisionModel")
       .def(py::init(&make_model), py::arg("robot"), py::arg("chain"), py::arg("base"),
            py::arg("tip"), py::arg("meshes"), py::arg("attached"))
+      .def("beside", &beside, py::arg("right"), py::arg("position"), py::arg("orientation"),
+           py::arg("one_robot"), py::arg("shared_object"), py::arg("joint_names"))
+      .def_readonly("chain", &CollisionModel::chain)
       .def_property_readonly("bodies", &body_names)
       .def_property_readonly("pairs", &pair_names)
       .def_property_readonly("left_out", &left_out);

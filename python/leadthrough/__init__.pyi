@@ -18,7 +18,7 @@ from . import (
     trajectories as trajectories,
     validation as validation,
 )
-from .arm import Arm as Arm, DifferentialIk as DifferentialIk
+from .arm import Arm as Arm, DifferentialIk as DifferentialIk, DualArm as DualArm
 from .demonstration_quality import judge_demonstrations as judge_demonstrations
 from .guard import Admission as Admission, Guard as Guard, connect as connect
 from .io import (

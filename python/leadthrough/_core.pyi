@@ -263,6 +263,16 @@ class CollisionModel:
         meshes: Sequence[Float64Array],
         attached: Sequence[Shape],
     ) -> None: ...
+    def beside(
+        self,
+        right: CollisionModel,
+        position: Float64Array,
+        orientation: Float64Array,
+        one_robot: bool,
+        shared_object: bool,
+        joint_names: Sequence[str],
+    ) -> CollisionModel: ...
+    chain: Final[Chain]
     bodies: Final[list[str]]
     pairs: Final[list[tuple[str, str]]]
     left_out: Final[list[list[str]]]

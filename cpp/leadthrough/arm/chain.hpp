@@ -26,6 +26,12 @@ struct Drive {
   double offset = 0.0;
 };
 
+constexpr std::array<int, kMaxJoints> serial_frames() {
+  std::array<int, kMaxJoints> frames{};
+  for (std::size_t k = 0; k < frames.size(); ++k) frames[k] = static_cast<int>(k);
+  return frames;
+}
+
 // T_base_tip = fixed[0] moving(0) fixed[1] moving(1) ... fixed[moving]. Each joint of the chain
 // drives one moving joint, and more where some mimic it; without mimics the two are the same.
 struct Chain {
@@ -41,6 +47,9 @@ struct Chain {
   std::array<bool, kMaxJoints> prismatic{};
   std::array<Drive, kMaxJoints> drives{};
   std::array<Transform, kMaxJoints + 1> fixed;
+  // Frame in which each moving joint stands: 0 is the base, i + 1 moves with joint i. Collision
+  // models alone have chains with more than one branch, see side_by_side.
+  std::array<int, kMaxJoints> parent_frame = serial_frames();
   // The rigid body that a moving joint carries, loads included, in the joint's frame.
   std::array<urdf::Inertia, kMaxJoints> bodies;
   double mass = 0.0;  // of the bodies without loads, kg

@@ -29,7 +29,7 @@ class Placement {
   void move_to(const double* q) {
     MovingValues room;
     collision::joint_frames(scene_.chain, moving_values(scene_.chain, q, room), frames_);
-    collision::place(scene_.shapes, scene_.joints, frames_, poses_);
+    collision::place(scene_.shapes, scene_.frames, frames_, poses_);
     for (std::size_t i = 0; i < balls_.size(); ++i) {
       const auto [a, b] = scene_.pairs[i];
       balls_[i] = collision::ball_distance(shape(a), pose(a), shape(b), pose(b));
@@ -90,9 +90,10 @@ class Motion {
         q_(q),
         options_(options),
         reach_(collision::reaches(scene, extents(scene.chain, q))) {
-    for (const ShapePair& pair : scene.pairs)
-      for (auto k = index(scene.joints[index(pair.a)]); k < index(scene.joints[index(pair.b)]); ++k)
-        most_reach_[k] = std::max(most_reach_[k], reach_[index(pair.b)][k]);
+    for (const auto& [a, b] : scene.pairs) {
+      raise(reach_[index(a)], scene.joints[index(a)] & ~scene.joints[index(b)]);
+      raise(reach_[index(b)], scene.joints[index(b)] & ~scene.joints[index(a)]);
+    }
   }
 
   // The largest absolute value of each moving joint.
@@ -164,6 +165,11 @@ class Motion {
   }
 
  private:
+  void raise(const MovingValues& reach, JointMask joints) {
+    collision::for_each_joint(
+        joints, [&](std::size_t k) { most_reach_[k] = std::max(most_reach_[k], reach[k]); });
+  }
+
   MovingValues changes(Eigen::Index i) const {
     MovingValues change{};
     for (std::size_t k = 0; k < moving_count(scene_.chain); ++k) {
@@ -210,10 +216,12 @@ void for_each_block(Eigen::Index rows, int threads, const Work& work) {
 }
 
 CollisionScene bodies_of(const CollisionModel& model) {
-  CollisionScene scene{model.chain, {}, model.shapes, {}, {}};
+  CollisionScene scene{model.chain, {}, model.shapes, {}, {}, {}};
   for (const Body& body : model.bodies) scene.names.push_back(body.name);
-  for (const BodyShape& shape : model.shapes)
-    scene.joints.push_back(model.bodies[static_cast<std::size_t>(shape.body)].joints);
+  for (const BodyShape& shape : model.shapes) {
+    scene.frames.push_back(model.bodies[index(shape.body)].frame);
+    scene.joints.push_back(collision::joints_of_frame(model.chain, scene.frames.back()));
+  }
   return scene;
 }
 
@@ -232,14 +240,16 @@ CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacle
   for (const PlacedShape& placed : obstacles) {
     const int obstacle = static_cast<int>(scene.shapes.size());
     for (int i = 0; i < own; ++i)
-      if (scene.joints[static_cast<std::size_t>(i)] > 0) scene.pairs.push_back({obstacle, i});
+      if (scene.frames[index(i)] > 0) scene.pairs.push_back({obstacle, i});
     if (!placed.piece) scene.names.push_back("obstacle " + std::to_string(things++));
     const int body = static_cast<int>(scene.names.size()) - 1;
     const double radius =
         placed.cloud ? placed.cloud->bounding_radius() : bounding_radius(placed.convex);
     scene.shapes.push_back({placed.convex, placed.pose, body, radius, placed.cloud});
+    scene.frames.push_back(0);
     scene.joints.push_back(0);
   }
+  scene.pairs.insert(scene.pairs.end(), model.between_arms.begin(), model.between_arms.end());
   return scene;
 }
 

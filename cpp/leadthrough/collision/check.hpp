@@ -3,6 +3,7 @@
 // Collision of a whole arm: every shape of every link, against obstacles and against each other,
 // at single configurations and along a motion without a gap between its samples.
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,14 +18,14 @@ namespace leadthrough {
 // Bodies that overlap by less count as touching, m: distances are exact to a tenth of it.
 constexpr double kTouching = 1e-6;
 
-// A link, a thing that is attached to the tip, or an obstacle. joints: how many of the chain's
-// joints move it; none move the base, what is fixed to it, and obstacles.
+// A link, a thing that is attached to the tip, or an obstacle. frame: 0 is the base's, of what is
+// fixed to it and of obstacles; frame i + 1 moves with the chain's moving joint i.
 struct Body {
   std::string name;
-  int joints;
+  int frame;
 };
 
-// T_frame_shape: in the frame that moves with the body's last joint; the base for 0 joints.
+// T_frame_shape: in the body's frame.
 struct BodyShape {
   Convex convex;
   Transform T_frame_shape;
@@ -34,7 +35,7 @@ struct BodyShape {
   std::shared_ptr<const BallCover> cover = nullptr;  // of the arm's own shapes
 };
 
-// Shapes that are checked against each other; more joints move b than a.
+// Shapes that are checked against each other. Of one arm more joints move b than a.
 struct ShapePair {
   int a, b;
 };
@@ -53,6 +54,7 @@ struct CollisionModel {
   std::vector<ShapePair> pairs;
   std::vector<bool> meet;  // pairs that touch and never overlap: their URDF makes them meet
   std::vector<BodyPair> left_out;
+  std::vector<ShapePair> between_arms = {};  // shapes of two arms, see side_by_side
 };
 // The model without the pairs that meet: no margin can hold between them.
 CollisionModel without_meeting_pairs(const CollisionModel& model);
@@ -72,13 +74,17 @@ CollisionModel make_collision_model(const urdf::Robot& robot, const Chain& chain
                                     const std::vector<Eigen::Matrix3Xd>& hulls,
                                     const PlacedShapes& attached, const PairOptions& options = {});
 
-// Pairs to check: the arm's own, or its moving bodies against obstacles. Obstacles are bodies like
-// the arm's own, after them and in their order, named "obstacle 0" and so on.
+// Moving joints, one bit each.
+using JointMask = std::uint32_t;
+
+// Pairs to check: the arm's own, or its moving bodies against obstacles and another arm. Obstacles
+// are bodies like the arm's own, after them and in their order, named "obstacle 0" and so on.
 struct CollisionScene {
   Chain chain;
   std::vector<std::string> names;  // of the bodies
   std::vector<BodyShape> shapes;
-  std::vector<int> joints;  // that move each shape
+  std::vector<int> frames;        // of each shape
+  std::vector<JointMask> joints;  // that move each shape
   std::vector<ShapePair> pairs;
 };
 CollisionScene itself(const CollisionModel& model);

@@ -22,7 +22,7 @@ void ClearanceTest::move_to(const double* q) {
   const CollisionScene& scene = arm_.scene;
   MovingValues room;
   collision::joint_frames(scene.chain, moving_values(scene.chain, q, room), frames_);
-  collision::place(scene.shapes, scene.joints, frames_, poses_);
+  collision::place(scene.shapes, scene.frames, frames_, poses_);
 }
 
 double ClearanceTest::ball(const ShapePair& pair) const {
@@ -75,14 +75,19 @@ NearPair ClearanceTest::with_gradient(std::size_t i, const Separation& found) co
   const CollisionScene& scene = arm_.scene;
   const ShapePair& pair = scene.pairs[i];
   NearPair near{i, found.distance, {}};
-  for (auto k = index(scene.joints[index(pair.a)]); k < index(scene.joints[index(pair.b)]); ++k) {
-    const Transform& frame = frames_[k + 1];
-    const Eigen::Vector3d axis = frame.rotation.col(2);
-    const Eigen::Vector3d velocity =
-        scene.chain.prismatic[k] ? axis : axis.cross(found.on_b - frame.position);
-    const Drive& drive = scene.chain.drives[k];
-    near.gradient[index(drive.joint)] += drive.multiplier * velocity.dot(found.normal);
-  }
+  const auto add = [&](JointMask joints, const Eigen::Vector3d& point, double sign) {
+    collision::for_each_joint(joints, [&](std::size_t k) {
+      const Transform& frame = frames_[k + 1];
+      const Eigen::Vector3d axis = frame.rotation.col(2);
+      const Eigen::Vector3d velocity =
+          scene.chain.prismatic[k] ? axis : axis.cross(point - frame.position);
+      const Drive& drive = scene.chain.drives[k];
+      near.gradient[index(drive.joint)] += sign * drive.multiplier * velocity.dot(found.normal);
+    });
+  };
+  const JointMask a = scene.joints[index(pair.a)], b = scene.joints[index(pair.b)];
+  add(b & ~a, found.on_b, 1.0);
+  add(a & ~b, found.on_a, -1.0);
   return near;
 }
 

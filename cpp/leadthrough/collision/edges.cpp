@@ -201,7 +201,7 @@ class EdgeTest::Search {
     for (std::size_t k = 0; k < moving_count(chain_); ++k)
       values[k] = (1.0 - fraction) * start_[k] + fraction * end_[k];
     collision::joint_frames(chain_, values.data(), frames_);
-    collision::place(arm_.scene.shapes, arm_.scene.joints, frames_, poses_);
+    collision::place(arm_.scene.shapes, arm_.scene.frames, frames_, poses_);
   }
 
   bool apart(std::size_t p, double least) {

@@ -64,30 +64,32 @@ LaneBalls::LaneBalls(const WholeArm& arm)
   for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
     places.push_back(scene.shapes[i].cover ? bodies_.size() : boxes_.size());
     if (scene.shapes[i].cover)
-      add_body(scene.shapes[i], scene.joints[i]);
+      add_body(scene.shapes[i], scene.frames[i]);
     else
       add_obstacle(scene.shapes[i]);
   }
   for (std::size_t i = 0; i < scene.pairs.size(); ++i) {
     const std::size_t a = index(scene.pairs[i].a), b = index(scene.pairs[i].b);
-    pairs_.push_back({places[a], places[b], index(scene.joints[a]),
+    std::size_t first_joint = 0;
+    for (JointMask both = scene.joints[a] & scene.joints[b]; both != 0; both >>= 1U) ++first_joint;
+    pairs_.push_back({places[a], places[b], first_joint,
                       raised(arm.margins[i] - kTouching + kPlaced), !scene.shapes[a].cover});
   }
   centres_.resize(balls_.size());
   for (std::size_t i = 0; i < 9; i += 4) frames_[0].rotation[i] += 1.0F;
 }
 
-void LaneBalls::add_body(const BodyShape& shape, int joints) {
+void LaneBalls::add_body(const BodyShape& shape, int frame) {
   const std::size_t first = balls_.size();
-  add_ball(shape.cover->whole, shape.T_frame_shape, joints);
-  for (const Ball& part : shape.cover->parts) add_ball(part, shape.T_frame_shape, joints);
+  add_ball(shape.cover->whole, shape.T_frame_shape, frame);
+  for (const Ball& part : shape.cover->parts) add_ball(part, shape.T_frame_shape, frame);
   bodies_.push_back({first, balls_.size(), false});
 }
 
-void LaneBalls::add_ball(const Ball& ball, const Transform& T_frame_shape, int joints) {
+void LaneBalls::add_ball(const Ball& ball, const Transform& T_frame_shape, int frame) {
   const Eigen::Vector3d centre = T_frame_shape.rotation * ball.centre + T_frame_shape.position;
-  BallInJoint placed{floats(centre), raised(ball.radius), joints, {}, {}};
-  const MovingValues reach = collision::reach_of_point(chain_, joints, centre, 0.0, extent_);
+  BallInJoint placed{floats(centre), raised(ball.radius), frame, {}, {}};
+  const MovingValues reach = collision::reach_of_point(chain_, frame, centre, 0.0, extent_);
   std::transform(reach.begin(), reach.end(), placed.reach.begin(), raised);
   balls_.push_back(placed);
 }
@@ -114,15 +116,15 @@ bool LaneBalls::set_edge(const MovingValues& start, const MovingValues& end) {
   }
   longest_motion_ = 0.0F;
   for (BallInJoint& ball : balls_) {
-    for (std::size_t k = 0; k < index(ball.joints); ++k)
+    for (std::size_t k = 0; k < index(ball.frame); ++k)
       ball.travel[k + 1] = ball.travel[k] + change[k] * ball.reach[k];
-    longest_motion_ = std::max(longest_motion_, ball.travel[index(ball.joints)]);
+    longest_motion_ = std::max(longest_motion_, ball.travel[index(ball.frame)]);
   }
   return true;
 }
 
 [[gnu::always_inline]] inline void LaneBalls::place_frame(std::size_t k, const Values& value) {
-  const Frame& before = frames_[k];
+  const Frame& before = frames_[index(chain_.parent_frame[k])];
   const std::array<float, 12>& fixed = fixed_[k];
   Frame line;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -148,7 +150,7 @@ bool LaneBalls::set_edge(const MovingValues& start, const MovingValues& end) {
 
 [[gnu::always_inline]] inline void LaneBalls::place_ball(std::size_t ball) {
   const BallInJoint& placed = balls_[ball];
-  const Frame& frame = frames_[index(placed.joints)];
+  const Frame& frame = frames_[index(placed.frame)];
   for (std::size_t i = 0; i < 3; ++i)
     centres_[ball].axis[i] = frame.position.axis[i] + frame.rotation[3 * i] * placed.centre[0] +
                              frame.rotation[3 * i + 1] * placed.centre[1] +
@@ -162,12 +164,11 @@ bool LaneBalls::set_edge(const MovingValues& start, const MovingValues& end) {
   balls.placed = true;
 }
 
-// Of a ball's centre from what does not move with it.
-[[gnu::always_inline]] inline float LaneBalls::least_distance(const Pair& pair, std::size_t ball,
-                                                              float fraction) const {
-  const BallInJoint& b = balls_[ball];
-  return pair.margin + b.radius +
-         fraction * (b.travel[index(b.joints)] - b.travel[pair.first_joint]);
+// Bound on a ball's motion by the joints that do not move the other body of the pair.
+[[gnu::always_inline]] inline float LaneBalls::own_motion(const Pair& pair, std::size_t ball,
+                                                          float fraction) const {
+  const BallInJoint& moved = balls_[ball];
+  return fraction * (moved.travel[index(moved.frame)] - moved.travel[pair.first_joint]);
 }
 
 [[gnu::always_inline]] inline void LaneBalls::clear_of_box(const RoundedBox& box, std::size_t ball,
@@ -210,13 +211,16 @@ bool LaneBalls::set_edge(const MovingValues& start, const MovingValues& end) {
                                                             Flags& flags) {
   const RoundedBox& box = boxes_[pair.a];
   const std::size_t whole = bodies_[pair.b].whole;
-  clear_of_box(box, whole, least_distance(pair, whole, fraction), flags);
+  const auto least = [&](std::size_t i) {
+    return pair.margin + balls_[i].radius + own_motion(pair, i, fraction);
+  };
+  clear_of_box(box, whole, least(whole), flags);
   if (lanes::all(flags)) return;
   place_parts(pair.b);
   Flags parts = flags | -1;
   for (std::size_t i = whole + 1; i < bodies_[pair.b].end; ++i) {
     Flags part;
-    clear_of_box(box, i, least_distance(pair, i, fraction), part);
+    clear_of_box(box, i, least(i), part);
     parts &= part;
   }
   flags |= parts;
@@ -226,16 +230,19 @@ bool LaneBalls::set_edge(const MovingValues& start, const MovingValues& end) {
                                                           Flags& flags) {
   const BallsOfBody& a = bodies_[pair.a];
   const BallsOfBody& b = bodies_[pair.b];
-  clear_of_ball(a.whole, b.whole, least_distance(pair, b.whole, fraction), flags);
+  const auto least = [&](std::size_t j, std::size_t i) {
+    return pair.margin + balls_[i].radius + own_motion(pair, i, fraction) +
+           own_motion(pair, j, fraction);
+  };
+  clear_of_ball(a.whole, b.whole, least(a.whole, b.whole), flags);
   if (lanes::all(flags)) return;
   place_parts(pair.a);
   place_parts(pair.b);
   Flags parts = flags | -1;
   for (std::size_t i = b.whole + 1; i < b.end; ++i) {
-    const float least = least_distance(pair, i, fraction);
     for (std::size_t j = a.whole + 1; j < a.end; ++j) {
       Flags part;
-      clear_of_ball(j, i, least, part);
+      clear_of_ball(j, i, least(j, i), part);
       parts &= part;
     }
   }

@@ -36,9 +36,9 @@ class LaneBalls {
   struct BallInJoint {
     std::array<float, 3> centre;  // in the frame that the joint carries
     float radius;
-    int joints;                                // that move it
+    int frame;                                 // that it moves with
     std::array<float, kMaxJoints> reach;       // from each joint's axis, m
-    std::array<float, kMaxJoints + 1> travel;  // along the edge, by the joints before each
+    std::array<float, kMaxJoints + 1> travel;  // along the edge, by its joints before each
   };
   // The ball around a whole body is first, then its parts.
   struct BallsOfBody {
@@ -51,10 +51,10 @@ class LaneBalls {
     float rounding;
     bool round;  // a disc across z with the radius half[0]
   };
-  // b is a body; a is a body or, if first_joint is -1, an obstacle.
+  // b is a body; a is a body or an obstacle.
   struct Pair {
     std::size_t a, b;
-    std::size_t first_joint;
+    std::size_t first_joint;  // after those that move both
     float margin;
     bool obstacle;
   };
@@ -66,9 +66,9 @@ class LaneBalls {
     Point position;
   };
 
-  void add_body(const BodyShape& shape, int joints);
+  void add_body(const BodyShape& shape, int frame);
   void add_obstacle(const BodyShape& shape);
-  void add_ball(const Ball& ball, const Transform& T_frame_shape, int joints);
+  void add_ball(const Ball& ball, const Transform& T_frame_shape, int frame);
 
   // The same code for each instruction set.
   void run(const Joints& values, float fraction, const std::vector<std::size_t>& open,
@@ -85,7 +85,7 @@ class LaneBalls {
   void clear_of_box(const RoundedBox& box, std::size_t ball, float least,
                     lanes::Flags& flags) const;
   void clear_of_ball(std::size_t a, std::size_t b, float least, lanes::Flags& flags) const;
-  float least_distance(const Pair& pair, std::size_t ball, float fraction) const;
+  float own_motion(const Pair& pair, std::size_t ball, float fraction) const;
 
   const Chain chain_;
   MovingValues extent_;                                    // within which the balls' reaches hold

@@ -28,9 +28,9 @@ Transform moved(const urdf::Joint& joint, double value) {
                              Eigen::Vector3d::Zero()};
 }
 
-// Placement of a link: the number of the chain's joints that move it, and its pose at zero.
+// Placement of a link: the frame that it moves with, and its pose at zero.
 struct Place {
-  int joints = 0;
+  int frame = 0;
   Transform T_root_link;
 };
 
@@ -55,7 +55,7 @@ std::vector<Place> places(const Robot& robot, const std::vector<bool>& among) {
     const double held = std::clamp(0.0, joint.lower, joint.upper);
     const Place& parent = result[static_cast<std::size_t>(joint.parent)];
     result[static_cast<std::size_t>(joint.child)] = {
-        parent.joints + (among[i] ? 1 : 0),
+        parent.frame + (among[i] ? 1 : 0),
         parent.T_root_link * moved(joint, among[i] ? 0.0 : held)};
   }
   return result;
@@ -152,14 +152,14 @@ std::vector<Candidate> candidates(CollisionModel& model, const std::vector<int>&
   const int count = static_cast<int>(model.bodies.size());
   for (int a = 0; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
-      const int joints_a = model.bodies[static_cast<std::size_t>(a)].joints;
-      const int joints_b = model.bodies[static_cast<std::size_t>(b)].joints;
-      if (joints_a == joints_b) continue;
+      const int frame_a = model.bodies[index(a)].frame;
+      const int frame_b = model.bodies[index(b)].frame;
+      if (frame_a == frame_b) continue;
       if (neighbour[static_cast<std::size_t>(a)] == b ||
           neighbour[static_cast<std::size_t>(b)] == a)
         model.left_out.push_back({a, b, LeftOut::kAdjacent});
       else
-        result.push_back(joints_a < joints_b ? Candidate{a, b, {}} : Candidate{b, a, {}});
+        result.push_back(frame_a < frame_b ? Candidate{a, b, {}} : Candidate{b, a, {}});
     }
   }
   for (Candidate& candidate : result)
@@ -177,7 +177,7 @@ struct Contacts {
 };
 
 // Marks pairs that touch and never overlap.
-void find_meeting_pairs(CollisionModel& model, const std::vector<int>& joints) {
+void find_meeting_pairs(CollisionModel& model, const std::vector<int>& frame_of) {
   constexpr int kFew = 64, kMany = 2000;  // configurations: to find contacts; to exclude overlaps
   std::vector<Contacts> seen(model.pairs.size());
   std::vector<Transform> poses(model.shapes.size());
@@ -187,7 +187,7 @@ void find_meeting_pairs(CollisionModel& model, const std::vector<int>& joints) {
     check_interrupt();
     const JointVector q = sample(model.chain, i);
     collision::joint_frames(model.chain, moving_values(model.chain, q.data(), room), frames);
-    collision::place(model.shapes, joints, frames, poses);
+    collision::place(model.shapes, frame_of, frames, poses);
     for (std::size_t k = 0; k < seen.size(); ++k) {
       if (seen[k].overlapping > 0 || (i >= kFew && seen[k].touching == 0)) continue;
       const auto a = static_cast<std::size_t>(model.pairs[k].a);
@@ -207,10 +207,10 @@ void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
                   const PairOptions& options) {
   std::vector<Candidate> open = candidates(model, neighbour);
   std::vector<Transform> poses;
-  std::vector<int> joints;
+  std::vector<int> frame_of;
   for (const BodyShape& shape : model.shapes) {
     poses.push_back(shape.T_frame_shape);
-    joints.push_back(model.bodies[static_cast<std::size_t>(shape.body)].joints);
+    frame_of.push_back(model.bodies[index(shape.body)].frame);
   }
   Frames frames;
   MovingValues room;
@@ -218,7 +218,7 @@ void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
     check_interrupt();
     const JointVector q = sample(model.chain, i);
     collision::joint_frames(model.chain, moving_values(model.chain, q.data(), room), frames);
-    collision::place(model.shapes, joints, frames, poses);
+    collision::place(model.shapes, frame_of, frames, poses);
     for (Candidate& candidate : open)
       if (!candidate.decided()) look(model, poses, options.margin, candidate);
   }
@@ -229,7 +229,7 @@ void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
       model.left_out.push_back(
           {candidate.a, candidate.b, candidate.apart ? LeftOut::kNever : LeftOut::kAlways});
   }
-  find_meeting_pairs(model, joints);
+  find_meeting_pairs(model, frame_of);
 }
 
 }  // namespace
@@ -245,10 +245,10 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
   Frames frames;
   collision::joint_frames(chain, MovingValues{}.data(), frames);
   // Links beside or above the base in the tree do not move either.
-  const auto joints_of = [&](std::size_t link) { return links[link].joints; };
+  const auto frame_of = [&](std::size_t link) { return links[link].frame; };
   const auto in_frame = [&](std::size_t link) {
     const Transform T_base_link = inverse(links[first].T_root_link) * links[link].T_root_link;
-    return inverse(frames[static_cast<std::size_t>(joints_of(link))]) * T_base_link;
+    return inverse(frames[index(frame_of(link))]) * T_base_link;
   };
   std::vector<int> body_of_link(robot.links.size(), -1);
   std::size_t hull_index = 0;
@@ -256,7 +256,7 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
     const urdf::Link& link = robot.links[i];
     if (link.collisions.empty()) continue;
     body_of_link[i] = static_cast<int>(model.bodies.size());
-    model.bodies.push_back({link.name, joints_of(i)});
+    model.bodies.push_back({link.name, frame_of(i)});
     for (const urdf::Geometry& collision : link.collisions) {
       const Transform pose = in_frame(i) * collision.T_link_shape;
       if (collision.type == urdf::GeometryType::kMesh)
@@ -271,7 +271,7 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
     if (body_of_link[i] >= 0) neighbour[static_cast<std::size_t>(body_of_link[i])] = above[i];
   if (!attached.empty()) {
     neighbour.push_back(body_of_link[last] >= 0 ? body_of_link[last] : above[last]);
-    model.bodies.push_back({"attached", joints_of(last)});
+    model.bodies.push_back({"attached", frame_of(last)});
     for (const PlacedShape& held : attached)
       add_shape(model, held.convex, in_frame(last) * held.pose);
   }

@@ -9,10 +9,10 @@
 
 namespace leadthrough::collision {
 
-// Largest distance from each joint's axis, m, of points within `radius` of `offset` in the frame
-// that the last of `joints` carries; 1 for a prismatic joint, whose value is a length itself.
+// Largest distance from each joint's axis, m, of points within `radius` of `offset` in a frame; 1
+// for a prismatic joint, whose value is a length itself; 0 for joints that do not move the frame.
 // extent: the largest absolute value of each joint.
-MovingValues reach_of_point(const Chain& chain, int joints, Eigen::Vector3d offset, double radius,
+MovingValues reach_of_point(const Chain& chain, int frame, Eigen::Vector3d offset, double radius,
                             const MovingValues& extent);
 // The same for any point of each shape.
 std::vector<MovingValues> reaches(const CollisionScene& scene, const MovingValues& extent);

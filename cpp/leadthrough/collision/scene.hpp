@@ -21,7 +21,7 @@ using Frames = std::array<Transform, kMaxJoints + 1>;
 inline void joint_frames(const Chain& chain, const double* values, Frames& frames) {
   frames[0] = {};
   for (std::size_t k = 0; k < moving_count(chain); ++k) {
-    const Transform line = frames[k] * chain.fixed[k];
+    const Transform line = frames[index(chain.parent_frame[k])] * chain.fixed[k];
     Transform& frame = frames[k + 1];
     frame = line;
     if (chain.prismatic[k]) {
@@ -36,11 +36,24 @@ inline void joint_frames(const Chain& chain, const double* values, Frames& frame
 }
 
 // Poses of the shapes that are moved by at least one joint; the others stay as they are.
-inline void place(const std::vector<BodyShape>& shapes, const std::vector<int>& joints,
+inline void place(const std::vector<BodyShape>& shapes, const std::vector<int>& frame_of,
                   const Frames& frames, std::vector<Transform>& poses) {
   for (std::size_t i = 0; i < shapes.size(); ++i)
-    if (joints[i] > 0)
-      poses[i] = frames[static_cast<std::size_t>(joints[i])] * shapes[i].T_frame_shape;
+    if (frame_of[i] > 0) poses[i] = frames[index(frame_of[i])] * shapes[i].T_frame_shape;
+}
+
+// The joints that move a frame.
+inline JointMask joints_of_frame(const Chain& chain, int frame) {
+  JointMask joints = 0;
+  for (; frame > 0; frame = chain.parent_frame[index(frame - 1)])
+    joints |= JointMask{1} << static_cast<unsigned>(frame - 1);
+  return joints;
+}
+
+// Calls visit(k) for the joints of a mask, from the base on.
+template <typename Visit>
+void for_each_joint(JointMask joints, const Visit& visit) {
+  for (; joints != 0; joints &= joints - 1) visit(index(__builtin_ctz(joints)));
 }
 
 // As of their convex bodies; only the first may be a cloud, as only obstacles are.

@@ -83,7 +83,7 @@ class Certifier {
     for (std::size_t k = 0; k < moving_count(scene_.chain); ++k)
       values[k] = (1.0 - fraction) * value(i, k) + fraction * value(i + 1, k);
     collision::joint_frames(scene_.chain, values.data(), frames_);
-    collision::place(scene_.shapes, scene_.joints, frames_, poses_);
+    collision::place(scene_.shapes, scene_.frames, frames_, poses_);
   }
 
   bool apart(std::size_t p, double least) {

@@ -11,6 +11,7 @@ from leadthrough.arm.differential_ik import (
     DifferentialIk as DifferentialIk,
     JointState as JointState,
 )
+from leadthrough.arm.dual_arm import DualArm as DualArm, check_arms as check_arms
 from leadthrough.arm.following import FollowOptions as FollowOptions
 from leadthrough.arm.inverse_kinematics import (
     Axis as Axis,

@@ -191,7 +191,7 @@ def follow(
                 missed = with_reason(missed, off_branch(branch))
             raise missed
         q = searched
-    return _timed(arm, motion, q, on_rate_limit)
+    return timed(arm.limits, motion, q, on_rate_limit)
 
 
 def _furthest(
@@ -221,8 +221,8 @@ def _track_function(
     return tracker.along
 
 
-def _timed(
-    arm: ArmModel,
+def timed(
+    limits: JointLimits,
     motion: Trajectory | PoseTrajectory,
     q: Float64Array,
     on_rate_limit: OnRateLimit,
@@ -230,12 +230,12 @@ def _timed(
     """Joints (n, joints) with times, velocities and the motion's events."""
     times = motion.times
     if on_rate_limit == "slow":
-        times = slowed(arm._chain, times, q, arm.limits)
+        times = slowed(times, q, limits)
     velocities = velocities_of(times, q)
     if on_rate_limit != "exceed_limits":
         velocities[[0, -1]] = 0.0
     moved = moved_events(motion.events, motion.times, times)
-    joints = JointTrajectory(times, q, velocities, joint_names=arm.joint_names, events=moved)
+    joints = JointTrajectory(times, q, velocities, joint_names=limits.joint_names, events=moved)
     return with_derivatives(joints)
 
 
@@ -248,13 +248,11 @@ def checked_options(options: FollowOptions | None) -> FollowOptions:
     return options
 
 
-def slowed(
-    chain: core.Chain, times: Float64Array, q: Float64Array, limits: JointLimits
-) -> Float64Array:
+def slowed(times: Float64Array, q: Float64Array, limits: JointLimits) -> Float64Array:
     """The times, stretched where joints (n, joints) would exceed their rate limits."""
     stretched, stuck = core.slow_down(times, q, limits.velocity, known_acceleration(limits))
     if stuck >= 0:
-        joint = chain.joint_names[stuck]
+        joint = limits.joint_names[stuck]
         raise LimitsInfeasible(
             f"{joint} has to move, but its velocity or acceleration limit is 0", joint=joint
         )

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, DualArm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.motion import Event, JointTrajectory, computed_joints, in_order
 
@@ -159,7 +159,11 @@ class Chunk:
 
 
 def chunk_of(
-    value: JointTrajectory | ArrayLike, arm: Arm, period: float, *, most: int = sys.maxsize
+    value: JointTrajectory | ArrayLike,
+    arm: Arm | DualArm,
+    period: float,
+    *,
+    most: int = sys.maxsize,
 ) -> Chunk:
     """A user's chunk, of as many samples at most."""
     if not isinstance(value, JointTrajectory):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
-from leadthrough.arm import Arm, check_arm
+from leadthrough.arm import Arm, DualArm, check_arms
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.guard.admission import Chunk, CommandedState, chunk_of, trajectory as motion_of
 from leadthrough.guard.rules import Contact, Rules, row_of, rules_for
@@ -23,7 +23,7 @@ _SAME_PLACE = 1e-9  # m, of the tip
 def connect(
     state: CommandedState | ArrayLike,
     trajectory: JointTrajectory,
-    arm: Arm,
+    arm: Arm | DualArm,
     scene: SceneLike = (),
 ) -> JointTrajectory:
     """The motion from the arm's present state on: eased into at its start, and to rest at its end.
@@ -51,7 +51,7 @@ def connect(
         LimitsInfeasible: if no bridge inside the limits leads onto the trajectory, or to rest.
         NoPath: if the bridge would come too near something; `reason` is "ease_in" or "ease_out".
     """
-    check_arm(arm)
+    check_arms(arm)
     trajectory = in_order(trajectory, arm.joint_names, "trajectory")
     if len(trajectory.times) < 2:
         raise InvalidInput("trajectory: expected at least two samples, got one")
@@ -91,7 +91,7 @@ def _ease_in(rules: Rules, start: Float64Array, rows: Float64Array) -> Float64Ar
     return ease
 
 
-def _unwrapped(rows: Float64Array, now: Float64Array, arm: Arm) -> Float64Array:
+def _unwrapped(rows: Float64Array, now: Float64Array, arm: Arm | DualArm) -> Float64Array:
     """The samples, each joint by whole turns nearer to where it is now."""
     result = rows.copy()
     for joint in range(rows.shape[1]):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, DualArm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard.admission import (
     KINDS,
@@ -63,7 +63,7 @@ class Guard(ShortRepr):
     answers.
 
     Args:
-        arm: the arm; all limits of its joints have to be known.
+        arm: the arm, or a pair of arms; all limits of its joints have to be known.
         scene: the obstacles, `MovingObstacle`s with a bound on their speed, and the margins.
         rate: commands per second, 1 to 1e4.
         max_samples: samples of a chunk that are looked at, >= 16, so that the answer comes in time;
@@ -77,7 +77,7 @@ class Guard(ShortRepr):
 
     def __init__(
         self,
-        arm: Arm,
+        arm: Arm | DualArm,
         scene: SceneLike = (),
         *,
         rate: float,
@@ -101,8 +101,8 @@ class Guard(ShortRepr):
         self._rules = rules_for(self._arm, self._scene, self._period)
 
     @property
-    def arm(self) -> Arm:
-        """The arm."""
+    def arm(self) -> Arm | DualArm:
+        """The arm, or the pair of arms."""
         return self._arm
 
     @property

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.arm import Arm, JointLimits, check_arm
+from leadthrough.arm import Arm, DualArm, JointLimits, check_arms
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard.admission import CommandedState
 from leadthrough.shapes import Scene, compiled
@@ -152,9 +152,9 @@ class Rules:
         return StoppingTrajectory(stopped[0], executed) if found is None else None
 
 
-def rules_for(arm: Arm, scene: Scene, period: float) -> Rules:
+def rules_for(arm: Arm | DualArm, scene: Scene, period: float) -> Rules:
     """The rules of an arm in a scene."""
-    check_arm(arm)
+    check_arms(arm)
     limits = step_limits(arm.limits, period)
     return Rules(arm.limits, period, limits, guarded_scene(arm, scene, period))
 
@@ -191,7 +191,7 @@ def step_limits(limits: JointLimits, period: float) -> core.StepLimits:
     )
 
 
-def guarded_scene(arm: Arm, scene: Scene, period: float) -> core.GuardedScene:
+def guarded_scene(arm: Arm | DualArm, scene: Scene, period: float) -> core.GuardedScene:
     """The arm in a scene, as the core takes them."""
     growth = [speed * period for speed in scene.speeds]
     margins = scene.margin, scene.self_collision_margin

@@ -131,7 +131,7 @@ def _with_events(part: JointTrajectory, path: TipMotion, first: int, last: int) 
 def _in_limits(ik: CollisionFreeIk, joints: JointTrajectory) -> JointTrajectory:
     """The motion, slower where its parts meet."""
     q = joints.positions
-    times = slowed(ik.arm._chain, joints.times, q, ik.arm.limits)
+    times = slowed(joints.times, q, ik.arm.limits)
     velocities = velocities_of(times, q)
     velocities[[0, -1]] = 0.0
     moved = moved_events(joints.events, joints.times, times)

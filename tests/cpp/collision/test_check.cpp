@@ -56,9 +56,9 @@ Transform at(double x, double y, double z) { return {Eigen::Matrix3d::Identity()
 TEST(Collision, EveryLinkHasItsPlaceAndNeighboursAreLeftOut) {
   const Planar arm;
   ASSERT_EQ(arm.model.bodies.size(), 4U);
-  EXPECT_EQ(arm.model.bodies[0].joints, 0);
-  EXPECT_EQ(arm.model.bodies[1].joints, 1);
-  EXPECT_EQ(arm.model.bodies[2].joints + arm.model.bodies[3].joints, 4);
+  EXPECT_EQ(arm.model.bodies[0].frame, 0);
+  EXPECT_EQ(arm.model.bodies[1].frame, 1);
+  EXPECT_EQ(arm.model.bodies[2].frame + arm.model.bodies[3].frame, 4);
   for (const BodyPair& pair : arm.model.left_out) EXPECT_EQ(pair.why, LeftOut::kAdjacent);
   EXPECT_EQ(arm.model.left_out.size(), 2U);  // foot and first, first and second
   EXPECT_EQ(arm.model.pairs.size(), 3U);     // second and ball with foot, ball with first

@@ -24,6 +24,8 @@ from leadthrough.errors import InvalidInput
 from leadthrough.guard.ros import message_of, trajectory_of
 
 ARM = arm("ur3")
+PAIR = lt.DualArm(ARM, arm("panda"), ((0.0, -0.9, 0.0), (1.0, 0.0, 0.0, 0.0)))
+PANDA_REST = [0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8]
 NAMES = ARM.joint_names
 FOREIGN = tuple("abcdef")
 TIMES = np.linspace(0.0, 2.0, 41)
@@ -87,6 +89,18 @@ def checked(joints):
     return [found.obstacles.minimum_distance, found.itself.minimum_distance]
 
 
+def paired(joints):
+    """The motion of the left arm of a pair, whose right arm rests."""
+    rows = np.hstack([joints.positions, np.tile(PANDA_REST, (len(joints), 1))])
+    names = joints.joint_names and joints.joint_names + PAIR.right.joint_names
+    return lt.JointTrajectory(joints.times, rows, joint_names=names)
+
+
+def checked_pair(joints):
+    found = PAIR.check(paired(joints), [BOX])
+    return [found.obstacles.minimum_distance, found.itself.minimum_distance]
+
+
 def followed(posture):
     options = FollowOptions(posture=posture, nullspace_gain=0.5, free=("rz",))
     return ARM.follow(TIP, q0=REST, options=options)
@@ -117,6 +131,9 @@ ENTRIES = {
     "arm.Arm.joints_of": ARM.joints_of,
     "arm.Arm.poses": lambda joints: [ARM.poses(joints).positions],
     "arm.Arm.path_report": lambda joints: [ARM.path_report(joints, TIP).position_error],
+    "arm.DualArm.check": checked_pair,
+    "arm.DualArm.is_clear": lambda joints: [PAIR.is_clear(paired(joints), [BOX])],
+    "arm.DualArm.motions": lambda joints: PAIR.motions(paired(joints))[0],
     "arm.FollowOptions": followed,
     "guard.Guard.admit": lambda joints: lt.Guard(ARM, rate=100.0).admit(joints, REST).motion,
     "guard.Playback": played,

@@ -1,0 +1,327 @@
+"""Two arms side by side: kinematics of each, rows of joints and a collision model of both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import leadthrough._core as core
+from leadthrough import check
+from leadthrough.arm.arm import Arm, check_arm
+from leadthrough.arm.collision_queries import CollisionQueries
+from leadthrough.arm.dual_following import SIDES, Carry, shape_seen_from, tips_of
+from leadthrough.arm.following import FollowOptions, checked_options, timed
+from leadthrough.arm.inverse_kinematics import IkOptions, IkResult
+from leadthrough.arm.limits import JointLimits
+from leadthrough.arm.rigid_transforms import Pose, Transforms
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr, numbers_text, one_line
+from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, columns_of, in_order
+from leadthrough.shapes import SceneLike, Solid, as_scene, names_of
+
+# m and rad, of the tips' relative pose between samples.
+_TOLERANCE = (1e-4, 3.5e-4)
+_MAX_JOINTS = 16  # of the core
+_COLUMNS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
+
+
+@dataclass(frozen=True, eq=False)
+class DualArm(CollisionQueries, ShortRepr):
+    """Two arms in one frame, the base frame of the left one.
+
+    A configuration is (joints,), the joints of the left arm first; a batch is (m, joints). The
+    frame of poses and obstacles is that of the left base. The limits and the pair are taken as an
+    arm's are: by `retime`, `keep_timing`, `check_limits`, `Guard` and `connect`. A pair never
+    changes.
+
+    To `distance`, `check` and all that keep a scene's margin, each arm is an obstacle of the other.
+    `self_distance` and the self-collision margin are of each arm alone.
+
+    Attributes:
+        left: the arm whose base frame is that of the pair.
+        right: the other arm.
+        base: position (3,) in m and orientation (4,) w, x, y, z of the right base in the left base
+            frame. Without it both are arms of one robot: of the same document, with the same base
+            link and locked joints, and no joint in common.
+        shared_object: whether the right arm holds the objects attached to the left one as well.
+        joint_names: of all joints. If the arms share a name, theirs get "left_" and "right_" in
+            front.
+        limits: of all joints.
+    """
+
+    left: Arm
+    right: Arm
+    base: Pose | None = None
+    shared_object: bool = False
+    joint_names: tuple[str, ...] = field(init=False, repr=False)
+    limits: JointLimits = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        for arm in (self.left, self.right):
+            check_arm(arm)
+        if self.base is None:
+            _require_one_robot(self.left, self.right)
+        else:
+            placed = Transforms.of(self.base, "base")
+            object.__setattr__(self, "base", placed.single())
+        limits = _stacked(self.left.limits, self.right.limits)
+        object.__setattr__(self, "limits", limits)
+        object.__setattr__(self, "joint_names", limits.joint_names)
+
+    def _repr_parts(self) -> list[str]:
+        names = f"{len(self.joint_names)} joints {self.joint_names[0]} ... {self.joint_names[-1]}"
+        parts = [f"left={one_line(self.left)}", f"right={one_line(self.right)}", names]
+        where = "" if self.base is None else f"right base at {numbers_text(self.base[0])} m"
+        return [
+            *parts,
+            *filter(None, [where]),
+            *(["one shared object"] if self.shared_object else []),
+        ]
+
+    @cached_property
+    def _placement(self) -> Transforms:
+        """Pose of the right base in the left base frame."""
+        return Transforms.identity() if self.base is None else Transforms.of(self.base, "base")
+
+    @cached_property
+    def _collision(self) -> core.CollisionModel:
+        """The shapes of both arms, and the pairs of them to check."""
+        return self.left._collision.beside(
+            self.right._collision,
+            self._placement.positions[0],
+            self._placement.orientations[0],
+            self.base is None,
+            self.shared_object,
+            list(self.joint_names),
+        )
+
+    def with_object(self, shape: Solid, grasps: tuple[Pose, Pose], *, mass: float = 0.0) -> DualArm:
+        """The pair holding an object with both hands.
+
+        It is attached to the left arm, whose model carries its mass, and not checked against the
+        links that move with the tips.
+
+        Args:
+            shape: as of `Arm.with_attached`, in the object's frame.
+            grasps: poses of the left and of the right tip in the object's frame.
+            mass: in kg, >= 0.
+        """
+        if not isinstance(shape, Solid):
+            raise check.refused("shape", names_of(Solid), repr(shape))
+        in_tip = shape_seen_from(shape, _grasps(grasps)[0].inverse())
+        return replace(self, left=self.left.with_attached(in_tip, mass), shared_object=True)
+
+    def split(self, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
+        """Joints of the left and of the right arm, of one configuration or a batch."""
+        rows, left = self._checked(q), len(self.left.joint_names)
+        return np.ascontiguousarray(rows[..., :left]), np.ascontiguousarray(rows[..., left:])
+
+    def motions(self, trajectory: JointTrajectory) -> tuple[JointTrajectory, JointTrajectory]:
+        """Motions of the left and of the right arm, with the names of their own joints.
+
+        Args:
+            trajectory: with the joints of the pair.
+        """
+        own = in_order(trajectory, self.joint_names, "trajectory")
+        left, joints = len(self.left.joint_names), len(self.joint_names)
+        return (
+            columns_of(own, range(left), self.left.joint_names),
+            columns_of(own, range(left, joints), self.right.joint_names),
+        )
+
+    def forward_kinematics(self, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
+        """Positions (2, 3) in m and orientations (2, 4) w, x, y, z of the left and the right tip.
+
+        Of a batch they are (m, 2, 3) and (m, 2, 4).
+        """
+        rows = self._checked(q)
+        tips = self._tips(np.atleast_2d(rows))
+        positions = np.stack([tip.positions for tip in tips], axis=1)
+        orientations = np.stack([tip.orientations for tip in tips], axis=1)
+        return (positions[0], orientations[0]) if rows.ndim == 1 else (positions, orientations)
+
+    def relative_pose(self, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
+        """Position (3,) and orientation (4,) w, x, y, z of the right tip in the left tip's frame.
+
+        In m; of a batch they are (m, 3) and (m, 4).
+        """
+        rows = self._checked(q)
+        left, right = self._tips(np.atleast_2d(rows))
+        found = (left.inverse() @ right).continuous()
+        return found.single() if rows.ndim == 1 else (found.positions, found.orientations)
+
+    def jacobian(self, q: ArrayLike) -> Float64Array:
+        """Geometric Jacobian (12, joints) of the left tip, then of the right tip.
+
+        Linear rows come first of either. Of a batch it is (m, 12, joints).
+        """
+        left, right = self.split(q)
+        joints = left.shape[-1]
+        to_pair = np.kron(np.eye(2), self._placement.matrices()[0])
+        result = np.zeros((*left.shape[:-1], 12, joints + right.shape[-1]))
+        result[..., :6, :joints] = self.left.jacobian(left)
+        result[..., 6:, joints:] = to_pair @ self.right.jacobian(right)
+        return result
+
+    def inverse_kinematics(
+        self,
+        left: Pose,
+        right: Pose,
+        *,
+        q0: ArrayLike | None = None,
+        seed: int = 0,
+        options: IkOptions | None = None,
+    ) -> tuple[IkResult, IkResult]:
+        """Configurations of the left and of the right arm that bring their tips to poses.
+
+        Args:
+            left: position (3,) and orientation (4,) of the left tip.
+            right: the same of the right tip.
+            q0: configuration (joints,) of both where the searches start.
+            options: of both arms.
+        """
+        starts = (None, None) if q0 is None else self.split(q0)
+        poses = (
+            Transforms.of(left, "left"),
+            self._placement.inverse() @ Transforms.of(right, "right"),
+        )
+        first, second = (
+            arm.inverse_kinematics(
+                pose.positions[0], pose.orientations[0], q0=start, seed=seed, options=options
+            )
+            for arm, pose, start in zip((self.left, self.right), poses, starts, strict=True)
+        )
+        return first, second
+
+    def follow(
+        self,
+        motion: PoseTrajectory,
+        grasps: tuple[Pose, Pose],
+        *,
+        scene: SceneLike | None = None,
+        q0: ArrayLike | None = None,
+        tolerance: tuple[float, float] = _TOLERANCE,
+        options: FollowOptions | None = None,
+    ) -> JointTrajectory:
+        """Joints that carry an object along its motion, held by both arms.
+
+        The times are stretched for both arms alike if a joint would exceed its velocity or
+        acceleration limit. Between samples the joints move straight.
+
+        Args:
+            motion: poses of the object. Its `joints`, if they are the pair's, are preferred.
+            grasps: poses of the left and of the right tip in the object's frame.
+            scene: obstacles that both arms keep clear of, and they of each other, between samples
+                too. None checks nothing.
+            q0: configuration (joints,) where the searches for the first sample start.
+            tolerance: the most that the tips' relative pose may be off between samples, (m, rad),
+                both > 0. Samples are added to the motion's until it holds.
+            options: of both arms, as of `Arm.follow`; a `posture` is of the pair. Axes that are
+                `free` are refused: the object would not be held.
+
+        Raises:
+            InvalidInput: if the motion is not of poses, or an option does not fit.
+            IkFailure: if an arm misses a sample; the message begins with the arm. With the status
+                "blocked" no two postures are clear, and two bodies of the first ones are named.
+            InvalidRobot: if there is a scene and a robot has no collision geometry.
+            LimitsInfeasible: if a joint has to move whose limits are zero.
+        """
+        if not isinstance(motion, PoseTrajectory):
+            raise check.refused("motion", "a PoseTrajectory", type(motion).__name__)
+        around = None if scene is None else as_scene(scene)
+        carry = Carry(
+            (self.left, self.right),
+            self._placement,
+            None if around is None else self._collision,
+            _grasps(grasps),
+            (None, None) if q0 is None else self.split(q0),
+            self._options(checked_options(options)),
+            around,
+            _tolerance(tolerance),
+        )
+        path, q = carry.along(replace(motion, joints=self._own(motion.joints)))
+        return timed(self.limits, path, q, "slow")
+
+    def _options(self, options: FollowOptions) -> tuple[FollowOptions, FollowOptions]:
+        """Options of either arm."""
+        if options.free:
+            raise InvalidInput("free: expected none, as both arms hold the object; remove it")
+        posture = options.posture
+        if posture is None:
+            return options, options
+        if isinstance(posture, Motion):
+            first, second = self.motions(in_order(posture, self.joint_names, "posture"))
+            return replace(options, posture=first), replace(options, posture=second)
+        left, right = self.split(posture)
+        return replace(options, posture=left), replace(options, posture=right)
+
+    def _own(self, joints: JointTrajectory | None) -> JointTrajectory | None:
+        """Recorded joints, if they are the pair's."""
+        if joints is None or sorted(joints.joint_names) != sorted(self.joint_names):
+            return None
+        return in_order(joints, self.joint_names, "motion")
+
+    def _checked(self, q: ArrayLike) -> Float64Array:
+        """A configuration, or a batch."""
+        joints = len(self.joint_names)
+        return check.array_of_rank(q, "q", shapes=((joints,), ("m", joints)))
+
+    def _tips(self, q: Float64Array) -> tuple[Transforms, Transforms]:
+        """Poses of both tips at configurations (m, joints)."""
+        return tips_of((self.left, self.right), self._placement, q)
+
+
+def check_arms(arm: object) -> None:
+    """Raises InvalidInput unless `arm` is an Arm or a DualArm."""
+    if not isinstance(arm, DualArm):
+        check_arm(arm)
+
+
+def _grasps(grasps: tuple[Pose, Pose]) -> tuple[Transforms, Transforms]:
+    if not isinstance(grasps, tuple | list) or len(grasps) != 2:
+        raise check.refused("grasps", "the poses of the left and the right tip", repr(grasps))
+    return Transforms.of(grasps[0], "grasps[0]"), Transforms.of(grasps[1], "grasps[1]")
+
+
+def _tolerance(tolerance: tuple[float, float]) -> tuple[float, float]:
+    if not isinstance(tolerance, tuple | list) or len(tolerance) != 2:
+        raise check.refused("tolerance", "(m, rad)", repr(tolerance))
+    return (
+        check.number(tolerance[0], "tolerance in m", above=0.0),
+        check.number(tolerance[1], "tolerance in rad", above=0.0),
+    )
+
+
+def _require_one_robot(left: Arm, right: Arm) -> None:
+    """Refuses arms that are not of one robot, or share a joint."""
+    for name in ("document", "base", "locked_joints", "mesh_folders"):
+        if getattr(left, name) != getattr(right, name):
+            raise InvalidInput(
+                "base: expected the pose of the right base in the left base frame, got None, and "
+                f"the arms are not of one robot: their {name} differs"
+            )
+    common = [name for name in left.joint_names if name in right.joint_names]
+    if common:
+        raise InvalidInput(
+            f"right: expected no joint in common with the left arm, got {', '.join(common)}; lock "
+            "joints of a common trunk with lock_joints, or give the pose of another robot's base"
+        )
+
+
+def _stacked(left: JointLimits, right: JointLimits) -> JointLimits:
+    """Limits of all joints; those that are not known of both arms are not known."""
+    names = [*left.joint_names, *right.joint_names]
+    if len(names) > _MAX_JOINTS:
+        raise check.refused("right", f"at most {_MAX_JOINTS} joints of both arms", len(names))
+    if set(left.joint_names) & set(right.joint_names):
+        sides = zip(SIDES, (left, right), strict=True)
+        names = [f"{side}_{name}" for side, limits in sides for name in limits.joint_names]
+    columns: dict[str, Any] = {}
+    for key in _COLUMNS:
+        parts = getattr(left, key), getattr(right, key)
+        known = not any(part is None for part in parts)
+        columns[key] = np.concatenate(parts) if known else None
+    return JointLimits(names, **columns)

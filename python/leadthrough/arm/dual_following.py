@@ -1,0 +1,239 @@
+"""Joints of two arms along the motion of an object that both hold.
+
+Each arm follows its grasp in the posture that it reaches first; if the arms are not clear, other
+postures of either are paired, then those that a search finds around the obstacles. Joints move
+straight between two samples, and the error of the tips' relative pose grows with the square of the
+step: the errors at the middles say how many samples to add.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+import leadthrough._core as core
+from leadthrough.arm.arm import Arm
+from leadthrough.arm.collision import check_motion
+from leadthrough.arm.following import FollowOptions
+from leadthrough.arm.rigid_transforms import Transforms
+from leadthrough.arm.tip_path import CollisionTest
+from leadthrough.check import Float64Array, IkFailure
+from leadthrough.motion import JointTrajectory, PoseTrajectory, columns_of
+from leadthrough.shapes import Scene, Shape
+
+SIDES = ("left", "right")
+# Postures of an arm that are tried, and how far apart they are, rad.
+_POSTURES, _SEPARATION = 12, 0.3
+# Samples from one to the next at which most collisions are seen.
+_COARSE = 8
+_MAX_PARTS = 64  # of a step between two samples
+# Rounds of added samples. The second is only needed by postures that move more.
+_MAX_ROUNDS = 4
+_ALLOWED = 0.8  # of the tolerance, at the middle between two samples
+_CHECKED = 1e-3  # m, to which the motion of a refusal is checked
+
+ShapeT = TypeVar("ShapeT", bound=Shape)
+# Joints (n, joints) of one arm along the motion of its tip.
+Tracks = list[Float64Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """One of the arms, along the motion of its tip."""
+
+    name: str
+    arm: Arm
+    tip: PoseTrajectory  # in the arm's base frame
+    q0: Float64Array | None
+    options: FollowOptions
+    scene: Scene | None  # in the arm's base frame
+
+    @cached_property
+    def first(self) -> Tracks:
+        """The joints that the arm has without a scene."""
+        try:
+            return [self._follow(self.q0, self.options, None)]
+        except IkFailure as error:
+            raise _of_side(self.name, error) from None
+
+    @cached_property
+    def postures(self) -> Tracks:
+        """Joints that keep near to other postures of the first sample, clear of the scene."""
+        pose = self.tip.positions[0], self.tip.orientations[0]
+        found = self.arm.inverse_kinematics_all(
+            *pose, count=_POSTURES, separation=_SEPARATION, q0=self.first[0][0]
+        )
+        tracks = self.first.copy()
+        for q in found.q:
+            tracks += self._tried(q, replace(self.options, posture=q), None)
+        test = CollisionTest.of(self.arm._collision, self.scene or ())
+        return [track for track in tracks if _is_clear(test, track)]
+
+    @cached_property
+    def around(self) -> Tracks:
+        """Joints that a search finds around the obstacles, then the other postures."""
+        return self._tried(self.q0, self.options, self.scene) + self.postures
+
+    def _tried(
+        self, q0: Float64Array | None, options: FollowOptions, scene: Scene | None
+    ) -> Tracks:
+        try:
+            return [self._follow(q0, options, scene)]
+        except IkFailure:
+            return []
+
+    def _follow(
+        self, q0: Float64Array | None, options: FollowOptions, scene: Scene | None
+    ) -> Float64Array:
+        return self.arm.follow(
+            self.tip, q0=q0, on_rate_limit="exceed_limits", options=options, scene=scene
+        ).positions
+
+
+@dataclass(frozen=True, eq=False)
+class Carry:
+    """Two arms that carry an object, in the base frame of the left one.
+
+    Attributes:
+        arms: the left and the right arm.
+        placement: of the right base.
+        model: the shapes of both arms.
+        grasps: poses of the tips in the object's frame.
+        starts: configurations of the arms where the searches start.
+        options: of each arm.
+        scene: obstacles that both keep clear of, and of each other; None checks nothing.
+        tolerance: of the tips' relative pose between samples, m and rad.
+    """
+
+    arms: tuple[Arm, Arm]
+    placement: Transforms
+    model: core.CollisionModel | None
+    grasps: tuple[Transforms, Transforms]
+    starts: tuple[Float64Array | None, Float64Array | None]
+    options: tuple[FollowOptions, FollowOptions]
+    scene: Scene | None
+    tolerance: tuple[float, float]
+
+    def along(self, motion: PoseTrajectory) -> tuple[PoseTrajectory, Float64Array]:
+        """The motion with the samples that the tolerance takes, and joints (n, joints) along it."""
+        sides = self._sides(motion)
+        q = _stacked([side.first[0] for side in sides])
+        for _ in range(_MAX_ROUNDS):
+            if (parts := self._parts(q)).max(initial=1) > 1:
+                motion = divided(motion, parts)
+                sides = self._sides(motion)
+            q = self._clear(motion, sides)
+            if self._parts(q).max(initial=1) == 1:
+                return motion, q
+        i = int(np.argmax(self._parts(q)))
+        raise _missed(motion, i, "jump", "the tips cannot keep their relative pose from there", q)
+
+    def _sides(self, motion: PoseTrajectory) -> list[Side]:
+        at = Transforms(motion.positions, motion.orientations)
+        to_bases = Transforms.identity(), self.placement.inverse()
+        sides = []
+        for k, to_base in enumerate(to_bases):
+            tip = to_base @ at @ self.grasps[k]
+            joints = self._own(motion.joints, k)
+            path = PoseTrajectory(motion.times, tip.positions, tip.orientations, joints=joints)
+            scene = None if self.scene is None else seen_from(self.scene, to_base)
+            sides.append(Side(SIDES[k], self.arms[k], path, self.starts[k], self.options[k], scene))
+        return sides
+
+    def _own(self, joints: JointTrajectory | None, k: int) -> JointTrajectory | None:
+        """Of the joints of both arms, those of one."""
+        if joints is None:
+            return None
+        left, own = len(self.arms[0].joint_names), self.arms[k].joint_names
+        return columns_of(joints, range(k * left, k * left + len(own)), own)
+
+    def _parts(self, q: Float64Array) -> NDArray[np.int_]:
+        """Number of parts (n - 1,) to cut each step into, by the error at its middle."""
+        left, right = tips_of(self.arms, self.placement, 0.5 * (q[1:] + q[:-1]))
+        wanted = self.grasps[0].inverse() @ self.grasps[1]
+        errors = (left.inverse() @ right).distances(wanted)
+        ratio = np.max([e / t for e, t in zip(errors, self.tolerance, strict=True)], axis=0)
+        return np.asarray(np.clip(np.ceil(np.sqrt(ratio / _ALLOWED)), 1, _MAX_PARTS), dtype=int)
+
+    def _clear(self, motion: PoseTrajectory, sides: list[Side]) -> Float64Array:
+        """Joints (n, joints) of both arms that keep clear."""
+        first = _stacked([side.first[0] for side in sides])
+        if self.scene is None or self.model is None:
+            return first
+        test = CollisionTest.of(self.model, self.scene)
+        for effort in ("first", "postures", "around"):
+            left, right = (getattr(side, effort) for side in sides)
+            for i, j in sorted(product(range(len(left)), range(len(right))), key=sum):
+                q = _stacked([left[i], right[j]])
+                if _is_clear(test, q) and test.clear_along(q):
+                    return q
+        chain = self.model.chain
+        found = check_motion(self.model, chain, first, test.scene, tolerance=_CHECKED, threads=1)
+        assert found.first is not None
+        a, b = found.first.bodies
+        why = f"{a} and {b} come {1e3 * found.first.distance:.1f} mm near, in other postures too"
+        raise _missed(motion, int(found.first.sample), "blocked", why, first)
+
+
+def tips_of(
+    arms: tuple[Arm, Arm], placement: Transforms, q: Float64Array
+) -> tuple[Transforms, Transforms]:
+    """Poses of the left and the right tip at configurations (m, joints)."""
+    left = len(arms[0].joint_names)
+    parts = np.ascontiguousarray(q[:, :left]), np.ascontiguousarray(q[:, left:])
+    tips = [Transforms(*arm.forward_kinematics(own)) for arm, own in zip(arms, parts, strict=True)]
+    return tips[0], placement @ tips[1]
+
+
+def divided(motion: PoseTrajectory, parts: NDArray[np.int_]) -> PoseTrajectory:
+    """The motion with each step cut into equal parts, straight as before."""
+    steps = np.repeat(np.diff(motion.times) / parts, parts)
+    index = np.concatenate([np.arange(count) for count in parts])
+    times = np.append(np.repeat(motion.times[:-1], parts) + index * steps, motion.times[-1])
+    joints = motion.joints
+    if joints is not None:
+        joints = JointTrajectory(times, joints.at(times), joint_names=joints.joint_names)
+    return PoseTrajectory(times, *motion.at(times), motion.events, joints)
+
+
+def seen_from(scene: Scene, T_frame_scene: Transforms) -> Scene:
+    """The obstacles of a scene at their present poses, in another frame."""
+    moved = tuple(shape_seen_from(shape, T_frame_scene) for shape in scene.shapes)
+    return replace(scene, obstacles=moved)
+
+
+def shape_seen_from(shape: ShapeT, T_frame_shape: Transforms) -> ShapeT:
+    """A shape in another frame."""
+    at = T_frame_shape @ Transforms.of((shape.position, shape.orientation), "shape")
+    return shape.at(at.positions[0], at.orientations[0])
+
+
+def _is_clear(test: CollisionTest, q: Float64Array) -> bool:
+    """Whether some of the samples keep the margins."""
+    return all(test.clear_rows(np.ascontiguousarray(q[::_COARSE])))
+
+
+def _stacked(rows: Tracks) -> Float64Array:
+    return np.ascontiguousarray(np.hstack(rows))
+
+
+def _missed(motion: PoseTrajectory, i: int, status: str, why: str, q: Float64Array) -> IkFailure:
+    message = f"both arms: sample {i} at {motion.times[i]:.6g} s: {status}, {why}"
+    return IkFailure(message, index=i, status=status, residual=(0.0, 0.0), q=q[i])
+
+
+def _of_side(name: str, error: IkFailure) -> IkFailure:
+    """The error with the arm's name in front."""
+    return IkFailure(
+        f"{name} arm: {error}",
+        index=error.index,
+        status=error.status,
+        residual=error.residual,
+        q=error.q,
+        limiting_joints=error.limiting_joints,
+    )
