@@ -23,6 +23,7 @@ from leadthrough.check import Float64Array
 
 _MAX_PASSES = 4  # of smoothing
 _ROOM = 0.7  # of the limits that a chunk may use, so that it can be joined
+_JOIN_USE = 0.5  # of the limits that a join is meant to use
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,7 @@ class ChunkCurve:
     start: float  # s
     step: float  # s, between actions
     points: Float64Array  # (n + 2, joints); the first and the last one continue the chunk straight
+    own: tuple[float, float] | None = None  # start and step of the policy, if this is slower
 
     @staticmethod
     def of(rows: Float64Array, start: float, step: float) -> ChunkCurve:
@@ -44,6 +46,29 @@ class ChunkCurve:
     @property
     def end(self) -> float:
         return self.start + self.step * (len(self.points) - 3)
+
+    def slowed(self, now: float, limits: JointLimits) -> ChunkCurve:
+        """The curve, from now on as much slower as its control points demand."""
+        now = max(now, self.start)
+        left = self.points[max(0, int((now - self.start) / self.step)) :]
+        uses = enumerate(_uses(left, self.step, limits), 1)
+        slower = max(1.0, *((used / _ROOM) ** (1.0 / order) for order, used in uses))
+        if slower == 1.0:
+            return self
+        start = now - (now - self.start) * slower
+        return ChunkCurve(start, self.step * slower, self.points, (self.start, self.step))
+
+    def held(self, now: float) -> ChunkCurve:
+        """Its last action alone."""
+        last = 0.5 * (self.points[-1:] + self.points[-3:-2])
+        return ChunkCurve(now, self.step, last.repeat(4, axis=0))
+
+    def lag(self, now: float) -> float:
+        """How far it is behind the policy's own timing, s."""
+        if self.own is None:
+            return 0.0
+        start, step = self.own
+        return float(now - start - step * (min(now, self.end) - self.start) / self.step)
 
     def states(self, times: Float64Array) -> Float64Array:
         """States (n, 3 joints) at times up to its end."""
@@ -60,29 +85,7 @@ class ChunkCurve:
         return np.hstack([q, qd, qdd])
 
 
-@dataclass(frozen=True, eq=False)
-class Run:
-    """Commands, one a period."""
-
-    rows: Float64Array  # (n, 3 joints)
-    places: Float64Array  # times on the curve that they are of, s
-
-
-@dataclass(frozen=True, eq=False)
-class Ahead:
-    """States of a curve, the first for the state that is commanded now."""
-
-    times: Float64Array  # (n + 1,), s
-    states: Float64Array  # (n + 1, 3 joints)
-
-    def joined(self, present: Float64Array, duration: float) -> Run:
-        """The next states, onto which the present one (1, 3 joints) is led in a duration, s."""
-        since = self.times[1:] - self.times[0]
-        rows = self.states[1:] + _decaying(present - self.states[:1], duration, since)
-        return Run(rows, self.times[1:])
-
-
-def _decaying(away: Float64Array, duration: float, times: Float64Array) -> Float64Array:
+def decaying(away: Float64Array, duration: float, times: Float64Array) -> Float64Array:
     """A difference of states (1, 3 joints) at time 0, as it decays to 0: (n, 3 joints)."""
     e, ed, edd = away.reshape(3, -1) * duration ** np.arange(3)[:, None]
     cubic = -10.0 * e - 6.0 * ed - 1.5 * edd
@@ -96,17 +99,37 @@ def _decaying(away: Float64Array, duration: float, times: Float64Array) -> Float
     return np.hstack([powers @ table, rates, bends])
 
 
-def smoothed(rows: Float64Array, step: float, limits: JointLimits) -> Float64Array:
-    """Actions (n, joints) smoothed, without lag, until their B-spline keeps limits, or for long."""
+def needed_duration(away: Float64Array, limits: JointLimits) -> float:
+    """The shortest duration, s, in which a difference of states decays within half of the limits.
+
+    The peaks of the derivatives of the three parts of the polynomial, over unit time.
+    """
     assert limits.acceleration is not None
     assert limits.jerk is not None
-    allowed = [limits.velocity, limits.acceleration, limits.jerk]
+    limited = (limits.velocity, limits.acceleration, limits.jerk)
+    v, a, j = (_JOIN_USE * limit for limit in limited)
+    e, ed, edd = np.abs(away.reshape(3, -1))
+    by_position = (1.875 * e / v, np.sqrt(5.774 * e / a), np.cbrt(60.0 * e / j))
+    by_rates = (3.6 * ed / a, np.sqrt(36.0 * ed / j), 9.0 * edd / j)
+    return float(np.max([*by_position, *by_rates]))
+
+
+def smoothed(rows: Float64Array, step: float, limits: JointLimits) -> Float64Array:
+    """Actions (n, joints) smoothed, without lag, until their B-spline keeps limits, or for long."""
     for _ in range(_MAX_PASSES):
-        rates = [np.abs(np.diff(rows, order, axis=0)) / step**order for order in (1, 2, 3)]
-        used = [(r / a).max(initial=0.0) for r, a in zip(rates, allowed, strict=True)]
-        if max(used) <= _ROOM or len(rows) < 3:
+        if max(_uses(rows, step, limits)) <= _ROOM or len(rows) < 3:
             break
-        rows = np.concatenate(
-            [rows[:1], (rows[:-2] + 2.0 * rows[1:-1] + rows[2:]) / 4.0, rows[-1:]]
-        )
+        inner = (rows[:-2] + 2.0 * rows[1:-1] + rows[2:]) / 4.0
+        rows = np.concatenate([rows[:1], inner, rows[-1:]])
     return rows
+
+
+def _uses(points: Float64Array, step: float, limits: JointLimits) -> list[float]:
+    """The largest fractions of the limits of velocity, acceleration and jerk of a B-spline."""
+    assert limits.acceleration is not None
+    assert limits.jerk is not None
+    allowed = (limits.velocity, limits.acceleration, limits.jerk)
+    return [
+        float((np.abs(np.diff(points, order, axis=0)) / (limit * step**order)).max(initial=0.0))
+        for order, limit in enumerate(allowed, 1)
+    ]

@@ -13,7 +13,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard.admission import Admission, CommandedState, trajectory
-from leadthrough.guard.chunk_curve import Ahead, ChunkCurve, Run, smoothed
+from leadthrough.guard.chunk_curve import ChunkCurve, decaying, needed_duration, smoothed
 from leadthrough.guard.guard import Guard
 from leadthrough.guard.rules import row_of, step_limits
 
@@ -21,12 +21,8 @@ Kind = Literal["absolute", "relative", "delta"]
 _WINDOW = 0.25  # s of a chunk that are admitted at a time
 _MAX_ROWS = 256  # of them, so that the answer takes a millisecond
 _MEMORY = 2.0  # s of commands that are remembered, for relative actions
-_STALE = 2.0  # s that a chunk is followed behind its own timing at most
 _SHORTEST_JOIN = 0.25  # of `join`, so that no rounding is joined abruptly
-_PARTS_BEHIND = (0.0, 0.5, 1.0)  # of the lag that there is, with which it may go on
-_PACES = (1.0, 0.9)  # at which a path that is slowed at once may go on
-_SLOWEST = 4  # times as long as the policy has it that a window may take
-_LONGER_JOINS = (1.0, 2.0, 4.0)  # times `join` it takes where the limits demand it
+_LONGER_JOINS = (1.0, 1.5, 2.25)  # times as long as it should take
 _GENTLE = 0.5  # of the limits that a stop at the end of a chunk uses, if that is enough
 _JITTER = 0.005  # s that a call may be off its time, if the half of a period is less
 _DRIFT = 0.01  # of what a call is off its time that is followed at once
@@ -45,8 +41,8 @@ class Chunks(ShortRepr):
 
     Chunks may come at any time: late (actions that were due before are left out), overlapping (the
     newest is followed from its own time on), or with gaps. A chunk takes over without a step in
-    velocity or acceleration, and keeps its timing where the limits allow; else it runs as fast as
-    they allow and catches up when they do. Everything is admitted by the guard. If no chunk comes,
+    velocity or acceleration, and keeps its timing where the limits allow; else it is slowed down,
+    and the next one catches up. Everything is admitted by the guard. If no chunk comes,
     the arm stops on the path of the last one, at its end. If `next` was not called for some
     periods, the arm goes on from its last command and catches up.
 
@@ -55,8 +51,8 @@ class Chunks(ShortRepr):
         rate: actions per second, 0.1 to 1e4.
         actions: "absolute" joint positions; "relative", all from the joints at the chunk's time;
             "delta", each from the one before it, the first from the joints at the chunk's time.
-        join: duration in s, > 0, over which the difference to a new chunk decays; up to four times
-            as long where the limits demand it.
+        join: duration in s, > 0, over which the difference to a new chunk decays; longer where the
+            limits demand it.
     """
 
     def __init__(
@@ -77,7 +73,6 @@ class Chunks(ShortRepr):
         self._curve: ChunkCurve | None = None  # the one that is followed
         self._again = np.inf  # when more of it is admitted, s
         self._joined_by = 0.0  # when the last difference to it has decayed, s
-        self._lags = np.zeros((2, 1))  # times of commands and how far each is behind, s
         self._answer: Admission | None = None
 
     @property
@@ -104,7 +99,7 @@ class Chunks(ShortRepr):
     @property
     def lag(self) -> float:
         """Time in s by which the arm is behind the policy's own timing; 0 where limits allow."""
-        return float(np.interp(self.time - self._period, *self._lags))
+        return 0.0 if self._curve is None else self._curve.lag(self.time)
 
     def start(self, q: ArrayLike, time: float = 0.0) -> None:
         """Begins, at rest; again after the arm was moved by something else.
@@ -118,7 +113,7 @@ class Chunks(ShortRepr):
         self._answer = self._guard.admit(q[None], q)
         self._sent.clear()
         self._sent.append((self._time, q))
-        self._waiting, self._curve, self._lags = [], None, np.zeros((2, 1))
+        self._waiting, self._curve = [], None
 
     def put(self, actions: ArrayLike, time: float, *, measured: ArrayLike | None = None) -> int:
         """Takes over a chunk.
@@ -191,9 +186,8 @@ class Chunks(ShortRepr):
         self._time = now
         begun = [each for each in self._waiting if each.start <= now]
         if begun:
-            self._curve = begun[-1]
+            self._curve = self._begun(begun[-1], now)
             self._waiting = [each for each in self._waiting if each.start > now]
-            self._lags = np.zeros((2, 1))
         if begun or missed:
             self._joined_by = now + self._join
         if self._curve is not None and (begun or missed or now >= self._again):
@@ -226,66 +220,57 @@ class Chunks(ShortRepr):
         """The command (joints,) that was sent at a time, or nearest to it."""
         return min(self._sent, key=lambda sent: abs(sent[0] - time))[1]
 
+    def _begun(self, curve: ChunkCurve, now: float) -> ChunkCurve:
+        """A curve that begins to be followed, slower where limits demand it; its last action alone
+        if the arm cannot be on it before it ends."""
+        limits = self._guard.arm.limits
+        curve = curve.slowed(now, limits)
+        present, last = self._present(), now - self._period
+        needed = needed_duration(present - curve.states(np.array([last])), limits)
+        if last + needed < curve.end:
+            return curve
+        held = curve.held(now)
+        needed = needed_duration(present - held.states(np.array([now])), limits)
+        return replace(held, step=max(_LONGER_JOINS) * max(needed, self._join))
+
+    def _present(self) -> Float64Array:
+        return row_of(self._guard.state, len(self._guard.arm.joint_names))
+
     def _follow(self, curve: ChunkCurve, now: float) -> None:
         """Admits a window of the curve, the first row for now."""
-        last, behind = now - self._period, self.lag
-        if last - behind + self._period > curve.end or behind > _STALE:
+        last = now - self._period
+        if now > curve.end:
             self._again = np.inf  # the rest is admitted already
             return
-        present = row_of(self._guard.state, len(self._guard.arm.joint_names))
-        run = self._on_time(curve, present, last) or self._slower(curve, present, last - behind)
-        times = last + self._period * np.arange(1, len(run.rows) + 1, dtype=np.float64)
-        self._lags = np.stack([times, times - run.places])
-        self._answer = self._guard.admit(trajectory(times, run.rows, self._guard.arm.joint_names))
-        done = self._answer.verdict == "allowed" and self._is_whole(run, curve)
+        rows = self._joined(curve, self._present(), last)
+        times = last + self._period * np.arange(1, len(rows) + 1, dtype=np.float64)
+        self._answer = self._guard.admit(trajectory(times, rows, self._guard.arm.joint_names))
+        whole = last + self._period * self._rows >= curve.end - self._period
+        done = self._answer.verdict == "allowed" and whole
         self._again = np.inf if done else now + 0.5 * self._period * self._rows
 
-    def _on_time(self, curve: ChunkCurve, present: Float64Array, last: float) -> Run | None:
-        """States inside the limits, as little behind the curve's timing as they can; or None."""
+    def _joined(self, curve: ChunkCurve, present: Float64Array, last: float) -> Float64Array:
+        """The next states of the curve, onto which the present one is led inside the limits; if
+        that is not found, too fast, for the guard to change."""
+        count = min(self._rows, int((curve.end - last) / self._period + 1e-9))
+        since = self._period * np.arange(count + 1, dtype=np.float64)
+        states = curve.states(last + since)
+        away = present - states[:1]
         left = max(self._joined_by - last, _SHORTEST_JOIN * self._join)
-        starts = last - self.lag * np.array(_PARTS_BEHIND if self.lag else _PARTS_BEHIND[:1])
-        for start in starts[starts + self._period <= curve.end]:
-            ahead = self._ahead(curve, start)
-            for join in np.multiply(left, _LONGER_JOINS):
-                run = self._ended(present, ahead.joined(present, float(join)), curve)
-                if self._guard._rules.excess(present, run.rows) is None:
-                    self._joined_by = last + float(join)
-                    return run
-        return None
+        needed = max(left, needed_duration(away, self._guard.arm.limits))
+        rows = states[1:]
+        for join in (left, *(longer * needed for longer in _LONGER_JOINS)):
+            rows = self._ended(present, states[1:] + decaying(away, join, since[1:]))
+            if self._guard._rules.excess(present, rows) is None:
+                self._joined_by = last + join
+                break
+        return rows
 
-    def _slower(self, curve: ChunkCurve, present: Float64Array, start: float) -> Run:
-        """States on the curve as fast as the limits allow, or too fast where none are found."""
-        run = self._ahead(curve, start).joined(present, max(_LONGER_JOINS) * self._join)
-        path, rules = np.concatenate([present, run.rows]), self._guard._rules
-        slowed = core.slowed(rules.limits, path, _SLOWEST * len(path))
-        if slowed is None:
-            return run
-        rows, at = slowed[0][1:], slowed[1][1:]
-        if not len(rows) or rules.excess(present, rows) is not None:
-            eased = [e for p in _PACES if (e := core.eased(rules.limits, present, slowed[0], p))]
-            if not eased:
-                return run
-            rows, at = max(eased, key=lambda each: float(each[1][-1]))
-            at = np.interp(at, np.arange(len(slowed[1])), slowed[1])
-        kept = slice(self._rows)
-        return self._ended(present, Run(rows[kept], start + self._period * at[kept]), curve)
-
-    def _ahead(self, curve: ChunkCurve, start: float) -> Ahead:
-        """The window of a curve after a time on it."""
-        count = min(self._rows, int((curve.end - start) / self._period) + 1)
-        times = np.minimum(start + self._period * np.arange(count + 1), curve.end)
-        return Ahead(times, curve.states(times))
-
-    def _ended(self, present: Float64Array, run: Run, curve: ChunkCurve) -> Run:
-        """The states with a stop on the path, where they lead to the curve's end."""
-        if not self._is_whole(run, curve):
-            return run
+    def _ended(self, present: Float64Array, rows: Float64Array) -> Float64Array:
+        """The states with a stop on their path, where they lead to the end of a chunk."""
+        if len(rows) == self._rows:
+            return rows
         limits = (step_limits(self._gentle, self._period), self._guard._rules.limits)
-        stops = (core.stopped(each, present, run.rows) for each in limits)
+        stops = (core.stopped(each, present, rows) for each in limits)
         stopped = next((each for each in stops if each is not None), None)
-        if stopped is None:
-            return run
-        return Run(stopped[0], np.interp(stopped[1], np.arange(len(run.places)), run.places))
-
-    def _is_whole(self, run: Run, curve: ChunkCurve) -> bool:
-        return bool(run.places[-1] > curve.end - self._period)
+        return rows if stopped is None else stopped[0]

@@ -54,7 +54,7 @@ def coming(seconds, *, latency=0.1, every=0.5, **keywords):
 def assert_kept(chunks, sent, obstacles=()):
     """Commands keep limits and margins, with those that follow if nothing comes any more."""
     arm, rest = chunks.guard.arm, copy.deepcopy(chunks)
-    left = [rest.next().q for _ in range(1000)]
+    left = [rest.next().q for _ in range(4000)]
     assert np.array_equal(left[-1], left[-2])
     assert worst_use(np.concatenate([sent, left]), arm.limits, RATE) <= 1.0 + EXCESS
     assert arm.check(sent, obstacles).ok
