@@ -12,7 +12,7 @@ from leadthrough.cli.motions import check, guard, retime, simulate
 from leadthrough.cli.options import flattened
 from leadthrough.cli.plan import plan
 from leadthrough.cli.recordings import clean, info, judge
-from leadthrough.cli.showing import demo, example, view
+from leadthrough.cli.showing import demo, example, teach, view
 from leadthrough.cli.start import start
 from leadthrough.cli.sweeps import experiment, reach, validate
 
@@ -40,6 +40,7 @@ app = typer.Typer(
 for each in (
     demo,
     start,
+    teach,
     example,
     info,
     clean,

@@ -14,7 +14,7 @@ from rich.table import Table
 
 import leadthrough as lt
 from leadthrough.cli import options, output
-from leadthrough.cli.command import PROFILE
+from leadthrough.cli.command import PROFILE, read_profile
 
 _PROFILE = """\
 # Options that every command takes in this folder; an option on the command line wins.
@@ -80,6 +80,45 @@ def view(
         )
     if html is not None:
         print(f"wrote {html}: open it in a browser")
+
+
+def teach(
+    *,
+    ctx: typer.Context,
+    robot: options.RobotName = "panda",
+    details: options.ArmDetails,
+    obstacle: options.Obstacles = None,
+    out: Path = Path("recorded"),
+    port: int = 0,
+) -> None:
+    """Lead an arm by its tip in the browser, record demonstrations, learn and correct a motion.
+
+    Writes each demonstration when its recording ends, and leadthrough.toml for the other commands.
+
+    leadthrough teach --robot ur3 --obstacle box:0.1,0.1,0.3@0.3,0.2,0.15
+
+    Options:
+        out: Folder for the demonstrations; those that are there already are listed.
+        port: Port of the page; 0 picks a free one.
+    """
+    from leadthrough.cli import parse, questions, robot as robots
+    from leadthrough.cli.start import write_profile
+
+    arm = robots.load(robot, details)
+    scene = parse.obstacles(obstacle)
+    if read_profile().get("robot") != robot:
+        write_profile(ctx, questions.taken, robot, details)
+    recordings = [
+        lt.Demonstration(robots.joints_in(arm, file), file.stem)
+        for file in sorted(out.glob("*.csv"))
+    ]
+    with output.naming(port="--port"):
+        page = lt.show.teach(arm, scene, folder=out, demonstrations=recordings, port=port)
+    print(f"{page.url} teaches the arm; Ctrl-C ends it", flush=True)
+    page.open()
+    page.wait()
+    if page.session.command:
+        output.advise(page.session.command)
 
 
 def demo(

@@ -51,7 +51,7 @@ def start(
     if stated.get("robot") == arm:
         robots.refuse(f"a robot that {PROFILE} does not describe", **vars(details))
     else:
-        stated = _write_profile(ctx, ask, arm, _with_ends(ask, arm, details, table.names))
+        stated = write_profile(ctx, ask, arm, _with_ends(ask, arm, details, table.names))
     loaded = robots.load(arm, _details(stated))
     with reading.blaming(recordings[0]):
         layout = questions.settled(ask, loaded, table, layout)
@@ -99,7 +99,7 @@ def _details(stated: dict[str, str]) -> options.ArmDetails:
     return options.ArmDetails(base=stated.get("base"), tip=stated.get("tip"), **paths)
 
 
-def _write_profile(
+def write_profile(
     ctx: typer.Context, ask: questions.Ask, arm: str, details: options.ArmDetails
 ) -> dict[str, str]:
     """Writes leadthrough.toml, and a limits file where limits are not known; the profile."""

@@ -6,4 +6,5 @@ from .reports import (
     simulation_parts as simulation_parts,
     write_validation as write_validation,
 )
+from .teaching import TeachingPage as TeachingPage, teach as teach
 from .viewing import inline as inline, open_view as open_view, view as view

@@ -55,6 +55,7 @@ class Animation(ShortRepr):
     positions: Float64Array  # of the links in the frame of the arm's base, (n, links, 3), m
     orientations: Float64Array  # of the links in that frame, (n, links, 4), w, x, y, z
     items: tuple[Item, ...] = field(repr=False)  # the surfaces
+    tip: int | None = None  # index of the link at the arm's tip
     remarks: tuple[str, ...] = ()  # on missing parts, such as a mesh file that is not there
 
     def with_motion(self, arm: Arm, joints: JointTrajectory) -> Animation:

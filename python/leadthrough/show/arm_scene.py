@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import cycle
 
 import numpy as np
@@ -55,10 +56,10 @@ def arm_scene(
     goal: ArrayLike | None = None,
 ) -> Animation:
     """The scene of an arm on a motion of its joints, with what the motion was made from."""
-    frames = sampled(arm, joints)
-    links, positions, orientations = link_motion(arm, frames.positions)
+    moving = arm_motion(arm, joints)
+    links = moving.links
     if path is None and joints is not None:
-        path, _ = arm.forward_kinematics(frames.positions)
+        path, _ = arm.forward_kinematics(sampled(arm, joints).positions)
     parts, remarks = link_geometry.surfaces(arm.robot, arm.mesh_folders)
     items = [*arm_items(arm, links, parts), *demonstration_items(arm, demonstrations)]
     if path is not None:
@@ -67,8 +68,16 @@ def arm_scene(
     items += [obstacle_item(shape, i) for i, shape in enumerate(check_shapes(obstacles))]
     if goal is not None:
         items.append(goal_item(check.array(goal, "goal", shape=(3,))))
+    return replace(moving, items=tuple(items), remarks=remarks)
+
+
+def arm_motion(arm: Arm, joints: JointTrajectory | None) -> Animation:
+    """The motion of the links, without surfaces."""
+    frames = sampled(arm, joints)
+    links, positions, orientations = link_motion(arm, frames.positions)
     times = frames.times - frames.times[0]
-    return Animation(links, times, positions, orientations, tuple(items), remarks)
+    tip = links.index(arm.tip) if arm.tip in links else None
+    return Animation(links, times, positions, orientations, (), tip=tip)
 
 
 def tip_path(arm: Arm, motion: Motion) -> Float64Array:

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _SCRIPTS = ("vectors.js", "shaders.js", "painter.js", "pace.js", "scene.js")
+_LIVE_SCRIPTS = (*_SCRIPTS, "handles.js", "teach.js")
+_STYLES = ("page.css",)
+_LIVE_STYLES = (*_STYLES, "teach.css")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,21 +61,29 @@ def write_page(
         temporary.write_text(content, encoding="utf-8")
 
 
-def document(title: str, parts: Sequence[str] | str, *, whole: bool = False) -> str:
-    """The HTML that `write_page` writes."""
+def document(
+    title: str, parts: Sequence[str] | str, *, whole: bool = False, live: bool = False
+) -> str:
+    """The HTML that `write_page` writes; of a live page with what it needs besides."""
+    scripts, styles = (_SCRIPTS, _STYLES) if not live else (_LIVE_SCRIPTS, _LIVE_STYLES)
     return _PAGE.format(
         title=html.escape(title),
-        style=_resource("page.css"),
+        style="".join(map(_resource, styles)),
         kind="whole" if whole else "report",
         body="\n".join([parts] if isinstance(parts, str) else parts),
-        script="".join(map(_resource, _SCRIPTS)),
+        script="".join(map(_resource, scripts)),
     )
+
+
+def teaching_document(animation: Animation, robot: str) -> str:
+    """The live page on which an arm is taught."""
+    return document(f"Teach {robot}", [scene(animation), _TEACHING], whole=True, live=True)
 
 
 def scene(animation: Animation, caption: str = "") -> str:
     """A scene to look at from all sides and to play, with a caption below."""
     remarks = "".join(f"<div>{html.escape(remark)}</div>" for remark in animation.remarks)
-    return _SCENE.format(data=_packed(animation), caption=_caption(caption), remarks=remarks)
+    return _SCENE.format(data=packed(animation), caption=_caption(caption), remarks=remarks)
 
 
 def figure(drawn: Figure, caption: str = "") -> str:
@@ -147,8 +158,11 @@ def _resource(name: str) -> str:
     return (files("leadthrough.show") / name).read_text(encoding="utf-8")
 
 
-def _packed(animation: Animation) -> str:
-    """The scene as base64 of deflated bytes: the head's length, the head as JSON, arrays."""
+def packed(animation: Animation, *, level: int = 9, **told: Any) -> str:
+    """The scene as base64 of deflated bytes: the head's length, the head as JSON, arrays.
+
+    The head also says what is `told` by name.
+    """
     arrays: list[NDArray[np.generic]] = []
 
     def stored(values: ArrayLike, kind: type[np.generic]) -> int:
@@ -173,15 +187,17 @@ def _packed(animation: Animation) -> str:
     poses = np.concatenate([animation.positions, animation.orientations], axis=2)
     head = {
         "links": animation.links,
+        "tip": animation.tip,
         "times": [round(float(time), 5) for time in animation.times],
         "poses": stored(_rounded(poses), np.float32),
         "items": items,
         **_extent(animation),
+        **told,
     }
-    return _deflated(head, arrays)
+    return _deflated(head, arrays, level)
 
 
-def _deflated(head: dict[str, Any], arrays: Sequence[NDArray[np.generic]]) -> str:
+def _deflated(head: dict[str, Any], arrays: Sequence[NDArray[np.generic]], level: int) -> str:
     # Numbers of four bytes have to start at multiples of four.
     parts = [array.tobytes() + bytes(-array.nbytes % 4) for array in arrays]
     offsets = np.cumsum([0, *map(len, parts)])
@@ -192,7 +208,7 @@ def _deflated(head: dict[str, Any], arrays: Sequence[NDArray[np.generic]]) -> st
     encoded = json.dumps(head, allow_nan=False).encode()
     encoded += b" " * (-len(encoded) % 4)
     content = b"".join([len(encoded).to_bytes(4, "little"), encoded, *parts])
-    return base64.b64encode(zlib.compress(content, 9)).decode()
+    return base64.b64encode(zlib.compress(content, level)).decode()
 
 
 def _rounded(values: Float64Array) -> Float64Array:
@@ -224,6 +240,15 @@ aria-label="3D scene: arrow keys turn it, plus and minus zoom, space plays"></ca
 <button class="home">Reset view</button></div><div class="trouble"></div>
 <div class="remarks">{remarks}</div></div>
 <script type="text/plain">{data}</script>{caption}</figure>"""
+
+_TEACHING = """<section class="teach" aria-label="teaching"><div class="buttons">
+<button class="record">Record</button><button class="gripper">Gripper</button>
+<button class="turning" aria-pressed="false">Turn the tool</button></div>
+<ol class="demonstrations"></ol>
+<div class="buttons"><button class="learn">Learn</button>
+<button class="undo">Undo correction</button><button class="save">Save</button></div>
+<p class="told" role="status"></p><p class="reading"></p>
+<p class="next">next: <code></code></p></section>"""
 
 _PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8">

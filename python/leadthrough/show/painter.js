@@ -39,9 +39,8 @@ class Painter {
     this.surface = shader(gl, SURFACE_VERTEX, SURFACE_FRAGMENT);
     this.ground = shader(gl, SURFACE_VERTEX, GROUND_FRAGMENT);
     this.depth = shader(gl, SURFACE_VERTEX, DEPTH_FRAGMENT);
-    this.items = data.items.map((item) => ({ ...item, colour: linear(item.colour), ...this.upload(
-      ...["vertices", "normals", "faces"].map((name) => data.arrays[item[name]])) }));
-    this.items.sort((a, b) => b.opacity - a.opacity);
+    this.items = [];
+    this.replace([], data);
     const r = 2.2 * data.radius, z = data.floor;
     this.floor = { reach: r, link: -1, ...this.upload(
       new Float32Array([-r, -r, z, r, -r, z, r, r, z, -r, r, z]),
@@ -51,6 +50,20 @@ class Painter {
     this.recolour();
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  }
+
+  // Draws other surfaces in these layers.
+  replace(layers, { items, arrays }) {
+    const gl = this.gl, gone = this.items.filter((item) => layers.includes(item.layer));
+    for (const { array, buffers } of gone) {
+      gl.deleteVertexArray(array);
+      buffers.forEach((buffer) => gl.deleteBuffer(buffer));
+    }
+    const added = items.map((item) => ({ ...item, colour: linear(item.colour), ...this.upload(
+      ...["vertices", "normals", "faces"].map((name) => arrays[item[name]])) }));
+    this.items = this.items.filter((item) => !gone.includes(item)).concat(added);
+    this.items.sort((a, b) => b.opacity - a.opacity);
+    this.resting = "";
   }
 
   // Whether frames are drawn by the processor, without a graphics card.
@@ -83,16 +96,17 @@ class Painter {
 
   upload(vertices, normals, faces) {
     const gl = this.gl, array = gl.createVertexArray();
+    const buffers = [0, 1, 2].map(() => gl.createBuffer());
     gl.bindVertexArray(array);
     for (const [place, data, kind] of [[0, vertices, gl.FLOAT], [1, normals, gl.BYTE]]) {
-      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffers[place]);
       gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
       gl.enableVertexAttribArray(place);
       gl.vertexAttribPointer(place, 3, kind, kind === gl.BYTE, 0, 0);
     }
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffers[2]);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.STATIC_DRAW);
-    return { array, count: faces.length };
+    return { array, buffers, count: faces.length };
   }
 
   // Draws a frame in one of the WAYS; `links` are the poses of the links, `hidden` layers.

@@ -13,9 +13,9 @@ from leadthrough import check, motion_planning
 from leadthrough.arm import Arm, FollowOptions
 from leadthrough.arm.following import follow
 from leadthrough.arm.ik_failure import limiting_joints_text
-from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array, IkFailure, InvalidInput, LeadthroughError, ShortRepr
+from leadthrough.models.corrected import CorrectedSkill
 from leadthrough.models.protocol import Conditioned, Generator, Parameter, Previewed, Skill
 from leadthrough.motion import (
     Demonstration,
@@ -74,7 +74,6 @@ class Replanner:
                 "skill: expected one of points or poses in 3-D, or of joints, "
                 f"got one of points in {nominal.positions.shape[1]}-D"
             )
-        warn_of_another_arm(arm._chain, nominal)
         self.nominal_duration = float(nominal.duration)
         self._first: Float64Array | None = None
         self._last: JointTrajectory | None = None
@@ -121,6 +120,31 @@ class Replanner:
         """Sets one of the skill's parameters, with a new fit if it needs one."""
         self.skill = self.parameters[index].apply(value)
         self.__dict__.pop("_quick", None)  # it answers with the old value
+
+    @property
+    def has_moved_goal(self) -> bool:
+        """Whether the goal is not the demonstrated one."""
+        return self._asked
+
+    @property
+    def corrections(self) -> int:
+        """The number of corrections that can be undone."""
+        return len(self.skill.corrections) if isinstance(self.skill, CorrectedSkill) else 0
+
+    def correct(self, time: float, position: ArrayLike) -> None:
+        """Moves the tip's point at a time, s, of the present motion to a position (3,), m."""
+        goal = self._goal() if self.has_goal and self._asked else None
+        around = tuple(self.obstacles) if "obstacles" in self.skill.supports else ()
+        self.skill = self.skill.corrected(
+            time, position, goal=goal, duration=self.duration, obstacles=around
+        )
+        self.__dict__.pop("_quick", None)
+
+    def undo(self) -> None:
+        """Takes the last correction back."""
+        if isinstance(self.skill, CorrectedSkill):
+            self.skill = self.skill.undone()
+            self.__dict__.pop("_quick", None)
 
     def asked_skill(self) -> Skill:
         """The skill, conditioned on the goal if it can be, so that its uncertainty ends there."""

@@ -3,6 +3,8 @@
 
 const STILL = 200; // ms without a movement, after which a frame is drawn in full
 const TOLD = 100; // ms from one time that is shown beside a playing scene to the next
+const STEADY = 4; // px that a click moves at most
+const NEAR = 14; // px from the path at which a click is meant for it
 const REST = 700; // ms at the end of a motion before it starts anew
 
 async function unpacked(text) {
@@ -132,9 +134,18 @@ class SceneView {
     this.slider.oninput = () => { const at = +this.slider.value; this.play(false); this.seek(at); this.moved(); };
     find("speed").onchange = (event) => { this.speed = +event.target.value; };
     find("home").onclick = () => { this.home(); this.changed(); };
-    const layers = new Map();
-    for (const item of this.data.items) if (!layers.has(item.layer)) layers.set(item.layer, item);
+    this.boxes = find("layers");
+    this.list(this.data.items);
+    this.play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+    this.keys();
+  }
+
+  // Boxes that show and hide the layers of these surfaces, where there is none yet.
+  list(items) {
+    const known = [...this.boxes.querySelectorAll("input")].map((box) => box.name);
+    const layers = new Map(items.map((item) => [item.layer, item]));
     for (const [layer, item] of layers) {
+      if (known.includes(layer)) continue;
       const label = document.createElement("label"), box = document.createElement("input");
       const swatch = document.createElement("i");
       Object.assign(box, { type: "checkbox", checked: true, name: layer });
@@ -144,10 +155,8 @@ class SceneView {
         this.changed();
       };
       label.append(box, swatch, layer);
-      find("layers").append(label);
+      this.boxes.append(label);
     }
-    this.play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
-    this.keys();
   }
 
   keys() {
@@ -155,13 +164,18 @@ class SceneView {
     const by = {
       ArrowLeft: turn(-12, 0), ArrowRight: turn(12, 0), ArrowUp: turn(0, 12), ArrowDown: turn(0, -12),
       "+": zoom(0.9), "=": zoom(0.9), "-": zoom(1 / 0.9), " ": () => this.play(!this.playing),
+      Home: () => this.home(),
     };
-    this.canvas.onkeydown = (event) => {
-      if (!by[event.key] || event.ctrlKey || event.metaKey) return;
+    const pressed = (event) => {
+      if (!by[event.key] || event.ctrlKey || event.metaKey || event.defaultPrevented) return;
       event.preventDefault();
       by[event.key]();
       this.moved();
     };
+    this.canvas.onkeydown = pressed;
+    // A page with nothing but the scene takes keys from wherever the focus is not in a control.
+    if (document.body.className === "whole")
+      document.onkeydown = (event) => { if (event.target === document.body) pressed(event); };
   }
 
   turn(dx, dy) {
@@ -180,8 +194,17 @@ class SceneView {
   orbit() {
     const held = new Map(), canvas = this.canvas;
     const apart = () => { const [a, b] = [...held.values()]; return Math.hypot(a.x - b.x, a.y - b.y); };
-    canvas.onpointerdown = (e) => { canvas.setPointerCapture(e.pointerId); held.set(e.pointerId, e); };
-    canvas.onpointerup = canvas.onpointercancel = (e) => held.delete(e.pointerId);
+    let first = null;
+    canvas.onpointerdown = (e) => {
+      canvas.setPointerCapture(e.pointerId);
+      held.set(e.pointerId, e);
+      first = e;
+    };
+    canvas.onpointercancel = (e) => held.delete(e.pointerId);
+    canvas.onpointerup = (e) => {
+      held.delete(e.pointerId);
+      if (Math.hypot(e.x - first.x, e.y - first.y) < STEADY) this.pick(e.offsetX, e.offsetY);
+    };
     canvas.oncontextmenu = (e) => e.preventDefault();
     canvas.onpointermove = (e) => {
       const before = held.get(e.pointerId);
@@ -200,10 +223,46 @@ class SceneView {
     }, { passive: false });
   }
 
+  // Goes to the time at which the tip passes next to a point of the canvas.
+  pick(x, y) {
+    const time = this.timeAt(x, y);
+    if (time === null) return;
+    this.play(false);
+    this.seek(time);
+    this.moved();
+  }
+
+  // The time at which the tip is seen nearest to a point of the canvas; null if it never is there.
+  timeAt(x, y) {
+    const { tip, times, arrays, poses, links } = this.data;
+    if (tip === null || times.length < 2) return null;
+    let nearest = NEAR, found = null;
+    times.forEach((time, i) => {
+      const k = 7 * (i * links.length + tip), seen = this.onCanvas([...arrays[poses].subarray(k, k + 3)]);
+      const apart = Math.hypot(seen[0] - x, seen[1] - y);
+      if (apart < nearest) [nearest, found] = [apart, time];
+    });
+    return found;
+  }
+
+  // Pixels of a point of the scene on the canvas, and its distance along the view.
+  onCanvas(point) {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const { target, distance } = this, seen = this.painter.seen({ eye: this.eye(), target, distance }, [width, height]);
+    const [x, y, , w] = transformed(seen.view, point);
+    return [0.5 * width * (1 + x / w), 0.5 * height * (1 - y / w), w];
+  }
+
+  // Directions of the canvas in the scene: right and up.
+  axes() {
+    const z = normalise(sub(this.eye(), this.target)), x = normalise(cross([0, 0, 1], z));
+    return [x, cross(z, x)];
+  }
+
   pan(dx, dy) {
     const size = this.distance * Math.tan(FIELD_OF_VIEW / 2) * 2 / this.canvas.clientHeight;
-    const z = normalise(sub(this.eye(), this.target)), x = normalise(cross([0, 0, 1], z));
-    this.target = along(along(this.target, x, -dx * size), cross(z, x), dy * size);
+    const [x, y] = this.axes();
+    this.target = along(along(this.target, x, -dx * size), y, dy * size);
   }
 
   eye() {
@@ -214,11 +273,11 @@ class SceneView {
 }
 
 // Scenes start when they come into sight: a browser keeps few of them at a time.
-window.leadthrough = { scenes: [] };
+window.leadthrough = { scenes: [], View: SceneView };
 for (const element of document.querySelectorAll("figure.scene")) {
   const start = async () => {
     const data = await unpacked(element.querySelector("script").textContent.trim());
-    window.leadthrough.scenes.push(new SceneView(element, data));
+    window.leadthrough.scenes.push(new window.leadthrough.View(element, data));
   };
   const failed = (error) => { element.querySelector(".trouble").textContent = error.message; };
   const watch = new IntersectionObserver((entries) => {

@@ -19,6 +19,11 @@ function product(a, b) {
   return out;
 }
 
+// A point (3,) as seen through a matrix: homogeneous coordinates.
+function transformed(m, p) {
+  return [0, 1, 2, 3].map((i) => m[i] * p[0] + m[4 + i] * p[1] + m[8 + i] * p[2] + m[12 + i]);
+}
+
 function looking(eye, target, up) {
   const z = normalise(sub(eye, target)), x = normalise(cross(up, z)), y = cross(z, x);
   return new Float32Array([

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import hmac
 import io
-import secrets
 import threading
 import webbrowser
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import partial
-from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
@@ -24,12 +21,11 @@ from leadthrough.drawing.palette import Colour
 from leadthrough.models.protocol import Parameter
 from leadthrough.show.animation import GOAL, OBSTACLES, PATH, SPREAD, Animation, Item
 from leadthrough.show.arm_scene import goal_item, obstacle_item, path_item, spread_items
+from leadthrough.show.private import guarding, new_token
 from leadthrough.show.replanner import Answer, Replanner
 
 if TYPE_CHECKING:
     import viser
-    from websockets.asyncio.server import ServerConnection
-    from websockets.http11 import Request, Response
 
 _FRAME = 1.0 / 40.0  # s
 # A plan in full is made when nothing has been dragged for this long, s.
@@ -324,17 +320,8 @@ def to_bytes(colour: Colour) -> tuple[int, int, int]:
     return red, green, blue
 
 
-# Any web page that a browser has open may send requests to 127.0.0.1, by a name of its own that it
-# lets point there (DNS rebinding) or across sites; so may any program of another user. The server
-# therefore answers only where the path begins with a random token, the host is this machine's and
-# the origin, where there is one, is the server's own page. viser has no option for this: the
-# function with which it starts to listen is replaced while it does.
-_TOKEN_BYTES = 24
-_REFUSED = "Open the address that leadthrough printed, with all of its letters.\n"
-
-# Called by websockets before it answers: None lets a WebSocket be opened.
-Reply = Callable[["ServerConnection", "Request"], "Response | None"]
-
+# viser has no option for a guard: the function with which it starts to listen is replaced while it
+# does.
 _starting = threading.Lock()
 
 
@@ -346,7 +333,7 @@ class PrivateServer:
             import viser  # noqa: PLC0415
         except ImportError:
             raise MissingDependency("viser", extra="view") from None
-        token = secrets.token_urlsafe(_TOKEN_BYTES)
+        token = new_token()
         with _starting, _guarded_by(token) as guarded, silence():
             self.server: viser.ViserServer = viser.ViserServer(
                 host="127.0.0.1", port=port, verbose=False
@@ -377,7 +364,7 @@ def _guarded_by(token: str) -> Iterator[list[str]]:
     def serve(handler: Any, *where: Any, process_request: Any = None, **options: Any) -> Any:
         if handler.__module__.startswith("viser."):
             guarded.append(handler.__module__)
-            process_request = _guarding(process_request, token)
+            process_request = guarding(process_request, token)
         return listen(handler, *where, process_request=process_request, **options)
 
     library.serve = serve  # type: ignore[assignment, misc]
@@ -385,30 +372,3 @@ def _guarded_by(token: str) -> Iterator[list[str]]:
         yield guarded
     finally:
         library.serve = listen  # type: ignore[misc]
-
-
-def _guarding(answer: Reply, token: str) -> Reply:
-    def guarded(connection: ServerConnection, request: Request) -> Response | None:
-        given, _, rest = request.path.removeprefix("/").partition("/")
-        given = given.partition("?")[0]
-        known = hmac.compare_digest(given.encode("utf-8", "replace"), token.encode())
-        if not known or not _is_from_here(request, connection.local_address[1]):
-            return connection.respond(HTTPStatus.FORBIDDEN, _REFUSED)
-        response = answer(connection, replace(request, path=f"/{rest}"))
-        if response is not None:
-            response.headers["Referrer-Policy"] = "no-referrer"  # the address is the secret
-            response.headers["Cache-Control"] = "no-store"
-        return response
-
-    return guarded
-
-
-def _is_from_here(request: Request, port: int) -> bool:
-    hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
-    named = request.headers.get_all("Host")
-    origins = request.headers.get_all("Origin")
-    return (
-        len(named) == 1
-        and named[0] in hosts
-        and all(origin.removeprefix("http://") in hosts for origin in origins)
-    )

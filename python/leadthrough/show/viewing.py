@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from leadthrough import check
 from leadthrough.arm import Arm, check_arm
+from leadthrough.arm.recorded_joints import warn_of_another_arm
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.files import StrPath
 from leadthrough.models.protocol import Skill
@@ -136,6 +137,7 @@ class _Content:
         """Plans anew for the skill; None without one."""
         if self.skill is None:
             return None
+        warn_of_another_arm(self.arm._chain, self.skill.generate())
         return Replanner(
             self.arm, self.skill, goal=self.goal, scene=self.scene, demonstrations=demonstrations
         )

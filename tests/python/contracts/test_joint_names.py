@@ -117,6 +117,12 @@ def embedded(joints):
     return [np.frombuffer(shown._repr_html_().encode(), dtype=np.uint8)]
 
 
+def taught(joints):
+    page = lt.show.teach(ARM, demonstrations=[lt.Demonstration(joints)])
+    page.close()
+    return [page.session.recordings.demonstrations[0].motion.positions]
+
+
 def played(joints):
     """A motion four times as slow, whose first commands leave room to change the speed."""
     slow = lt.JointTrajectory(4 * joints.times, joints.positions, joint_names=joints.joint_names)
@@ -140,6 +146,7 @@ ENTRIES = {
     "guard.connect": lambda joints: lt.connect(REST, joints, ARM),
     "motion_planning.plan_motion": lambda joints: lt.plan_motion(OfJoints(joints), ARM).joints,
     "show.inline": embedded,
+    "show.teach": taught,
     "show.view": pictured,
     "simulation.simulate": lambda joints: lt.simulate(ARM, joints, rate=100.0).planned,
     "timing.binding_limits": lambda joints: [

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 import zlib
 
 import numpy as np
@@ -20,6 +21,7 @@ from urdfs import one_joint
 import leadthrough as lt
 from leadthrough.drawing import palette
 from leadthrough.errors import InvalidInput, MissingDependency
+from leadthrough.sanity import ImplausibleInputWarning
 from leadthrough.show import inline, open_view, page, view
 from leadthrough.show.arm_scene import arm_scene
 
@@ -204,3 +206,16 @@ def test_view_writes_a_file_and_opens_nothing(panda, tmp_path, monkeypatch):
 def test_page_that_cannot_be_written_leaves_nothing(panda, tmp_path):
     refused("no such folder", view, panda, html=tmp_path / "none" / "a.html")
     assert not list(tmp_path.iterdir())
+
+
+def test_another_arm_than_the_one_shown_is_warned_of(panda):
+    u = np.linspace(0.0, 1.0, 50)
+    way = np.outer(lt.trajectories.minimum_jerk_time_scaling(u), np.full(7, 0.3))
+    rows = np.array([0, 0, 0, -1.5, 0, 1.5, 0]) + way
+    turn = lt.JointTrajectory(2.0 * u, rows, joint_names=panda.joint_names)
+    skill = lt.DMP().fit([panda.poses(turn)])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        inline(panda, skill=skill)
+    with pytest.warns(ImplausibleInputWarning, match="robot: .* tip is up to 0.1 m from"):
+        inline(panda.with_tool((0.0, 0.0, 0.1)), skill=skill)

@@ -1,7 +1,5 @@
 """Planning anew while things are dragged, without a window."""
 
-import warnings
-
 import numpy as np
 import pytest
 from kinds import kind
@@ -9,7 +7,6 @@ from refusals import refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
-from leadthrough.sanity import ImplausibleInputWarning
 from leadthrough.show.arm_scene import distribution_of
 from leadthrough.show.replanner import Replanner
 
@@ -201,16 +198,3 @@ def test_the_elbow_goes_around_a_dragged_obstacle(panda):
         assert answer.trouble == ""
         report = panda.check(answer.joints, planner.obstacles)
         assert report.obstacles.minimum_distance > 0.004  # a margin of 5 mm, but for a hit of 1 mm
-
-
-def test_another_arm_than_the_one_shown_is_warned_of(panda):
-    u = np.linspace(0.0, 1.0, 50)
-    way = np.outer(lt.trajectories.minimum_jerk_time_scaling(u), np.full(7, 0.3))
-    rows = np.array([0, 0, 0, -1.5, 0, 1.5, 0]) + way
-    turn = lt.JointTrajectory(2.0 * u, rows, joint_names=panda.joint_names)
-    skill = lt.DMP().fit([panda.poses(turn)])
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        Replanner(panda, skill)
-    with pytest.warns(ImplausibleInputWarning, match="robot: .* tip is up to 0.2 m from"):
-        Replanner(panda.with_tool((0.0, 0.0, 0.2)), skill)
