@@ -79,8 +79,8 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
     @property
     def duration(self) -> float:
         """Of the motion, s."""
-        own: Any = self._own_motion
-        return float(getattr(self.skill, "duration", None) or own.duration)
+        own: Any = self.skill  # those of other packages need not have one
+        return float(getattr(own, "duration", None) or own.generate().duration)
 
     @property
     def supports(self) -> frozenset[str]:
@@ -144,7 +144,7 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         return {"kind": self.skill.kind, "skill": settings}, inside | own
 
     def _answer(self, query: CheckedQuery) -> MotionT_co:
-        motion: Any = _answer_of(self.skill, query)
+        motion: Any = self.skill.generate(**query.given())
         if not self.corrections:
             return cast(MotionT_co, motion)
         rows = self._kernel(self._progress(motion)) @ self._weights
@@ -245,7 +245,7 @@ def _modes_of(skill: Any) -> tuple[Any, ...]:
 
 
 def _answer_of(skill: Any, query: CheckedQuery) -> Motion:
-    """The skill's motion; its own one is kept by it."""
+    """The skill's motion; its own one, which may have longer steps, is kept by it."""
     given = query.given()
     own = getattr(skill, "_own_motion", None) if given == {"dt": CheckedQuery.dt} else None
     motion: Motion = skill.generate(**given) if own is None else own

@@ -91,6 +91,7 @@ def test_a_correction_moves_along_with_a_new_goal_and_is_saved(skill, role, tmp_
     made.save(tmp_path / "skill.npz")
     loaded = lt.load_skill(tmp_path / "skill.npz")
     assert type(loaded.model) is type(skill.model)
+    assert loaded.duration == pytest.approx(1.5, rel=0.1)
     assert loaded.generate().positions.tobytes() == made.generate().positions.tobytes()
 
 
