@@ -132,9 +132,10 @@ class PageServer:
         async with server:
             self._port = next(iter(server.sockets)).getsockname()[1]
             self._ready.set()
-            last = time.monotonic()
+            last = due = time.monotonic()
             while not self._closing.is_set():
-                await asyncio.sleep(self._period)
+                due = max(due + self._period, last)
+                await asyncio.sleep(max(due - time.monotonic(), 0.0))
                 last, before = time.monotonic(), last
                 for message in self._session.advance(last - before):
                     broadcast(server.connections, message)

@@ -1,6 +1,6 @@
 """A point of a learned motion is moved by hand: the motion passes there and stays elsewhere.
 
-Writes corrected.png: python python/demos/43_correct_motion.py [FOLDER]
+Writes corrected.png: python python/demos/44_correct_motion.py [FOLDER]
 """
 
 import sys
