@@ -2,6 +2,7 @@
 
 from leadthrough_studies import (
     agriculture,
+    chunks,
     comparison,
     connection,
     elbow,
@@ -17,6 +18,7 @@ from leadthrough_studies.study import Study
 
 STUDIES: dict[str, Study] = {
     "agriculture": agriculture.STUDY,
+    "chunks": chunks.STUDY,
     "comparison": comparison.STUDY,
     "connection": connection.STUDY,
     "elbow": elbow.STUDY,

@@ -21,7 +21,7 @@ import numpy as np
 from leadthrough.arm import JointLimits
 from leadthrough.check import Float64Array
 
-_MAX_PASSES = 4  # of smoothing
+_MAX_PASSES = 8  # of smoothing
 _ROOM = 0.7  # of the limits that a chunk may use, so that it can be joined
 _JOIN_USE = 0.5  # of the limits that a join is meant to use
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
+from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard.admission import Admission, CommandedState, trajectory
 from leadthrough.guard.chunk_curve import ChunkCurve, decaying, needed_duration, smoothed
@@ -149,6 +150,9 @@ class Chunks(ShortRepr):
             Number of its actions that are still due. The chunk ends before the first pose that is
             out of reach; at 0 it is left out, as by `put`.
         """
+        arm = self._guard.arm
+        if not isinstance(arm, Arm):
+            raise InvalidInput("guard: expected one arm for poses of its tip, got two; use `put`")
         places = check.with_gaps(positions, "positions", shape=("n", 3))
         turns = check.with_gaps(orientations, "orientations", shape=(len(places), 4))
         stamp = check.number(time, "time")
@@ -158,7 +162,7 @@ class Chunks(ShortRepr):
         first = max(0, len(places) - due - _PASSED)
         q, rows = self._command_at(stamp), []
         for place, turn in zip(places[first:], turns[first:], strict=True):
-            found = self._guard.arm.inverse_kinematics(place, turn, q0=q)
+            found = arm.inverse_kinematics(place, turn, q0=q)
             if not found.success:
                 break
             q = found.q
