@@ -19,6 +19,7 @@ from . import (
     validation as validation,
 )
 from .arm import Arm as Arm, DifferentialIk as DifferentialIk, DualArm as DualArm
+from .augmentation import augment as augment
 from .demonstration_quality import judge_demonstrations as judge_demonstrations
 from .guard import Admission as Admission, Guard as Guard, connect as connect
 from .io import (

@@ -14,7 +14,7 @@ from leadthrough.cli.plan import plan
 from leadthrough.cli.recordings import clean, info, judge
 from leadthrough.cli.showing import demo, example, teach, view
 from leadthrough.cli.start import start
-from leadthrough.cli.sweeps import experiment, reach, validate
+from leadthrough.cli.sweeps import augment, experiment, reach, validate
 
 __all__ = ["app", "main"]
 
@@ -52,6 +52,7 @@ for each in (
     guard,
     simulate,
     validate,
+    augment,
     reach,
     view,
     experiment,

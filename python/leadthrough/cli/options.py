@@ -52,6 +52,9 @@ SkillFile = Annotated[
 ]
 _Link = Annotated[str | None, typer.Option(autocompletion=completion.links)]
 SkillOutput = Annotated[Path, typer.Option("--out", "-o", autocompletion=completion.files(".npz"))]
+DataSetOutput = Annotated[
+    Path, typer.Option("--out", "-o", autocompletion=completion.files(".hdf5", ".h5"))
+]
 StudyName = Annotated[
     str | None, typer.Argument(autocompletion=completion.one_of(*completion.STUDIES))
 ]

@@ -1,4 +1,4 @@
-"""Commands of many tasks: `leadthrough validate`, `reach` and `experiment`."""
+"""Commands of many tasks: `leadthrough validate`, `augment`, `reach` and `experiment`."""
 
 from __future__ import annotations
 
@@ -98,6 +98,76 @@ def _facts(found: lt.validation.Validation, folder: Path) -> dict[str, object]:
         facts["nearest_failure"] = f"goal {found.nearest.goal.round(4).tolist()}"
         facts["reasons"] = f"{found.nearest.cause}: {found.nearest.detail}"
     return {**facts, "report": str(folder / "report.html")}
+
+
+def augment(
+    *,
+    skill: options.SkillFile,
+    out: options.DataSetOutput,
+    robot: options.RobotName,
+    details: options.ArmDetails,
+    episodes: int = 1000,
+    goals: str | None = None,
+    starts: str | None = None,
+    obstacle: options.Obstacles = None,
+    random_obstacle: list[str] | None = None,
+    rate: float = 30.0,
+    margin: options.Margin = 0.005,
+    seed: options.Seed = 0,
+    folder: Path | None = None,
+    on: options.On = None,
+    task_timeout: options.TaskTimeout = None,
+    as_json: options.AsJson = False,
+) -> None:
+    """Write a data set of a skill's motions, for queries at random from regions.
+
+    Each motion is planned, inside all limits and clear; the others are counted by cause. Images are
+    not made. Run the same command again to resume one that was stopped: the bytes are the same.
+
+    leadthrough augment pour.npz --robot panda --goals 0.1,0.1,0.05 --episodes 1000 -o episodes
+
+    Options:
+        out: Folder to write, a LeRobot data set of version 3; or a file .hdf5 or .h5.
+        episodes: Number of motions in the data set.
+        goals: Region of the goals: the distances DX,DY,DZ to both sides of the demonstrated one, or
+            two corners X,Y,Z:X,Y,Z (m, rad); /ANGLE appended rotates poses by up to so many rad.
+        starts: Region of the starts, in the form of --goals.
+        random_obstacle: Obstacle at a random position: one as of --obstacle, then ~DX,DY,DZ, how
+            far it may be from there, in m. May be repeated.
+        rate: Frames per second.
+        folder: Folder for finished motions, from which the command resumes; by default OUT-motions.
+            It may be deleted afterwards.
+    """
+    from leadthrough.cli import parse, reading, robot as robots
+
+    learned = reading.saved_skill(skill)
+    drawn = [parse.random_obstacle(text) for text in random_obstacle or ()]
+    with output.interruptible():
+        found = lt.augment(
+            learned,
+            robots.load(robot, details),
+            lt.Scene([*parse.obstacles(obstacle), *drawn], margin),
+            episodes=episodes,
+            out=out,
+            goals=_places(learned, goals, -1, "--goals"),
+            starts=_places(learned, starts, 0, "--starts"),
+            seed=seed,
+            rate=rate,
+            execution=lt.tasks.Execution(
+                on,
+                folder or out.with_name(f"{out.stem}-motions"),
+                task_timeout,
+                lt.tasks.with_progress,
+            ),
+        )
+    facts: dict[str, object] = {
+        "episodes": found.episodes,
+        "frames": found.frames,
+        "motions_tried": found.attempts,
+        "left_out": [f"{count} {cause}" for cause, count in found.causes.items()],
+        "data_set": str(found.path),
+    }
+    output.facts(facts, as_json=as_json)
 
 
 def _places(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -177,7 +177,7 @@ def name_of(arm: Arm) -> str:
 
 
 # Path tolerance of retiming, rad or m.
-_PATH = 1e-4
+PATH_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,18 +266,37 @@ def answer(
     skill: Skill[Motion], setup: Setup, asked: motion_planning.Query, scene: Scene
 ) -> tuple[str, str]:
     """Why the arm cannot run the skill's motion, in a word and in a sentence; empty if it can."""
+    return attempt(skill, setup, asked, scene, timing=_fastest)[1:]
+
+
+def _fastest(joints: JointTrajectory, setup: Setup) -> JointTrajectory:
+    return retime(joints, setup.arm.limits, rate=setup.rate, path_tolerance=PATH_TOLERANCE)
+
+
+Timing = Callable[[JointTrajectory, "Setup"], JointTrajectory]
+
+
+def attempt(
+    skill: Skill[Motion],
+    setup: Setup,
+    asked: motion_planning.Query,
+    scene: Scene,
+    *,
+    timing: Timing,
+) -> tuple[JointTrajectory | None, str, str]:
+    """The skill's motion, timed, if there is one; and why the arm cannot run it, as `answer`."""
     try:
         joints = motion_planning.plan_motion(skill, setup.arm, scene, asked).joints
-        timed = retime(joints, setup.arm.limits, rate=setup.rate, path_tolerance=_PATH)
+        timed = timing(joints, setup)
     except NoPath as error:
-        return f"no path: {error.reason}", str(error)
+        return None, f"no path: {error.reason}", str(error)
     except IkFailure as error:
-        return f"follow: {error.status}", str(error)
+        return None, f"follow: {error.status}", str(error)
     except LimitsInfeasible as error:
-        return f"limits: {error.joint}", str(error)
+        return None, f"limits: {error.joint}", str(error)
     except InvalidInput as error:
-        return "refused", str(error)
-    return _judged(setup, timed, scene)
+        return None, "refused", str(error)
+    return timed, *_judged(setup, timed, scene)
 
 
 def _judged(setup: Setup, timed: JointTrajectory, scene: Scene) -> tuple[str, str]:
@@ -299,10 +318,10 @@ def _judged(setup: Setup, timed: JointTrajectory, scene: Scene) -> tuple[str, st
 def _ends(asked: motion_planning.Query) -> dict[str, Any]:
     assert asked.start is not None
     assert asked.goal is not None
-    return {"start": _numbers(asked.start), "goal": _numbers(asked.goal)}
+    return {"start": numbers_of(asked.start), "goal": numbers_of(asked.goal)}
 
 
-def _numbers(place: Target) -> list[float]:
+def numbers_of(place: Target) -> list[float]:
     """A place as numbers: (d,), or position and orientation one after the other."""
     parts = place if isinstance(place, tuple) else (place,)
     flat: Float64Array = np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])

@@ -32,6 +32,8 @@ ENOUGH = {
     ("reach", "area"): ["--skill", "skill.npz", "-o", "out.npz"],
     ("reach", "folder"): ["--volume", "0,0,0:0,0,0", "-o", "out.npz"],
     "validate": ["skill.npz", "--runs", "1", "--out", "found"],
+    "augment": ["skill.npz", "--episodes", "1", "--goals", "0,0,0", "-o", "found"],
+    ("augment", "goals"): ["skill.npz", "--episodes", "1", "-o", "found"],
     "view": ["recorded/reach1.csv", "--html", "out.html"],
     "experiment": ["ur3"],
     **{("info", name): ["ur3.urdf"] for name in ("base", "limits", "mesh_folder", "tip")},
@@ -53,7 +55,7 @@ NOT_NEGATIVE = (
     "rotor_inertia", "seed", "smoothing", "speed", "angular_speed", "stiffness", "tip_tolerance",
 )  # fmt: skip
 POSITIVE = (
-    "dt", "jobs", "new_rate", "orientations", "rate", "runs", "spacing", "task_timeout",
+    "dt", "episodes", "jobs", "new_rate", "orientations", "rate", "runs", "spacing", "task_timeout",
     "tip_speed", "yaws",
 )  # fmt: skip
 # What is wrong for an option in any command, and in one of them.
@@ -109,6 +111,7 @@ WRONG = {
     ("experiment", "recordings"): "nowhere",
     ("judge", "out"): "ur3.toml/out",
     ("validate", "out"): "ur3.toml/out",
+    ("augment", "out"): "ur3.toml/out",
     ("learn", "out"): "nowhere/out.npz",
 }
 # Without a wrong value; and files, which the error names instead.
@@ -137,6 +140,8 @@ NAMED_BY_THEIR_VALUE = {
     ("reach", "folder"),
     ("reach", "skill"),
     ("validate", "out"),
+    ("augment", "folder"),
+    ("augment", "out"),
 }
 # Words of Python: keywords with values, calls, names in modules.
 PYTHON = re.compile(
