@@ -25,7 +25,7 @@ from leadthrough.io.episodes import Episode, Layout, following
 _VERSION = "v3.0"
 _FILES = 1000  # of a folder
 _FRAMES = 50_000  # of a file, and of memory
-_EPISODES = 5000  # of a file about episodes
+_EPISODES = 1000  # of a file about episodes
 _POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 _INDICES = ("frame_index", "episode_index", "index", "task_index")
 _DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
