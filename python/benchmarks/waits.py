@@ -302,9 +302,9 @@ def _obstacles(way: Float64Array, rng: np.random.Generator) -> list[lt.Shape]:
 
 def _drags() -> Iterator[Row]:
     """The time from the mouse to the scene on the live page; none without a browser."""
-    needed = ("playwright", "viser")
+    needed = ("playwright", "websockets")
     if not shutil.which("chromium") or not all(map(importlib.util.find_spec, needed)):
-        print("the live page was left out: it takes Chromium, Playwright and viser to measure")
+        print("the live page was left out: it takes Chromium, Playwright and websockets to measure")
         return
     yield from _page()
     yield _first_previews()

@@ -127,7 +127,7 @@ EXAMPLES = [
     errors.IkFailure("message", index=3, status="stuck", residual=(0.1, 0.2), q=np.zeros(2)),
     errors.LimitsInfeasible("message", joint="elbow"),
     errors.InvalidRobot("joint elbow", "no limit"),
-    errors.MissingDependency("viser", extra="view"),
+    errors.MissingDependency("websockets", extra="view"),
 ]
 
 

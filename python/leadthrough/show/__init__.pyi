@@ -6,5 +6,6 @@ from .reports import (
     simulation_parts as simulation_parts,
     write_validation as write_validation,
 )
-from .teaching import TeachingPage as TeachingPage, teach as teach
+from .teaching import teach as teach
+from .viewer import LivePage as LivePage
 from .viewing import inline as inline, open_view as open_view, view as view

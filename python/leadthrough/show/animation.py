@@ -16,7 +16,7 @@ from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.drawing.palette import Colour
 from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.shapes.surface import Surface
-from leadthrough.show.surfaces import creased
+from leadthrough.show.surfaces import creased, smooth
 
 ARM, DEMONSTRATIONS, PATH, SPREAD, OBSTACLES, GOAL = (
     "arm", "demonstrations", "path", "uncertainty", "obstacles", "goal",
@@ -40,10 +40,9 @@ class Item(ShortRepr):
     opacity: float = 1.0  # in [0, 1]
     link: int | None = None  # index of the link that carries it; None if it stands still
 
-    @property
-    def shaded(self) -> Surface:
-        """Its surface with separate vertices at creases, where renderers average normals."""
-        return self.mesh if self.layer in _SMOOTH else creased(self.mesh)[0]
+    def shaded(self) -> tuple[Surface, Float64Array]:
+        """Its surface, with separate vertices at creases, and unit normals (n, 3)."""
+        return smooth(self.mesh) if self.layer in _SMOOTH else creased(self.mesh)
 
 
 @dataclass(frozen=True, eq=False)

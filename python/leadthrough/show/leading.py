@@ -6,16 +6,17 @@ path it slides along or stops.
 
 from __future__ import annotations
 
+import json
 import math
-from dataclasses import replace
 
 import numpy as np
 
-from leadthrough import check, rotations
+from leadthrough import rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import Scene
+from leadthrough.show.animation import link_motion
 
 # Time in which the tip comes nearer to its target by a factor of e, s: a pointer's jitter is gone.
 _LAG = 0.06
@@ -60,6 +61,12 @@ class LedArm:
         turned = rotations.compose(rotations.exp(vector[None]), orientation[None])[0]
         self._target = position, turned
 
+    def message(self) -> str:
+        """Poses of the links, and the reason why the tip does not follow, for the page."""
+        _, positions, orientations = link_motion(self.arm, self.q[None])
+        poses = np.concatenate([positions, orientations], axis=2).ravel().round(5).tolist()
+        return json.dumps({"kind": "poses", "poses": poses, "why": self.blocked})
+
     def release(self) -> None:
         """The tip stays where it is."""
         self._target, self.blocked = None, ""
@@ -68,18 +75,6 @@ class LedArm:
         """Takes a configuration (joints,) without a motion."""
         self.release()
         self.q = np.clip(q, self.arm.limits.lower, self.arm.limits.upper)
-
-    def moved(self, index: object, position: Float64Array) -> tuple[Scene, int]:
-        """The scene with an obstacle, by an index of any type, at another position; its index."""
-        shapes = list(self.scene.shapes)
-        i = check.integer(
-            -1 if index is None else index,
-            "index",
-            at_least=0,
-            at_most=len(shapes) - 1,
-        )
-        shapes[i] = shapes[i].at(position)
-        return replace(self.scene, obstacles=tuple(shapes)), i
 
     def advance(self, dt: float) -> bool:
         """Follows the target for dt s; whether the arm moved."""

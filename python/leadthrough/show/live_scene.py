@@ -11,18 +11,18 @@ import numpy as np
 
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
+from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene
-from leadthrough.shapes.primitives import PRIMITIVES
 from leadthrough.show import page
 from leadthrough.show.animation import (
     DEMONSTRATIONS,
     GOAL,
     OBSTACLES,
     PATH,
+    SPREAD,
     Animation,
     Item,
-    link_motion,
 )
 from leadthrough.show.arm_scene import (
     arm_motion,
@@ -31,9 +31,11 @@ from leadthrough.show.arm_scene import (
     goal_item,
     obstacle_item,
     path_item,
+    spread_items,
 )
 
-LAYERS = (DEMONSTRATIONS, OBSTACLES, PATH, GOAL)
+_MOTIONLESS = Animation((), np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 4)), ())
+LAYERS = (DEMONSTRATIONS, OBSTACLES, PATH, SPREAD, GOAL)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,34 +43,32 @@ class LiveScene:
     """An arm and what is drawn with it."""
 
     arm: Arm
-    motion: JointTrajectory  # that the page plays
+    motion: JointTrajectory | None  # that the page plays
     scene: Scene
     demonstrations: Sequence[Demonstration] = ()
     path: Float64Array | None = None  # of the tip (n, 3)
     goal: Float64Array | None = None  # (3,)
+    skill: Skill | None = None  # whose spread is drawn
 
-    def document(self) -> str:
-        """The page."""
-        return page.teaching_document(self._whole(), self.arm.robot.name)
+    def document(self, kind: str) -> str:
+        """The page of a kind, "teach" or "view"."""
+        return page.live_document(self._whole(), self.arm.robot.name, kind)
 
     def message(
         self, layers: Sequence[str] = LAYERS, *, moves: bool = False, detailed: bool = True
     ) -> str:
-        """Surfaces of some layers, and the motion, which the page plays from now on if it moves."""
+        """Surfaces of some layers, and the motion from now on if it `moves`."""
         items = tuple(item for name in layers for item in self._items(name))
-        drawn = replace(arm_motion(self.arm, self.motion), items=items)
+        motion = arm_motion(self.arm, self.motion) if moves else _MOTIONLESS
+        drawn = replace(motion, items=items)
         told = readouts(self.arm, self.motion, self.scene) if detailed else None
         data = page.packed(drawn, level=1, layers=list(layers), readouts=told)
         return json.dumps({"kind": "scene", "data": data, "moves": moves})
 
     def _whole(self) -> Animation:
-        drawn = arm_scene(
-            self.arm,
-            self.motion,
-            demonstrations=self.demonstrations,
-            obstacles=self.scene.shapes,
-        )
-        return replace(drawn, items=tuple(item for item in drawn.items if item.layer != PATH))
+        drawn = arm_scene(self.arm, self.motion)
+        items = [item for item in drawn.items if item.layer != PATH]
+        return replace(drawn, items=(*items, *(i for name in LAYERS for i in self._items(name))))
 
     def _items(self, layer: str) -> Sequence[Item]:
         if layer == DEMONSTRATIONS:
@@ -77,19 +77,14 @@ class LiveScene:
             return [obstacle_item(shape, i) for i, shape in enumerate(self.scene.shapes)]
         if layer == PATH and self.path is not None:
             return [path_item(self.path)]
+        if layer == SPREAD:
+            return list(spread_items(self.arm, self.skill))
         return [goal_item(self.goal)] if layer == GOAL and self.goal is not None else []
 
 
-def poses_message(arm: Arm, q: Float64Array, blocked: str) -> str:
-    """Poses of the links, and the reason why the tip does not follow."""
-    _, positions, orientations = link_motion(arm, q[None])
-    poses = np.concatenate([positions, orientations], axis=2).ravel().round(5).tolist()
-    return json.dumps({"kind": "poses", "poses": poses, "why": blocked})
-
-
-def readouts(arm: Arm, motion: JointTrajectory, scene: Scene) -> dict[str, Any] | None:
+def readouts(arm: Arm, motion: JointTrajectory | None, scene: Scene) -> dict[str, Any] | None:
     """Clearance, m, the joint nearest to its speed limit, and the tip's speed along a motion."""
-    if len(motion.times) < 2:
+    if motion is None or len(motion.times) < 2:
         return None
     times = motion.times
     rates = np.abs(np.gradient(motion.positions, times, axis=0)) / arm.limits.velocity
@@ -104,23 +99,3 @@ def readouts(arm: Arm, motion: JointTrajectory, scene: Scene) -> dict[str, Any] 
         "clearance": None if clearance is None else clearance.round(4).tolist(),
         "names": list(arm.joint_names),
     }
-
-
-def obstacle_words(scene: Scene) -> list[str]:
-    """The solids of a scene as options of the command line; meshes and clouds are left out."""
-    texts = map(_written, scene.shapes)
-    return [f"--obstacle {text}" for text in texts if text]
-
-
-def _written(shape: Any) -> str:  # Any: only solids have sizes
-    """A solid as the command line has it; empty for meshes and clouds."""
-    kind = next((name for name, each in PRIMITIVES.items() if type(shape) is each), None)
-    if kind is None:
-        return ""
-    parts = ((shape.sizes, "@"), (shape.position, "/"), (shape.orientation, ""))
-    return f"{kind}:" + "".join(numbers(part) + end for part, end in parts)
-
-
-def numbers(values: Float64Array) -> str:
-    """Numbers as the command line has them, to 0.01 mm."""
-    return ",".join(f"{x + 0.0:g}" for x in np.round(values, 5))

@@ -19,15 +19,14 @@ from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.drawing import palette
 from leadthrough.io.files import StrPath, replacing
 from leadthrough.show.animation import Animation
-from leadthrough.show.surfaces import creased
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _SCRIPTS = ("vectors.js", "shaders.js", "painter.js", "pace.js", "scene.js")
-_LIVE_SCRIPTS = (*_SCRIPTS, "handles.js", "teach.js")
+_LIVE_SCRIPTS = (*_SCRIPTS, "handles.js", "live.js", "teach.js")
 _STYLES = ("page.css",)
-_LIVE_STYLES = (*_STYLES, "teach.css")
+_LIVE_STYLES = (*_STYLES, "live.css")
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,15 +74,19 @@ def document(
     )
 
 
-def teaching_document(animation: Animation, robot: str) -> str:
-    """The live page on which an arm is taught."""
-    return document(f"Teach {robot}", [scene(animation), _TEACHING], whole=True, live=True)
+def live_document(animation: Animation, robot: str, kind: str) -> str:
+    """A live page of an arm, to "teach" or to "view" it."""
+    panel = _PANEL.format(kind=kind, before=_RECORDING if kind == "teach" else "")
+    title = f"Teach {robot}" if kind == "teach" else robot
+    return document(title, [scene(animation), panel], whole=True, live=True)
 
 
 def scene(animation: Animation, caption: str = "") -> str:
     """A scene to look at from all sides and to play, with a caption below."""
     remarks = "".join(f"<div>{html.escape(remark)}</div>" for remark in animation.remarks)
-    return _SCENE.format(data=packed(animation), caption=_caption(caption), remarks=remarks)
+    return _SCENE.format(
+        data=packed(animation, **_extent(animation)), caption=_caption(caption), remarks=remarks
+    )
 
 
 def figure(drawn: Figure, caption: str = "") -> str:
@@ -171,7 +174,7 @@ def packed(animation: Animation, *, level: int = 9, **told: Any) -> str:
 
     items = []
     for item in animation.items:
-        mesh, normals = creased(item.mesh)
+        mesh, normals = item.shaded()
         items.append(
             {
                 "name": item.name,
@@ -191,7 +194,6 @@ def packed(animation: Animation, *, level: int = 9, **told: Any) -> str:
         "times": [round(float(time), 5) for time in animation.times],
         "poses": stored(_rounded(poses), np.float32),
         "items": items,
-        **_extent(animation),
         **told,
     }
     return _deflated(head, arrays, level)
@@ -241,14 +243,16 @@ aria-label="3D scene: arrow keys turn it, plus and minus zoom, space plays"></ca
 <div class="remarks">{remarks}</div></div>
 <script type="text/plain">{data}</script>{caption}</figure>"""
 
-_TEACHING = """<section class="teach" aria-label="teaching"><div class="buttons">
-<button class="record">Record</button><button class="gripper">Gripper</button>
-<button class="turning" aria-pressed="false">Turn the tool</button></div>
-<ol class="demonstrations"></ol>
-<div class="buttons"><button class="learn">Learn</button>
-<button class="undo">Undo correction</button><button class="save">Save</button></div>
+_PANEL = """<section class="panel {kind}" aria-label="motion">{before}
+<div class="sliders"></div>
+<div class="buttons"><button class="turning" aria-pressed="false">Turn what is dragged</button>
+<button class="undo">Undo correction</button></div>
 <p class="told" role="status"></p><p class="reading"></p>
-<p class="next">next: <code></code></p></section>"""
+<p class="next" hidden>next: <code></code></p></section>"""
+
+_RECORDING = """<div class="buttons"><button class="record">Record</button>
+<button class="gripper">Gripper</button><button class="learn">Learn</button>
+<button class="save">Save</button></div><ol class="demonstrations"></ol>"""
 
 _PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8">

@@ -90,6 +90,22 @@ def creased(mesh: Surface) -> tuple[Surface, Float64Array]:
     return Surface(vertices, faces.reshape(-1, 3)), normals[first]
 
 
+def smooth(mesh: Surface) -> tuple[Surface, Float64Array]:
+    """The mesh and unit normals (n, 3) of its vertices, without creases."""
+    corners = mesh.vertices[mesh.faces]
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return mesh, _unit_sums(mesh.faces.ravel(), np.repeat(areas, 3, axis=0), len(mesh.vertices))
+
+
+def _unit_sums(points: NDArray[np.int64], vectors: Float64Array, count: int) -> Float64Array:
+    """Sums of the vectors (k, 3) that belong to each point, of unit length."""
+    columns = [np.bincount(points, weights=column, minlength=count) for column in vectors.T]
+    sums = np.column_stack(columns)
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    upwards = np.tile([0.0, 0.0, 1.0], (count, 1))
+    return np.asarray(np.divide(sums, lengths, out=upwards, where=lengths > 0.0))
+
+
 def _least_turns(path: Float64Array, tangents: Float64Array) -> Float64Array:
     """Matrices (n, 3, 3), each of which reflects twice: from the point before to this one."""
     turns = np.tile(np.eye(3), (len(path), 1, 1))
@@ -140,11 +156,4 @@ def _around(points: NDArray[np.int64], flat: Float64Array, areas: Float64Array) 
     within = np.arange(len(mine)) - np.repeat(np.cumsum(counts) - counts, counts)
     other = order[starts[mine] + within]
     near = np.einsum("ij,ij->i", flat[mine], flat[other]) > np.cos(_CREASE)
-    sums = np.zeros_like(flat)
-    for axis in range(3):
-        sums[:, axis] = np.bincount(
-            mine[near], weights=areas[other[near], axis], minlength=len(points)
-        )
-    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
-    upwards = np.tile([0.0, 0.0, 1.0], (len(sums), 1))
-    return np.asarray(np.divide(sums, lengths, out=upwards, where=lengths > 0.0))
+    return _unit_sums(mine[near], areas[other[near]], len(points))

@@ -16,8 +16,9 @@ from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show import page
 from leadthrough.show.animation import Animation
 from leadthrough.show.arm_scene import arm_scene
+from leadthrough.show.live_session import LiveSession
 from leadthrough.show.replanner import Replanner, parted
-from leadthrough.show.viewer import LiveView
+from leadthrough.show.viewer import LivePage
 
 
 def view(
@@ -77,7 +78,7 @@ def open_view(
     goal: Target | None = None,
     scene: SceneLike = (),
     port: int = 0,
-) -> LiveView:
+) -> LivePage[LiveSession]:
     """The live page of `view`, served in the background until it is closed.
 
     Raises:
@@ -86,12 +87,14 @@ def open_view(
     """
     check_arm(arm)
     content = _Content(arm, motion, list(demonstrations), skill, goal, as_scene(scene))
+    session = LiveSession(
+        arm, content.scene, content.joints(motion), demonstrations=content.demonstrations
+    )
     planner = content.replanner(content.demonstrations)
-    if motion is not None or planner is None:
-        return LiveView(content.drawn(motion), planner, port=port)
-    # Without a motion the page opens all the same: it says why, and the goal can be moved.
-    answer = planner.plan()
-    return LiveView(content.drawn(answer.joints, answer.path), planner, port=port)
+    if planner is not None:
+        # Without a motion the page opens all the same: it says why, and the goal can be moved.
+        session.plan_with(planner, planner.plan() if motion is None else None)
+    return LivePage(session, "view", port)
 
 
 def inline(
@@ -153,12 +156,15 @@ class _Content:
             raise InvalidInput(f"skill: no motion that the arm can follow: {answer.trouble}")
         return self.drawn(answer.joints)
 
+    def joints(self, motion: Motion | None) -> JointTrajectory | None:
+        """The arm's joints along a motion, which it follows if it is one of the tip."""
+        if motion is None or isinstance(motion, JointTrajectory):
+            return motion
+        return self.arm.follow(motion)
+
     def drawn(self, motion: Motion | None, path: Float64Array | None = None) -> Animation:
         """The arm on a motion, which it follows if it is one of the tip."""
-        if motion is None or isinstance(motion, JointTrajectory):
-            joints = motion
-        else:
-            joints = self.arm.follow(motion)
+        joints = self.joints(motion)
         position = None if self.goal is None else parted(self.goal)[0]
         if position is None and self.skill is not None and joints is not None:
             position = self.arm.forward_kinematics(joints.positions[-1])[0]

@@ -292,37 +292,37 @@ def window(browser, live):
 
 
 def test_live_page_shows_the_arm_and_the_controls_and_plays(window):
-    for label in ("play", "time, s", "speed", "duration, s", "weights", "obstacles"):
+    for label in ("duration, s", "weights", "obstacles"):
         assert window.get_by_text(label, exact=True).is_visible()
+    assert window.locator(".play").get_attribute("aria-label") == "pause"
     before = picture(window)
-    until(lambda: share_that_changed(before[:, :320], picture(window)[:, :320]) > 0.01)
+    until(lambda: share_that_changed(before[:, 320:], picture(window)[:, 320:]) > 0.01)
 
 
-def test_dragged_obstacle_replans(window, live):
-    handle = live.handles["obstacle 0"]
+def test_dragged_obstacle_replans_and_is_turned(window, live):
+    window.evaluate("leadthrough.scenes[0].play(false)")
     before = live.answer
-    client = next(iter(live.clients.values()))
-    at = np.add(handle.position, (0.0, 0.0, 0.13))  # on the arrow that points up
-    x, y = on_screen(client.camera, at)
-    window.mouse.move(x, y, steps=4)
+    ring = window.locator(".handle.obstacle").bounding_box()
+    x, y = ring["x"] + 0.5 * ring["width"], ring["y"] + 0.5 * ring["height"]
+    window.mouse.move(x, y)
     window.mouse.down()
-    window.mouse.move(x, y - 60, steps=8)
+    window.mouse.move(x, y - 30, steps=8)
     window.mouse.up()
-    until(lambda: live.answer is not before and live.answer.verdict)
-    assert handle.position[2] > 0.2
+    until(lambda: live.session.scene.shapes[0].position[2] > 0.25 and live.session.idle)
+    (shape,) = live.session.scene.shapes
     assert not np.array_equal(live.answer.path[: len(before.path)], before.path)
+    window.locator(".turning").click()
+    window.locator(".handle.obstacle").press("ArrowRight")
+    until(lambda: abs(live.session.scene.shapes[0].orientation[0]) < 0.9999)
+    np.testing.assert_allclose(live.session.scene.shapes[0].position, shape.position)
+    window.locator(".turning").click()
+    until(lambda: live.session.idle)
 
 
-def test_weights_slider_replans(window, live):
-    before = live.answer
-    window.locator("input[type=text], input").last.fill("9")
-    window.keyboard.press("Enter")
-    until(lambda: live.answer is not before and live.answer.verdict)
-
-
-def on_screen(camera, point):
-    """Pixels of a point, by the camera's pose; its z axis looks ahead, y down."""
-    turned = lt.rotations.to_matrix(np.array(camera.wxyz)[None])[0]
-    x, y, z = turned.T @ (point - camera.position)
-    focus = 0.5 * camera.image_height / np.tan(0.5 * camera.fov)
-    return 0.5 * camera.image_width + focus * x / z, 0.5 * camera.image_height + focus * y / z
+def test_sliders_of_the_duration_and_of_weights_replan(window, live):
+    for index, value in ((0, "5"), (1, "9")):
+        before = live.answer
+        window.locator(".sliders input").nth(index).fill(value)
+        until(lambda before=before: live.answer is not before and live.answer.verdict)
+    assert live.answer.joints.duration == pytest.approx(5.0, abs=0.1)
+    assert len(live.session.planner.skill.system.weights) == 9

@@ -53,26 +53,28 @@ def test_wrong_arguments_are_an_error_of_one_line(wrong):
     assert len(result.output.strip().splitlines()) == 1
 
 
-def test_live_view_without_viser_names_the_extra(panda, monkeypatch):
-    monkeypatch.setitem(sys.modules, "viser", None)
-    with pytest.raises(MissingDependency, match=r"viser is not installed.*leadthrough\[view\]"):
+def test_live_view_without_websockets_names_the_extra(panda, monkeypatch):
+    monkeypatch.setitem(sys.modules, "websockets", None)
+    with pytest.raises(
+        MissingDependency, match=r"websockets is not installed.*leadthrough\[view\]"
+    ):
         view(panda)
 
 
-def test_pages_of_an_arm_a_skill_and_a_motion_are_written_without_viser(
+def test_pages_of_an_arm_a_skill_and_a_motion_are_written_without_websockets(
     panda, shown, monkeypatch, tmp_path
 ):
-    monkeypatch.setitem(sys.modules, "viser", None)
+    monkeypatch.setitem(sys.modules, "websockets", None)
     for number, content in enumerate(({}, {"skill": lt.DMP().fit(shown)})):
         view(panda, **content, html=tmp_path / f"{number}.html")
     view(panda, shown[0].motion, html=tmp_path / "tip.html")
     assert len(list(tmp_path.iterdir())) == 3
 
 
-def test_page_is_written_by_a_new_process_without_viser(tmp_path):
+def test_page_is_written_by_a_new_process_without_websockets(tmp_path):
     script = """
 import sys
-sys.modules["viser"] = None
+sys.modules["websockets"] = None
 import leadthrough as lt
 lt.show.view(lt.Arm.load("panda"), html=sys.argv[1])
 """
@@ -113,7 +115,7 @@ def test_live_view_opens_with_a_goal_out_of_reach_tells_it_and_goes_on(panda, sh
     try:
         assert until(lambda: opened.answer is not None)
         assert "beyond the arm's reach" in opened.answer.trouble
-        opened.request(lambda: opened._planner.move_goal((0.5, 0.3, 0.25)))
+        opened.session.request(lambda planner: planner.move_goal((0.5, 0.3, 0.25)))
         assert until(lambda: opened.answer.verdict)
         assert opened.answer.joints is not None
     finally:

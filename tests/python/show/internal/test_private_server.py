@@ -7,19 +7,38 @@ from urllib.parse import urlsplit
 
 import pytest
 
-pytest.importorskip("viser", reason="viser is not installed")
-import viser
+pytest.importorskip("websockets", reason="websockets is not installed")
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
-from leadthrough.show.viewer import PrivateServer
+from leadthrough.show.private import PageServer
+
+
+class Greeting:
+    """A session that greets whoever opens the page."""
+
+    def greeting(self):
+        return ["hello"]
+
+    def hear(self, message):
+        pass
+
+    def advance(self, _):
+        return []
+
+    def left(self):
+        pass
+
+
+def served():
+    return PageServer("<html>page</html>", Greeting(), port=0, period=0.02)
 
 
 @pytest.fixture(scope="module")
 def private():
-    server = PrivateServer(0)
+    server = served()
     yield server
-    server.stop()
+    server.close()
 
 
 def answer(private, path, **headers):
@@ -34,9 +53,7 @@ def answer(private, path, **headers):
 
 def opens(private, url, **options):
     async def opened():
-        async with connect(
-            url, subprotocols=[f"viser-v{viser.__version__}"], proxy=None, **options
-        ) as socket:
+        async with connect(f"{url}live", proxy=None, **options) as socket:
             return bool(await asyncio.wait_for(socket.recv(), 20))
 
     # A browser test of the same process may have left an event loop running in this thread.
@@ -79,14 +96,14 @@ def test_other_pages_cannot_open_the_socket(private):
     assert opens(private, here + address.path)  # a program, which was told the address
     for origin in ("http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1"):
         assert not opens(private, here + address.path, origin=origin)
-    assert not opens(private, here, origin=own)
+    assert not opens(private, f"{here}/", origin=own)
     assert not opens(private, f"{here}/wrong/", origin=own)
 
 
 def test_each_server_has_a_token_of_its_own(private):
-    other = PrivateServer(0)
+    other = served()
     try:
         assert urlsplit(other.url).path != urlsplit(private.url).path
         assert answer(other, urlsplit(private.url).path)[0] == 403
     finally:
-        other.stop()
+        other.close()

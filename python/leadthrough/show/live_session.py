@@ -1,0 +1,305 @@
+"""The state of a live page: its motion, goal and obstacles, which browsers move and see.
+
+A skill plans anew in a thread of its own: after changes quickly, once all rests in full.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+import numpy as np
+
+from leadthrough import check, rotations
+from leadthrough.arm import Arm
+from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
+from leadthrough.motion import Demonstration, JointTrajectory
+from leadthrough.shapes import Scene, Shape
+from leadthrough.show.animation import DEMONSTRATIONS, GOAL, OBSTACLES, PATH, SPREAD
+from leadthrough.show.live_scene import LiveScene
+from leadthrough.show.replanner import Answer, Replanner
+
+Change = Callable[[Replanner], None]
+Handler = Callable[[Any, dict[str, Any]], None]
+
+# Durations that the slider offers, as multiples of the skill's own.
+_DURATIONS = (0.2, 3.0)
+
+
+class Replanning:
+    """A replanner that answers in the background, the latest changes first."""
+
+    def __init__(self, planner: Replanner, *, planned: bool) -> None:
+        self.planner = planner
+        self._worker = ThreadPoolExecutor(1)
+        self._changes: list[Change] = []
+        self._is_coarse = not planned
+        self._job: Future[Answer] | None = None
+        self._worker.submit(planner.preview)  # prepares what the first drag would wait for
+
+    @property
+    def idle(self) -> bool:
+        """Whether all changes have been answered in full."""
+        return self._job is None and not self._changes and not self._is_coarse
+
+    def request(self, change: Change) -> None:
+        """Plans anew after a change; those that come meanwhile are answered together."""
+        self._changes.append(change)
+        self._begin()
+
+    def collect(self) -> tuple[Answer, bool] | None:
+        """An answer that has come, and whether it is in full; starts the next one."""
+        found = None
+        if self._job is not None and self._job.done():
+            found, self._job = (self._job.result(), not self._is_coarse), None
+        self._begin()
+        return found
+
+    def _begin(self) -> None:
+        """Starts the next answer, unless one is under way."""
+        if self._job is None and (self._changes or self._is_coarse):
+            changes, self._changes = self._changes, []
+            self._is_coarse = bool(changes)
+            self._job = self._worker.submit(self._answer, changes)
+
+    def close(self) -> None:
+        """Ends the thread."""
+        self._worker.shutdown(wait=True, cancel_futures=True)
+
+    def _answer(self, changes: Sequence[Change]) -> Answer:
+        try:
+            for change in changes:
+                change(self.planner)
+        except LeadthroughError as error:
+            return Answer(None, None, str(error), "", 0.0)
+        return self.planner.preview() if changes else self.planner.plan()
+
+
+class LiveSession:
+    """A motion of an arm on a live page; one thread calls it."""
+
+    _HANDLERS: ClassVar[Mapping[str, Handler]]
+
+    def __init__(
+        self,
+        arm: Arm,
+        scene: Scene,
+        motion: JointTrajectory | None = None,
+        *,
+        demonstrations: Sequence[Demonstration] = (),
+    ) -> None:
+        self.arm, self.scene, self.motion = arm, scene, motion
+        self.demonstrations = demonstrations
+        self.answer: Answer | None = None
+        self._planning: Replanning | None = None
+        self._path: Float64Array | None = None
+        self._text = ""
+        self._messages: list[str] = []
+
+    @property
+    def planner(self) -> Replanner | None:
+        """The skill that plans; None without one."""
+        return None if self._planning is None else self._planning.planner
+
+    @property
+    def idle(self) -> bool:
+        """Whether all that was asked for has been answered."""
+        return self._planning is None or self._planning.idle
+
+    def plan_with(self, planner: Replanner, answer: Answer | None = None) -> None:
+        """Plans with a skill from now on; its answer so far, if there is one."""
+        if self._planning is not None:
+            self._planning.close()
+        self._planning = Replanning(planner, planned=answer is not None)
+        if answer is not None:
+            self._take(answer, whole=True)
+
+    @property
+    def drawn(self) -> LiveScene:
+        """All that the page draws."""
+        skill = None if self.planner is None else self.planner.asked_skill()
+        return LiveScene(
+            *(self.arm, self._shown(), self.scene, self.demonstrations),
+            *(self._path, self._goal_position, skill),
+        )
+
+    def greeting(self) -> list[str]:
+        """Messages to a browser that has just opened the page."""
+        return [self.drawn.message(moves=self.motion is not None), self._state()]
+
+    def hear(self, message: str) -> None:
+        """Takes a message of a browser, of any content."""
+        try:
+            said = json.loads(message)
+            handler = self._HANDLERS[str(said.pop("do"))]
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            return  # not from our page
+        try:
+            handler(self, said)
+        except LeadthroughError as error:
+            self._say(str(error))
+        except OSError as error:
+            self._say(f"{error.filename}: {error.strerror}")
+
+    def advance(self, dt: float) -> list[str]:  # noqa: ARG002 (a session that moves needs it)
+        """Messages to all browsers, dt s after the last call."""
+        found = None if self._planning is None else self._planning.collect()
+        if found is not None:
+            self._take(found[0], whole=found[1])
+        told, self._messages = self._messages, []
+        return told
+
+    def left(self) -> None:
+        """The last browser has closed the page."""
+
+    def close(self) -> None:
+        """Ends the session."""
+        self.left()
+        if self._planning is not None:
+            self._planning.close()
+
+    def request(self, change: Change) -> None:
+        """Plans anew after a change."""
+        if self._planning is not None:
+            self._planning.request(change)
+
+    # Messages of browsers.
+
+    def _goal(self, said: dict[str, Any]) -> None:
+        if "vector" in said:
+            turn = vector(said, "vector")
+            self.request(lambda planner: _turn_goal(planner, turn))
+        else:
+            position = vector(said, "position")
+            self.request(lambda planner: planner.move_goal(position))
+
+    def _obstacle(self, said: dict[str, Any]) -> None:
+        shapes = list(self.scene.shapes)
+        last = len(shapes) - 1
+        i = check.integer(said.get("index", -1), "index", at_least=0, at_most=last)
+        shapes[i] = moved = _moved(shapes[i], said)
+        if self._place(replace(self.scene, obstacles=tuple(shapes))):
+            at = moved.position, moved.orientation
+            self.request(lambda planner: planner.move_obstacle(i, *at))
+            self._messages.append(self.drawn.message((OBSTACLES,)))
+
+    def _correct(self, said: dict[str, Any]) -> None:
+        time = check.number(said.get("time"), "time", at_least=0.0)
+        position = vector(said, "position")
+        self.request(lambda planner: planner.correct(time, position))
+
+    def _undo(self, _: dict[str, Any]) -> None:
+        self.request(lambda planner: planner.undo())
+
+    def _slide(self, said: dict[str, Any]) -> None:
+        sliders = self._sliders()
+        last = len(sliders) - 1
+        i = check.integer(said.get("index", -1), "index", at_least=0, at_most=last)
+        low, high = sliders[i]["lower"], sliders[i]["upper"]
+        value = check.number(said.get("value"), "value", at_least=low, at_most=high)
+        if i == 0:
+            self.request(lambda planner: setattr(planner, "duration", value))
+        else:
+            self.request(lambda planner: planner.set_parameter(i - 1, value))
+
+    HANDLERS: ClassVar[Mapping[str, Handler]] = MappingProxyType(
+        {"goal": _goal, "obstacle": _obstacle, "correct": _correct, "undo": _undo, "slide": _slide}
+    )
+    _HANDLERS = HANDLERS
+
+    # Differences of sessions.
+
+    def _shown(self) -> JointTrajectory | None:
+        """The motion that the page shows."""
+        return self.motion
+
+    def _place(self, scene: Scene) -> bool:
+        """Takes a scene whose obstacles were moved, unless they cannot be there."""
+        self.scene = scene
+        return True
+
+    def _verdict(self, answer: Answer, *, whole: bool) -> str:
+        """An answer in words."""
+        kind = "planned" if whole else "previewed"
+        return f"{kind} in {1e3 * answer.seconds:.0f} ms. {answer.trouble or answer.verdict}"
+
+    def _facts(self) -> dict[str, Any]:
+        """Parts of the state that other sessions have not."""
+        return {"sliders": self._sliders()}
+
+    # Messages to browsers.
+
+    def _take(self, answer: Answer, *, whole: bool) -> None:
+        self.answer, moves = answer, answer.joints is not None
+        if answer.path is not None:
+            self._path = answer.path
+        if answer.joints is not None:
+            self.motion = answer.joints
+        layers = (PATH, GOAL) if answer.trouble else (PATH, GOAL, SPREAD)
+        self._messages.append(self.drawn.message(layers, moves=moves, detailed=whole))
+        self._say(self._verdict(answer, whole=whole))
+
+    def _redraw_demonstrations(self, *, moves: bool) -> None:
+        self._messages.append(self.drawn.message((DEMONSTRATIONS,), moves=moves))
+
+    def _say(self, text: str) -> None:
+        self._text = text.strip()
+        self._messages.append(self._state())
+
+    def _sliders(self) -> list[dict[str, Any]]:
+        """The duration and the skill's parameters."""
+        planner = self.planner
+        if planner is None:
+            return []
+        own = planner.nominal_duration
+        low, high = (round(factor * own, 2) for factor in _DURATIONS)
+        first = (("duration, s", planner.duration or own, low, high, 0.01),)
+        others = ((p.label, p.value, p.lower, p.upper, p.step) for p in planner.parameters)
+        names = ("label", "value", "lower", "upper", "step")
+        return [dict(zip(names, row, strict=True)) for row in (*first, *others)]
+
+    @property
+    def _goal_position(self) -> Float64Array | None:
+        planner = self.planner
+        return planner.goal_position if planner is not None and planner.has_goal else None
+
+    def _state(self) -> str:
+        goal, planner = self._goal_position, self.planner
+        return json.dumps(
+            {
+                "kind": "state",
+                "text": self._text,
+                "goal": None if goal is None else np.round(goal, 5).tolist(),
+                "obstacles": [np.round(each.position, 5).tolist() for each in self.scene.shapes],
+                "corrections": 0 if planner is None else planner.corrections,
+                "learned": planner is not None,
+                **self._facts(),
+            }
+        )
+
+
+def _moved(shape: Shape, said: dict[str, Any]) -> Shape:
+    """A shape at another position, or turned by a rotation vector."""
+    if "vector" not in said:
+        return shape.at(vector(said, "position"), shape.orientation)
+    turn = rotations.exp(vector(said, "vector")[None])
+    return shape.at(shape.position, rotations.compose(turn, shape.orientation[None])[0])
+
+
+def _turn_goal(planner: Replanner, turn: Float64Array) -> None:
+    """Turns the goal by a rotation vector, where it has an orientation."""
+    if planner.goal_orientation is not None:
+        q = rotations.compose(rotations.exp(turn[None]), planner.goal_orientation[None])[0]
+        planner.move_goal(planner.goal_position, q)
+
+
+def vector(said: dict[str, Any], name: str) -> Float64Array:
+    """Three numbers of a message."""
+    value = said.get(name)
+    if value is None:
+        raise InvalidInput(f"{name}: expected three numbers, got none")
+    return check.array(value, name, shape=(3,))
