@@ -15,8 +15,8 @@ from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.augmentation.motions import motions, unpacked
 from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
-from leadthrough.io.episodes import Episode, EpisodeWriter, Layout, writes_hdf5, writing
-from leadthrough.io.files import StrPath
+from leadthrough.io.episode_writers import EpisodeWriter, writes_hdf5, writing
+from leadthrough.io.episodes import Episode, Layout
 from leadthrough.models import Skill, TargetRegion
 from leadthrough.motion import Motion, PoseTrajectory
 from leadthrough.shapes import RandomObstacle, SceneLike
@@ -58,7 +58,7 @@ def augment(
     scene: SceneLike = (),
     *,
     episodes: int,
-    out: StrPath,
+    out: str | Path,
     goals: TargetRegion | None = None,
     starts: TargetRegion | None = None,
     seed: int = 0,

@@ -193,7 +193,7 @@ class Chunks(ShortRepr):
             self._curve = self._begun(begun[-1], now)
             self._waiting = [each for each in self._waiting if each.start > now]
         if begun or missed:
-            self._joined_by = now + self._join
+            self._joined_by = now + (self._join if begun else 0.0)
         if self._curve is not None and (begun or missed or now >= self._again):
             self._follow(self._curve, now)
         state = self._guard.next()

@@ -1,19 +1,13 @@
-"""Episodes of an arm for policies that learn from them, written one after the other."""
+"""Episodes of an arm, for policies that learn from them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.io.files import StrPath, checked_path, making_folder, replacing
-
-HDF5 = (".hdf5", ".h5")
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,47 +48,6 @@ class Layout:
         return (*self.joints, "gripper") if self.has_gripper else self.joints
 
 
-class EpisodeWriter(Protocol):
-    """Writes episodes in their order, with memory for some of them."""
-
-    def add(self, episode: Episode) -> None:
-        """Writes an episode."""
-
-    def close(self) -> None:
-        """Writes what is about all episodes."""
-
-
 def following(rows: Float64Array) -> Float64Array:
     """The rows that follow, the last one again at the end."""
     return np.concatenate([rows[1:], rows[-1:]])
-
-
-def writes_hdf5(path: StrPath) -> bool:
-    """Whether episodes at a path are written as HDF5; else as a LeRobot data set."""
-    return checked_path(path).suffix.lower() in HDF5
-
-
-@contextmanager
-def writing(path: StrPath, layout: Layout) -> Iterator[EpisodeWriter]:
-    """A writer of a robomimic file, or else of a LeRobot folder, made whole or not at all.
-
-    Raises:
-        InvalidInput: if the path cannot be written, or the folder is there already.
-        MissingDependency: if the extra `hdf5` or `lerobot` is not installed.
-    """
-    target = Path(path)
-    if writes_hdf5(target):
-        from leadthrough.io.robomimic_writer import RobomimicWriter
-
-        with replacing(target) as temporary:
-            file = RobomimicWriter(temporary, layout)
-            with file.open():
-                yield file
-                file.close()
-        return
-    from leadthrough.io.lerobot_writer import LeRobotWriter
-
-    with making_folder(target) as temporary:
-        folder = LeRobotWriter(temporary, layout)
-        yield folder
-        folder.close()
