@@ -250,6 +250,30 @@ def test_keys_turn_zoom_and_play(html):
     assert seen[0] < azimuth and seen[1] < distance and seen[2]
 
 
+def test_a_click_on_the_path_goes_to_that_time_and_one_beside_it_nowhere(html, moving):
+    html.evaluate("leadthrough.scenes[0].home()")
+    seek(html, 0.0)
+    for at in (1.0, 2.6):
+        tip, _ = moving.poses_at(at)
+        x, y, _ = html.evaluate(f"leadthrough.scenes[0].onCanvas({tip[moving.tip].tolist()})")
+        html.mouse.click(x, y)
+        assert html.evaluate("leadthrough.scenes[0].time") == pytest.approx(at, abs=0.1)
+    html.mouse.click(20, 200)
+    assert html.evaluate("leadthrough.scenes[0].time") == pytest.approx(2.6, abs=0.1)
+
+
+def test_keys_work_without_the_focus_on_the_scene(html):
+    html.evaluate("document.activeElement.blur()")
+    html.keyboard.press("ArrowLeft")
+    assert html.evaluate("leadthrough.scenes[0].azimuth") != pytest.approx(-0.85)
+    html.keyboard.press("Home")
+    assert html.evaluate("leadthrough.scenes[0].azimuth") == pytest.approx(-0.85)
+    html.keyboard.press(" ")
+    assert html.evaluate("leadthrough.scenes[0].playing")
+    html.keyboard.press(" ")
+    assert not html.evaluate("leadthrough.scenes[0].playing")
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_page_can_be_used_by_screen_reader_keyboard_and_in_the_dark(html, scheme):
     rules = pytest.importorskip("axe_playwright_python", reason="axe is not installed")
