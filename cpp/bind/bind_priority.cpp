@@ -187,6 +187,7 @@ void bind_priority(py::module_& module) {
   py::class_<DifferentialIk>(module, "DifferentialIk")
       .def(py::init([](const Chain& chain, const Vector& velocity_, const Vector& acceleration_,
                        const Vector& posture, double dt, double gain, double posture_gain) {
+             require(posture.size() == chain.joints());
              DifferentialIk solver{chain,   limits_of(chain, velocity_, acceleration_),
                                    posture, dt,
                                    gain,    posture_gain};

@@ -154,7 +154,7 @@ def inner_prior(basis: Basis) -> Float64Array:
 def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
     """Covariance (d k, d k) with the spread that demonstrations have at each phase."""
     flat = curves.reshape(-1, basis.count)
-    at_phases = product(flat, basis(_phases(basis)).T).reshape(*curves.shape[:2], -1)
+    at_phases = product(flat, basis(prior_phases(basis)).T).reshape(*curves.shape[:2], -1)
     variances = (at_phases**2).sum(axis=0) / (len(curves) - 1)
     profile = _left_between(basis, variances)
     profile = np.maximum(profile, _MIN_PROFILE * profile.max(axis=1, keepdims=True))
@@ -163,7 +163,7 @@ def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
 
 def raised(covariance: Float64Array, basis: Basis, least: float) -> Float64Array:
     """A covariance (d k, d k), raised where some phase of the motion varies too little."""
-    rows, size = basis(_phases(basis)), len(covariance) // basis.count
+    rows, size = basis(prior_phases(basis)), len(covariance) // basis.count
     blocks = np.einsum("iaib->iab", covariance.reshape(size, basis.count, size, basis.count))
     spread = [(product(rows, block) * rows).sum(axis=1) for block in blocks]
     missing = np.maximum(least**2 - np.array(spread), 0.0)
@@ -175,7 +175,7 @@ def raised(covariance: Float64Array, basis: Basis, least: float) -> Float64Array
 def _left_between(basis: Basis, variances: Float64Array) -> Float64Array:
     """Deviations in between beside those of the ends, for variances (d, n) in all."""
     fit, inner = _fit_and_kernel(basis)
-    reached = product(basis(_phases(basis)), fit)
+    reached = product(basis(prior_phases(basis)), fit)
     own = (product(reached, inner) * reached).sum(axis=1)
     left = variances
     if not basis.is_rhythmic:
@@ -198,7 +198,7 @@ def _profiled(basis: Basis, ends: Float64Array, profile: Float64Array) -> Float6
 @lru_cache(maxsize=16)
 def _fit_and_kernel(basis: Basis) -> tuple[Float64Array, Float64Array]:
     """The map (k, n) from values at `_phases` to weights, and the kernel (n, n) in between."""
-    u, fit = _phases(basis), _fit(basis)
+    u, fit = prior_phases(basis), weights_of_values(basis)
     gaps = u[:, None] - u
     if basis.is_rhythmic:
         kernel = np.exp(-((np.sin(np.pi * gaps) / (np.pi * _LENGTH)) ** 2) / 2.0)
@@ -212,25 +212,31 @@ def _fit_and_kernel(basis: Basis) -> tuple[Float64Array, Float64Array]:
     return fit, kernel
 
 
-def _fit(basis: Basis) -> Float64Array:
+def weights_of_values(basis: Basis) -> Float64Array:
     """The map (k, n) from values at `_phases` to the weights of the nearest curve."""
-    return np.asarray(np.linalg.pinv(basis(_phases(basis)), rcond=1e-6))
+    return np.asarray(np.linalg.pinv(basis(prior_phases(basis)), rcond=1e-6))
+
+
+def multiplied(basis: Basis, factors: Float64Array) -> Float64Array:
+    """The matrix (k, k) of weights that multiplies a curve with factors (n,) at `prior_phases`."""
+    return np.asarray(weights_of_values(basis) @ (factors[:, None] * basis(prior_phases(basis))))
 
 
 @lru_cache(maxsize=16)
 def lines(basis: Basis) -> Float64Array:
     """Weights (k, 2) of the lines from 1 to 0 and from 0 to 1, exact at both ends."""
-    fitted = product(_fit(basis), _ramps(basis).T)
+    fitted = product(weights_of_values(basis), _ramps(basis).T)
     rows = basis(np.array([0.0, 1.0]))
     return np.asarray(fitted + np.linalg.pinv(rows) @ (np.eye(2) - rows @ fitted))
 
 
 def _ramps(basis: Basis) -> Float64Array:
-    u = _phases(basis)
+    u = prior_phases(basis)
     return np.stack([1.0 - u, u])
 
 
-def _phases(basis: Basis) -> Float64Array:
+def prior_phases(basis: Basis) -> Float64Array:
+    """Phases (n,) at which priors are stated."""
     return np.linspace(0.0, 1.0, 8 * basis.count + 1)
 
 

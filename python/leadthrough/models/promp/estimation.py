@@ -18,13 +18,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import product as product_of
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr
-from leadthrough.models.promp.basis import Basis, raised, shaped_prior, smooth_prior
+from leadthrough.models.promp.basis import (
+    Basis,
+    prior_phases,
+    raised,
+    shaped_prior,
+    smooth_prior,
+    weights_of_values,
+)
 from leadthrough.models.promp.gaussian import (
     Gaussian,
     inverse_definite,
@@ -342,9 +350,12 @@ def refuse_parts(phases: Sequence[Float64Array]) -> None:
 # Candidates: demonstrations that the prior counts as, and its correlation lengths, in phase.
 _STRENGTHS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 _LENGTHS = (0.08, 0.15, 0.3, 0.6)
-_PRIORS = [(strength, length) for length in _LENGTHS for strength in _STRENGTHS]
+_LATE = (0.0, 0.03, 0.1)  # standard deviations of how far a motion is late at its end, in phase
+# The mean deviation over the phases counts as so many demonstrations beside that of each phase.
+_EVEN = (1.0, 1e6)
+_PRIORS = list(product_of(_STRENGTHS, _LENGTHS, _LATE, _EVEN))
 # The choice where there are too few demonstrations to leave one out.
-_NOMINAL = (4.0, 0.15)
+_NOMINAL = (4.0, 0.15, 0.03, 1.0)
 _MIN_COUNT = 3
 # More demonstrations than these are not left out in turn, so that the time stays bounded.
 _MAX_LEFT_OUT = 12
@@ -365,6 +376,14 @@ class PosteriorPredictive(ShortRepr):
 
     spread: Gaussian  # location and scale matrix of the weights (d k,)
     freedom: float = np.inf  # degrees of freedom; infinite for a normal distribution
+
+    @property
+    def known(self) -> Gaussian:
+        """Its mean and covariance; with few degrees of freedom it has none, and three count."""
+        if np.isinf(self.freedom):
+            return self.spread
+        freedom = max(self.freedom, 3.0)
+        return Gaussian(self.spread.mean, self.spread.covariance * (freedom / (freedom - 2.0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -394,18 +413,18 @@ class Experience(ShortRepr):
             for (i, rest), scores in zip(_splits(self.curves), others, strict=True)
         ]
 
-    def _of(self, curves: Float64Array, prior_choice: tuple[float, float]) -> PosteriorPredictive:
+    def _of(self, curves: Float64Array, choice: Sequence[float]) -> PosteriorPredictive:
         """The predictive distribution after curves (m, d k)."""
-        strength, length = prior_choice
+        strength, length, late, even = choice
         count = len(curves)
         mean = curves.mean(axis=0)
         centred = curves - mean
-        prior = np.kron(np.diag(self._variance(centred)), _kernel(self.basis, length))
+        prior = _shaped(self.basis, length, self._deviations(centred, even))
         freedom = count - 1 + strength
         scatter = centred.T @ centred + strength * prior
-        return PosteriorPredictive(
-            Gaussian(mean, scatter * ((1.0 + 1.0 / count) / freedom)), freedom
-        )
+        spread = scatter * ((1.0 + 1.0 / count) / freedom)
+        spread += late**2 * _of_lateness(self.basis, mean)
+        return PosteriorPredictive(Gaussian(mean, spread), freedom)
 
     @cached_property
     def _scores(self) -> Float64Array:
@@ -414,8 +433,8 @@ class Experience(ShortRepr):
             return np.zeros((0, len(_PRIORS)))
         return np.array([self._scores_of(i, rest) for i, rest in _splits(self.curves)])
 
-    def _chosen(self, scores: Float64Array) -> tuple[float, float]:
-        """Strength and length of the best prior by scores (candidates,)."""
+    def _chosen(self, scores: Float64Array) -> Sequence[float]:
+        """Strength, length, lateness and evenness of the best prior by scores (candidates,)."""
         return _PRIORS[int(scores.argmax())] if len(self._scores) > 0 else _NOMINAL
 
     def _scores_of(self, i: int, others: Float64Array) -> list[float]:
@@ -426,28 +445,56 @@ class Experience(ShortRepr):
         mean = others.mean(axis=0)
         centred = _values(others - mean, rows, size)
         missed = _values((self.curves[i] - mean)[None], rows, size)[0]
-        scatter, variance = centred.T @ centred, self._variance(others - mean)
+        scatter = centred.T @ centred
         noise = np.diag(np.tile(self.noise + (_MIN_FORECAST_NOISE * self.scale) ** 2, len(rows)))
+        by_column = np.kron(np.eye(size), rows).reshape(size, len(rows), -1)
+        every = by_column.transpose(1, 0, 2).reshape(len(rows) * size, -1)
         priors = {
-            length: np.kron(rows @ _kernel(self.basis, length) @ rows.T, np.diag(variance))
+            (length, even): every @ _shaped(self.basis, length, deviations) @ every.T
+            for even in _EVEN
+            for deviations in [self._deviations(others - mean, even)]
             for length in _LENGTHS
         }
+        lateness = every @ _of_lateness(self.basis, mean) @ every.T
         scores = []
-        for strength, length in _PRIORS:
+        for strength, length, late, even in _PRIORS:
             freedom = count - 1 + strength
-            spread = (scatter + strength * priors[length]) * ((1.0 + 1.0 / count) / freedom)
-            scores.append(_log_density_of_rest(missed, spread + noise, freedom, size))
+            spread = (scatter + strength * priors[length, even]) * ((1.0 + 1.0 / count) / freedom)
+            spread = spread + late**2 * lateness + noise
+            scores.append(_log_density_of_rest(missed, spread, freedom, size))
         return scores
 
-    def _variance(self, centred: Float64Array) -> Float64Array:
-        """Variance (d,) of each column of deviations (m, d k), over motions and phases."""
+    def _deviations(self, centred: Float64Array, even: float) -> Float64Array:
+        """Standard deviations (d, n) of each column at each phase, of deviations (m, d k)."""
         count, size = len(centred), len(self.scale)
+        phases = prior_phases(self.basis)
         if count == 1:
-            return np.asarray((_UNKNOWN_SPREAD * self.scale) ** 2)
-        rows = self.basis(np.linspace(0.0, 1.0, 4 * self.basis.count + 1))
-        deviations = _values(centred, rows, size).reshape(count, len(rows), size)
-        pooled = (deviations**2).mean(axis=1).sum(axis=0) / (count - 1)
-        return np.asarray(pooled + (_MIN_DEVIATION * self.scale) ** 2)
+            return np.repeat(_UNKNOWN_SPREAD * self.scale[:, None], len(phases), axis=1)
+        rows = self.basis(phases)
+        squared = (centred.reshape(count, size, -1) @ rows.T) ** 2
+        pooled = squared.mean(axis=2, keepdims=True)
+        own = (squared + (even / count) * pooled).sum(axis=0) / (count - 1 + even)
+        return np.asarray(np.sqrt(own + (_MIN_DEVIATION * self.scale[:, None]) ** 2))
+
+
+def _shaped(basis: Basis, length: float, deviations: Float64Array) -> Float64Array:
+    """Covariance (d k, d k) of curves with deviations (d, n), correlated over a length."""
+    fit, kernel = _kernel(basis, length)
+    result = np.zeros((len(deviations), basis.count, len(deviations), basis.count))
+    for column, own in enumerate(deviations):
+        reached = fit * own
+        rough = _ROUGH * float((own**2).mean()) * np.eye(basis.count)
+        result[column, :, column] = reached @ kernel @ reached.T + rough
+    return result.reshape(len(deviations) * basis.count, -1)
+
+
+def _of_lateness(basis: Basis, mean: Float64Array) -> Float64Array:
+    """Covariance (d k, d k) of a mean curve (d k,) that runs ahead or late, by 1 at its end."""
+    fit, _ = _kernel(basis, _LENGTHS[0])
+    phases = prior_phases(basis)
+    speeds = mean.reshape(-1, basis.count) @ basis(phases, 1).T
+    moved = (fit * speeds[:, None]).reshape(len(mean), -1)
+    return np.asarray(moved @ np.minimum(phases[:, None], phases) @ moved.T)
 
 
 def common_noise(noises: Sequence[Float64Array], scales: Sequence[Float64Array]) -> Float64Array:
@@ -485,12 +532,10 @@ def _log_density_of_rest(
 
 
 @lru_cache(maxsize=64)
-def _kernel(basis: Basis, length: float) -> Float64Array:
-    """Covariance (k, k) of the weights of curves of unit variance, correlated over a length."""
-    phases = np.linspace(0.0, 1.0, 8 * basis.count + 1)
+def _kernel(basis: Basis, length: float) -> tuple[Float64Array, Float64Array]:
+    """The map (k, n) from values at phases to weights, and correlations (n, n) over a length."""
+    phases = prior_phases(basis)
     gaps = phases[:, None] - phases
     if basis.is_rhythmic:
         gaps = np.sin(np.pi * gaps) / np.pi
-    fit = np.linalg.pinv(basis(phases), rcond=1e-6)
-    smooth = fit @ np.exp(-0.5 * (gaps / length) ** 2) @ fit.T
-    return np.asarray(smooth + _ROUGH * np.eye(basis.count))
+    return weights_of_values(basis), np.asarray(np.exp(-0.5 * (gaps / length) ** 2))

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.models.promp.basis import Basis
+from leadthrough.models.promp.basis import Basis, multiplied, prior_phases
 from leadthrough.models.promp.combination import alike
 from leadthrough.models.promp.conditioning import check_seen
 from leadthrough.models.promp.estimation import Experience, PosteriorPredictive, common_noise
@@ -39,7 +39,7 @@ _PACES = np.log(np.geomspace(0.4, 2.5, 37))
 _PACE_SPREAD = 0.25
 _UNUSUAL = 0.1
 # Power of the likelihood of the duration: deviations of neighbouring samples are not independent.
-_TEMPERED = 0.3
+_TEMPERED = 0.25
 # Demonstrations of one duration: the least standard deviation, which counts as one of them.
 _MIN_PACE_SPREAD = 0.03
 _STEPS = np.linspace(-3.0, 3.0, 13)  # paces tried about the demonstrated ones, in deviations
@@ -47,7 +47,13 @@ _REFINED = 9  # paces tried between the best one's neighbours, twice
 # Durations less probable than this, relative to the best one, are left out of the mixture.
 _MIN_PROBABILITY = 1e-3
 # Instants of left-out forecasts that are judged, as fractions of the part that was not seen.
-_JUDGED = np.array([0.4, 0.7, 1.0])
+_JUDGED = np.array([0.1, 0.4, 0.7, 1.0])
+# Left-out demonstrations are forecast at paces that are off by this many standard deviations.
+_OFF_PACE = 1.3
+# Standard errors by which a forecast has to come true before it counts.
+_SURELY = 0.1
+# Squared deviations from what was known before, in its variances, that are followed as they are.
+_PLAUSIBLE = 4.0
 # Logarithms of the factors that the covariance is tried with.
 _FACTORS = np.linspace(-3.0, 5.5, 86)
 # Directions with less information from the samples than this, relative to the most, are unseen.
@@ -163,7 +169,7 @@ def infer(
     check_seen(observed, "observed")
     before = _prior(prior, len(skills))
     noise = common_noise([each.noise for each in skills], [each.scale for each in skills])
-    continuations = [Continuation(observed, skill, noise) for skill in skills]
+    continuations = [_in_best_mode(observed, skill, noise) for skill in skills]
     with np.errstate(divide="ignore"):
         evidence = np.log(before) + [each.evidence for each in continuations]
     probabilities = np.exp(evidence - evidence.max())
@@ -174,8 +180,8 @@ def infer(
         durations,
         np.minimum(observed.duration / durations, 1.0),
         tuple(
-            skill.with_weights(forecast.weights).lasting(float(duration))
-            for skill, forecast, duration in zip(skills, forecasts, durations, strict=True)
+            each.skill.with_weights(forecast.weights).lasting(each.duration)
+            for each, forecast in zip(continuations, forecasts, strict=True)
         ),
         np.array([each.freedom for each in forecasts]),
     )
@@ -190,15 +196,23 @@ def _prior(value: ArrayLike | None, size: int) -> Float64Array:
     return np.asarray(prior / prior.sum())
 
 
-class Continuation:
+def _in_best_mode(
+    observed: Motion, skill: ProMPSkill[MotionT], noise: Float64Array
+) -> Continuation[MotionT]:
+    """The motion under the mode of a skill that it is most probably of."""
+    every = [Continuation(observed, mode, noise) for mode in skill.modes]
+    return max(every, key=lambda each: each.evidence)
+
+
+class Continuation(Generic[MotionT]):
     """A motion that has begun, under one skill."""
 
-    def __init__(self, observed: Motion, skill: ProMPSkill, noise: Float64Array) -> None:
+    def __init__(self, observed: Motion, skill: ProMPSkill[MotionT], noise: Float64Array) -> None:
         from scipy.special import logsumexp
 
         chosen = np.unique(np.linspace(0, len(observed.times) - 1, _MAX_SAMPLES).round())
         self._rows = chosen.astype(int)
-        self._observed, self._skill, self._noise = observed, skill, noise
+        self._observed, self.skill, self._noise = observed, skill, noise
         experience = skill.experience
         self._predictive = (
             PosteriorPredictive(skill.free) if experience is None else experience.predictive
@@ -219,40 +233,53 @@ class Continuation:
         self.duration = skill.duration * float(np.exp(self._likely @ paces))
 
     def forecast(self) -> Forecast:
-        """Mean and covariance of the mixture over the durations, with the scale corrected."""
+        """Mean and covariance of the mixture over durations, corrected by left-out forecasts."""
         parts = [each.forecast() for each, p in zip(self._all, self._likely, strict=True) if p > 0]
         likely = self._likely[self._likely > 0.0]
         means = np.stack([each.weights.mean for each in parts])
         mean = likely @ means
         apart = (means - mean) * np.sqrt(likely)[:, None]
-        covariance = self._correction() * np.einsum(
-            "i,ijk->jk", likely, np.stack([each.weights.covariance for each in parts])
-        )
+        covariance = np.einsum("i,ijk->jk", likely, np.stack([p.weights.covariance for p in parts]))
         heavy = float(likely @ [1.0 / each.freedom for each in parts])
         freedom = 1.0 / heavy if heavy > 0.0 else np.inf
-        return Forecast(Gaussian(mean, covariance + apart.T @ apart), freedom)
+        rest = self._corrected(Gaussian(mean, covariance))
+        return Forecast(Gaussian(rest.mean, rest.covariance + apart.T @ apart), freedom)
 
-    def _correction(self) -> float:
-        """Mean squared error of left-out demonstrations in variances of the forecast."""
-        experience = self._skill.experience
+    def _corrected(self, rest: Gaussian) -> Gaussian:
+        """The forecast, at each phase only as far from what was known before as surely gains."""
+        experience = self.skill.experience
         end = min(self._observed.duration / self.duration, 1.0)
         if experience is None or end == 1.0 or not experience.left_out:
-            return 1.0
-        basis, size = self._skill.basis, len(self._noise)
-        phases = np.linspace(0.0, end, min(len(self._rows), _MAX_SAMPLES))
-        ahead = basis(end + (1.0 - end) * _JUDGED)
-        rows = basis(phases)
-        off = []
-        for curve, predictive in experience.left_out:
-            values = rows @ curve.reshape(size, -1).T
-            rest = Seen(predictive, basis, phases, values, self._noise).forecast().weights
-            off.append(_squared_error(curve - rest.mean, rest.covariance, ahead, self._noise))
+            return rest
+        basis, size = self.skill.basis, len(self._noise)
+        seen = np.linspace(0.0, end, min(len(self._rows), _MAX_SAMPLES))
+        ahead = end + (1.0 - end) * _JUDGED
+        spread = float(np.sqrt(self._likely @ (self._paces - self._likely @ self._paces) ** 2))
+        judged = [
+            _judged(self._noise, basis, each, (seen, ahead), pace)
+            for each in experience.left_out
+            for pace in np.exp([-_OFF_PACE * spread, _OFF_PACE * spread])
+        ]
+        foreseen, gained, after, before = (np.array(each) for each in zip(*judged, strict=True))
+        kept = _kept(foreseen, gained)
+        missed = gained - kept[:, None] * foreseen
+        lost = ((1.0 - kept) ** 2)[:, None, None]
+        expected = after + lost * (before - after) + np.diag(self._noise)
+        squared = (missed * np.linalg.solve(expected, missed[..., None])[..., 0]).sum(axis=2)
         # The mean of a variance after as many squared errors, if nothing was known before.
-        return float(np.sum(off) / (len(off) - 2))
+        count = len(experience.left_out)
+        scale = float(squared.mean()) / size * count / (count - 2)
+        known = self._predictive.known
+        at = prior_phases(basis)
+        followed = np.interp(at, np.append(end, ahead), np.append(1.0, kept))
+        left = 1.0 - followed * _plausible(rest.mean - known.mean, known, basis(at), self._noise)
+        back = np.kron(np.eye(size), multiplied(basis, left))
+        covariance = rest.covariance + back @ (known.covariance - rest.covariance) @ back.T
+        return Gaussian(rest.mean - back @ (rest.mean - known.mean), scale * covariance)
 
     def _first_paces(self) -> Float64Array:
         """A grid over all durations that can be, finer about the demonstrated ones."""
-        least = float(np.log(self._observed.duration / self._skill.duration))
+        least = float(np.log(self._observed.duration / self.skill.duration))
         mean, spread = self._nominal
         paces = np.concatenate([_PACES, mean + spread * _STEPS])
         return np.unique(np.maximum(paces, max(least, _PACES[0])))
@@ -276,11 +303,11 @@ class Continuation:
         return np.asarray(np.log((1.0 - _UNUSUAL) * nominal + _UNUSUAL * other))
 
     def _seen(self, pace: float) -> Seen:
-        duration = self._skill.duration * float(np.exp(pace))
+        duration = self.skill.duration * float(np.exp(pace))
         phases = np.minimum((self._observed.times - self._observed.times[0]) / duration, 1.0)
-        values = self._skill.coordinates.columns(self._observed, phases, "observed")
+        values = self.skill.coordinates.columns(self._observed, phases, "observed")
         return Seen(
-            self._predictive, self._skill.basis, phases[self._rows], values[self._rows], self._noise
+            self._predictive, self.skill.basis, phases[self._rows], values[self._rows], self._noise
         )
 
 
@@ -293,16 +320,47 @@ def _nominal_pace(experience: Experience | None) -> tuple[float, float]:
     return float(paces.mean()), float(np.sqrt(squared / len(paces)))
 
 
-def _squared_error(
-    missed: Float64Array, covariance: Float64Array, rows: Float64Array, noise: Float64Array
-) -> float:
-    """Mean squared error of curves at phases, per column, in variances of the forecast."""
-    size = len(noise)
-    errors = rows @ missed.reshape(size, -1).T
-    blocks = covariance.reshape(size, rows.shape[1], size, rows.shape[1])
-    spread = np.einsum("nk,ikjl,nl->nij", rows, blocks, rows) + np.diag(noise)
-    squared = errors * np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
-    return float(squared.sum() / errors.size)
+def _judged(
+    noise: Float64Array,
+    basis: Basis,
+    left_out: tuple[Float64Array, PosteriorPredictive],
+    phases: tuple[Float64Array, Float64Array],
+    pace: float,
+) -> tuple[Float64Array, Float64Array, Float64Array, Float64Array]:
+    """The forecast of a left-out curve from phases seen for those ahead, at an unexpected pace.
+
+    The foreseen and the true deviations (n, d) from what was known before, and the covariances
+    (n, d, d) after and before it was seen.
+    """
+    (curve, predictive), (seen, ahead) = left_out, phases
+    columns, known = curve.reshape(len(noise), -1).T, predictive.known
+    values = basis(np.minimum(pace * seen, 1.0)) @ columns
+    rest = Seen(predictive, basis, seen, values, noise).forecast().weights
+    rows = basis(ahead)
+    nominal, found = (rows @ each.reshape(len(noise), -1).T for each in (known.mean, rest.mean))
+    gained = basis(np.minimum(pace * ahead, 1.0)) @ columns - nominal
+    after, before = (each.columns_at(rows)[1] for each in (rest, known))
+    return found - nominal, gained, after, before
+
+
+def _plausible(
+    moved: Float64Array, known: Gaussian, rows: Float64Array, noise: Float64Array
+) -> Float64Array:
+    """The fractions (n,) in (0, 1] of deviations that what was known before makes plausible."""
+    deviations = rows @ moved.reshape(len(noise), -1).T
+    spread = known.columns_at(rows)[1] + np.diag(noise)
+    squared = (deviations * np.linalg.solve(spread, deviations[..., None])[..., 0]).sum(axis=1)
+    return np.asarray(
+        np.minimum(1.0, np.sqrt(_PLAUSIBLE * len(noise) / np.maximum(squared, 1e-12)))
+    )
+
+
+def _kept(foreseen: Float64Array, gained: Float64Array) -> Float64Array:
+    """The fractions (n,) in [0, 1] of deviations (m, n, d) that come true, by a safe margin."""
+    product, squared = (foreseen * gained).sum(axis=2), (foreseen**2).sum(axis=2).sum(axis=0)
+    error = product.std(axis=0) * np.sqrt(len(product))
+    sure = product.sum(axis=0) - _SURELY * error
+    return np.asarray(np.clip(sure / np.where(squared > 0.0, squared, 1.0), 0.0, 1.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -52,6 +52,16 @@ def test_probabilities_are_about_those_of_the_families_that_motions_are_drawn_fr
     assert np.sqrt(np.mean(np.square(gaps))) < 0.3
 
 
+def test_a_beginning_is_forecast_along_the_way_that_it_takes(family):
+    skill = lt.ProMP(weights=10).fit(family(-0.3, count=4) + family(0.3, count=4))
+    assert len(skill.modes) == 2
+    for height in (-0.3, 0.3):
+        whole = family(height, count=1, seed=9)[0]
+        (ahead,) = infer(whole[:40], [skill]).skills
+        found, _ = ahead.distribution([0.5 * ahead.duration])
+        assert found[0, 1] == pytest.approx(height, abs=0.1)
+
+
 def test_prior_counts(skills, family):
     seen = family(0.1, count=1, seed=9)[0][:3]
     assert infer(seen, skills, prior=[0.0, 1.0]).best == 1
@@ -154,7 +164,7 @@ def test_forecasts_are_nearer_than_the_mean_and_know_how_near(count, most):
     assert 0.108 <= min(few[3], many[3]) <= max(few[3], many[3]) <= 0.138  # plain means, m
 
 
-@pytest.mark.parametrize(("count", "most"), [(4, 1.1), (6, 1.02), (12, 1.02), (40, 0.92)])
+@pytest.mark.parametrize(("count", "most"), [(4, 1.11), (6, 1.02), (12, 1.02), (40, 0.94)])
 def test_forecasts_of_motions_of_full_rank_are_near_what_can_be_known(count, most):
     """Who knows mean and covariance of such motions still misses by 0.7 of the plain mean."""
     error, inside, normal, _ = forecasts(count, factors=24)
