@@ -23,6 +23,7 @@ from leadthrough.io import npz
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.protocol import (
     Choice,
+    Corrected,
     Demonstrations,
     Distributed,
     Parameter,
@@ -36,7 +37,6 @@ from leadthrough.shapes import Shape
 
 if TYPE_CHECKING:
     from leadthrough.drawing import Panel
-    from leadthrough.models.corrected import CorrectedSkill
 
 
 FORMAT = "leadthrough skill"
@@ -151,7 +151,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         duration: float | None = None,
         obstacles: Sequence[Shape] = (),
         mode: int | None = None,
-    ) -> CorrectedSkill[MotionT_co]:
+    ) -> Corrected[MotionT_co]:
         """A skill whose motion passes a position at a time; call it again for more.
 
         The motion changes within a fifth of the path's length and is the same elsewhere; start and
@@ -170,10 +170,12 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
             InvalidInput: for a time outside the motion, or at its start or goal.
             UnsupportedQuery, NoPath: as in `generate`.
         """
-        from leadthrough.models.corrected import corrected
-
         query = CheckedQuery(start, goal, duration, obstacles=obstacles)
-        return corrected(self, time, position, query, mode)
+        whole: Any = entry_of_skill("corrected").load().around(self)  # its module builds upon this
+        made: Corrected[MotionT_co] = whole.with_correction(
+            time, position, query, whole.mode_of(query, mode)
+        )
+        return made
 
     @abstractmethod
     def _answer(self, query: CheckedQuery) -> MotionT_co:

@@ -98,6 +98,11 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
             for i, each in enumerate(known)
         )
 
+    @classmethod
+    def around(cls, skill: Any) -> CorrectedSkill[Any]:
+        """A skill that can be corrected: the same with its corrections, or without any so far."""
+        return skill if isinstance(skill, cls) else cls(skill, ())
+
     def undone(self) -> CorrectedSkill[MotionT_co]:
         """The skill without the last correction."""
         return CorrectedSkill(self.skill, self.corrections[:-1])
@@ -205,22 +210,6 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         """
         r = np.minimum(self._apart(at[:, None], self._nodes[None]) / _REACH, 1.0)
         return np.asarray((1.0 - r) ** 5 * (8.0 * r**2 + 5.0 * r + 1.0))
-
-
-def corrected(
-    skill: FittedSkill[MotionT_co],
-    time: float,
-    position: Target,
-    query: CheckedQuery,
-    mode: int | None,
-) -> CorrectedSkill[MotionT_co]:
-    """The skill with one more correction; arguments as in `FittedSkill.corrected`."""
-    own: Any = skill
-    whole: CorrectedSkill[MotionT_co] = (
-        own if isinstance(skill, CorrectedSkill) else CorrectedSkill(own, ())
-    )
-    index = whole.mode_of(query, mode)
-    return whole.with_correction(time, position, query, index)
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> CorrectedSkill[Any]:

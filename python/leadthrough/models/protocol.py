@@ -125,7 +125,7 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
         duration: float | None = None,
         obstacles: Sequence[Shape] = (),
         mode: int | None = None,
-    ) -> Skill[MotionT_co]:
+    ) -> Corrected[MotionT_co]:
         """A skill whose motion passes a position at a time, as by `FittedSkill.corrected`."""
 
     def save(self, path: StrPath) -> None:
@@ -133,6 +133,13 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
 
     def to_archive(self) -> tuple[dict[str, Any], Mapping[str, Any]]:
         """Settings and arrays, for a file."""
+
+
+class Corrected(Skill[MotionT_co], Protocol[MotionT_co]):
+    """A skill of which points of the motion were moved."""
+
+    def undone(self) -> Corrected[MotionT_co]:
+        """The skill without the last correction."""
 
 
 @runtime_checkable
