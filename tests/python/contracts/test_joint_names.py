@@ -291,6 +291,7 @@ OTHERS = {
     "models.Model.fit": "a protocol",
     "models.dynamical.model.DynamicalModel.fit": "a base class",
     "validation.validate": "plans by plan_motion",
+    "augmentation.augment": "plans as validate does",
     "show.open_view": "the page of show.view",
     "models.*Skill": "holds", "models.Inference": "holds", "models.Parameter": "holds",
     "models.dynamical.model.Samples": "holds", "arm.StackRun": "holds",
