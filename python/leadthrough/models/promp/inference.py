@@ -50,6 +50,8 @@ _MIN_PROBABILITY = 1e-3
 _JUDGED = np.array([0.1, 0.4, 0.7, 1.0])
 # Left-out demonstrations are forecast at paces that are off by this many standard deviations.
 _OFF_PACE = 1.3
+# Standard deviation of the logarithm of a duration that no demonstrations tell closer.
+_LATE = 0.05
 # Standard errors by which a forecast has to come true before it counts.
 _SURELY = 0.1
 # Squared deviations from what was known before, in its variances, that are followed as they are.
@@ -130,8 +132,10 @@ class Inference(ShortRepr, Generic[MotionT_co]):
         check.number(probability, "probability", above=0.0, below=1.0)
         chosen = self.best if skill is None else skill
         check.integer(chosen, "skill", at_least=0, at_most=len(self.skills) - 1)
-        mean, covariance = self.skills[chosen].distribution(times)
-        covariance = covariance + np.diag(self.skills[chosen].noise)
+        expected = self.skills[chosen]
+        mean, covariance = expected.distribution(times)
+        moved = _LATE * _per_duration(expected, np.asarray(times, np.float64))
+        covariance = covariance + np.diag(expected.noise) + moved[:, :, None] * moved[:, None, :]
         return Region(mean, covariance * self._radius(mean.shape[1], chosen, probability))
 
     def _radius(self, size: int, skill: int, probability: float) -> float:
@@ -185,6 +189,13 @@ def infer(
         ),
         np.array([each.freedom for each in forecasts]),
     )
+
+
+def _per_duration(skill: ProMPSkill, times: Float64Array) -> Float64Array:
+    """By how much (n, d) the mean at times changes with the logarithm of the duration."""
+    phases = times / skill.duration
+    curves = skill.weights.mean.reshape(skill.coordinates.width, -1).T
+    return np.asarray(phases[:, None] * (skill.basis(phases, 1) @ curves))
 
 
 def _prior(value: ArrayLike | None, size: int) -> Float64Array:
