@@ -1,6 +1,7 @@
 """The arm: from a URDF to kinematics, inverse kinematics and joint trajectories along a path."""
 
 from leadthrough.arm.arm import Arm as Arm, check_arm as check_arm
+from leadthrough.arm.base_location import BaseLocation as BaseLocation
 from leadthrough.arm.collision import (
     Clearance as Clearance,
     ClosestPair as ClosestPair,
@@ -12,6 +13,12 @@ from leadthrough.arm.differential_ik import (
     JointState as JointState,
 )
 from leadthrough.arm.dual_arm import DualArm as DualArm, check_arms as check_arms
+from leadthrough.arm.dual_demonstration import (
+    DualDemonstration as DualDemonstration,
+    left_tip as left_tip,
+    right_tip as right_tip,
+    tips_of as tips_of,
+)
 from leadthrough.arm.following import FollowOptions as FollowOptions
 from leadthrough.arm.inverse_kinematics import (
     Axis as Axis,

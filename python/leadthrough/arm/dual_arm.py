@@ -12,14 +12,20 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm.arm import Arm, check_arm
-from leadthrough.arm.collision_queries import CollisionQueries
 from leadthrough.arm.dual_following import SIDES, Carry, shape_seen_from, tips_of
+from leadthrough.arm.dual_recordings import DualRecordings
 from leadthrough.arm.following import FollowOptions, checked_options, timed
 from leadthrough.arm.inverse_kinematics import IkOptions, IkResult
 from leadthrough.arm.limits import JointLimits
-from leadthrough.arm.rigid_transforms import Pose, Transforms
+from leadthrough.arm.rigid_transforms import Pose, Transforms, checked_grasps
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr, numbers_text, one_line
-from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, columns_of, in_order
+from leadthrough.motion import (
+    JointTrajectory,
+    Motion,
+    PoseTrajectory,
+    columns_of,
+    in_order,
+)
 from leadthrough.shapes import SceneLike, Solid, as_scene, names_of
 
 # m and rad, of the tips' relative pose between samples.
@@ -29,7 +35,7 @@ _COLUMNS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 
 
 @dataclass(frozen=True, eq=False)
-class DualArm(CollisionQueries, ShortRepr):
+class DualArm(DualRecordings, ShortRepr):
     """Two arms in one frame, the base frame of the left one.
 
     A configuration is (joints,), the joints of the left arm first; a batch is (m, joints). The
@@ -111,7 +117,7 @@ class DualArm(CollisionQueries, ShortRepr):
         """
         if not isinstance(shape, Solid):
             raise check.refused("shape", names_of(Solid), repr(shape))
-        in_tip = shape_seen_from(shape, _grasps(grasps)[0].inverse())
+        in_tip = shape_seen_from(shape, checked_grasps(grasps)[0].inverse())
         return replace(self, left=self.left.with_attached(in_tip, mass), shared_object=True)
 
     def split(self, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
@@ -236,7 +242,7 @@ class DualArm(CollisionQueries, ShortRepr):
             (self.left, self.right),
             self._placement,
             None if around is None else self._collision,
-            _grasps(grasps),
+            checked_grasps(grasps),
             (None, None) if q0 is None else self.split(q0),
             self._options(checked_options(options)),
             around,
@@ -278,12 +284,6 @@ def check_arms(arm: object) -> None:
     """Raises InvalidInput unless `arm` is an Arm or a DualArm."""
     if not isinstance(arm, DualArm):
         check_arm(arm)
-
-
-def _grasps(grasps: tuple[Pose, Pose]) -> tuple[Transforms, Transforms]:
-    if not isinstance(grasps, tuple | list) or len(grasps) != 2:
-        raise check.refused("grasps", "the poses of the left and the right tip", repr(grasps))
-    return Transforms.of(grasps[0], "grasps[0]"), Transforms.of(grasps[1], "grasps[1]")
 
 
 def _tolerance(tolerance: tuple[float, float]) -> tuple[float, float]:

@@ -8,6 +8,7 @@ import numpy as np
 
 import leadthrough._core as core
 from leadthrough import sanity
+from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
     JointTrajectory,
@@ -26,7 +27,7 @@ _BEYOND, _BEYOND_RANGE = 0.5, 0.25
 _OTHER_TIP = 0.05
 
 
-def joints_of(chain: core.Chain, trajectory: Motion) -> JointTrajectory:
+def joints_of(chain: core.Chain | JointLimits, trajectory: Motion) -> JointTrajectory:
     """See `Arm.joints_of`."""
     own = _own(chain, trajectory)
     if outside := _outside(chain, own):
@@ -50,7 +51,7 @@ def warn_of_another_arm(chain: core.Chain, motion: Motion) -> None:
         )
 
 
-def _outside(chain: core.Chain, own: JointTrajectory) -> str | None:
+def _outside(chain: core.Chain | JointLimits, own: JointTrajectory) -> str | None:
     """Message about joints far beyond the arm's limits, if any are."""
     with np.errstate(invalid="ignore"):
         allowed = np.maximum(_BEYOND, _BEYOND_RANGE * (chain.upper - chain.lower))
@@ -67,7 +68,7 @@ def _outside(chain: core.Chain, own: JointTrajectory) -> str | None:
     )
 
 
-def _own(chain: core.Chain, trajectory: Motion) -> JointTrajectory:
+def _own(chain: core.Chain | JointLimits, trajectory: Motion) -> JointTrajectory:
     names = tuple(chain.joint_names)
     own = in_order(_without_others(trajectory, names), names, "trajectory")
     return replace(own, positions=_unwrapped(chain, own.positions))
@@ -94,7 +95,7 @@ def demonstrated_joints(chain: core.Chain, motion: Motion) -> JointTrajectory | 
         return None
 
 
-def _unwrapped(chain: core.Chain, positions: Float64Array) -> Float64Array:
+def _unwrapped(chain: core.Chain | JointLimits, positions: Float64Array) -> Float64Array:
     """Joints (n, joints) without the leaps of whole turns that encoders make."""
     endless = ~(np.isfinite(chain.lower) & np.isfinite(chain.upper))
     leaps = endless & (np.abs(np.diff(positions, axis=0)) > np.pi).any(axis=0)

@@ -69,3 +69,10 @@ class Transforms:
         count = len(away)
         first, second = (np.broadcast_to(q.orientations, (count, 4)) for q in (self, other))
         return away, rotations.distance(first, second)
+
+
+def checked_grasps(grasps: tuple[Pose, Pose]) -> tuple[Transforms, Transforms]:
+    """Poses of the left and the right tip in an object's frame."""
+    if not isinstance(grasps, tuple | list) or len(grasps) != 2:
+        raise check.refused("grasps", "the poses of the left and the right tip", repr(grasps))
+    return Transforms.of(grasps[0], "grasps[0]"), Transforms.of(grasps[1], "grasps[1]")

@@ -155,8 +155,18 @@ def _only_motion(
             "columns: no names of positions or joints found; name the columns to read, there are "
             f"{_listed(table.names)}{_guess(table, request)}"
         )
+    if both := _of_two_arms(found["joints"]):
+        return {"joints": both}
     wanted = ["joints"] if found["joints"] else ["positions", "orientations"]
     return {role: _only(found[role], role) for role in wanted if found[role]}
+
+
+def _of_two_arms(found: Sequence[Columns]) -> Columns:
+    """The joints of the left arm, then those of the right one; none of any other arms."""
+    arms = {side: [c for c in found if c[0].lower().startswith(side)] for side in headers.SIDES}
+    if len(found) != len(arms) or any(len(each) != 1 for each in arms.values()):
+        return ()
+    return tuple(name for (columns,) in arms.values() for name in columns)
 
 
 def _only(found: Sequence[Columns], role: str) -> Columns:

@@ -2,7 +2,7 @@
 
 - Time: `time`, `times`, `t`, `timestamp`, `stamp`.
 - Positions: `x`, `y` and, where there is one, `z`, alone or after `p`, `pos`, `position` or
-  `translation` (`px`, `pos_x`, `position.x`, `current_pos_x`).
+  `translation` (`px`, `pos_x`, `position.x`, `current_pos_x`), or `left` or `right` (`left_x`).
 - Orientations: `w`, `x`, `y`, `z` after `q`, `quat`, `quaternion`, `orientation`, `rotation` or
   `rot` (`qw`, `orientation_w`, `current_orientation_w`).
 - Joints: `joint`, `j`, `q` or `q_d` with a number (`joint_1`, `panda_joint1`, `q0`, `q[0]`), or
@@ -11,6 +11,7 @@
   where there are none of these and no positions, all names with a velocity (`lift`,
   `lift_velocity`).
   Their derivatives are `<joint>_velocity` or `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
+  Numbered joints of two arms, whose names begin with `left` and `right`, are one recording.
 - Arrays that hold all components at once: `positions`, `position`, `pos`; `orientations`,
   `orientation`, `quaternions`, `quaternion`, which may state their order (`orientations_wxyz`,
   `quaternion_xyzw`); `joints`, `joint_positions`, with `velocities` and `accelerations`.
@@ -30,6 +31,8 @@ Columns = tuple[str, ...]
 AngleUnit = Literal["radians", "degrees", "percent"]
 QuaternionOrder = Literal["wxyz", "xyzw"]
 
+# Names of two arms' columns begin so: left_x, right_joint_1.
+SIDES = ("left", "right")
 # Suffixes of a joint's columns.
 JOINT_SUFFIXES = {"positions": "", "velocities": "_velocity", "accelerations": "_acceleration"}
 
@@ -99,7 +102,7 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     }
     for part, axes in _components(names).items():
         last_word = re.split(r"[_.\-/ ]", part)[-1]
-        if (part == "" or last_word in _POSITION) and {"x", "y"} <= axes.keys():
+        if (part in ("", *SIDES) or last_word in _POSITION) and {"x", "y"} <= axes.keys():
             found["positions"].append(tuple(axes[axis] for axis in "xyz" if axis in axes))
         elif last_word in _ORIENTATION and len(axes) == 4:
             found["orientations"].append(tuple(axes[axis] for axis in "wxyz"))

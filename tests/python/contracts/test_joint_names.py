@@ -139,6 +139,11 @@ ENTRIES = {
     "arm.Arm.path_report": lambda joints: [ARM.path_report(joints, TIP).position_error],
     "arm.DualArm.check": checked_pair,
     "arm.DualArm.is_clear": lambda joints: [PAIR.is_clear(paired(joints), [BOX])],
+    "arm.DualArm.joints_of": lambda joints: PAIR.motions(PAIR.joints_of(paired(joints)))[0],
+    "arm.DualArm.demonstration": lambda joints: [
+        PAIR.demonstration(paired(joints)).right.positions,
+        PAIR.demonstration(paired(joints)).left.positions,
+    ],
     "arm.DualArm.motions": lambda joints: PAIR.motions(paired(joints))[0],
     "arm.FollowOptions": followed,
     "guard.Guard.admit": lambda joints: lt.Guard(ARM, rate=100.0).admit(joints, REST).motion,
@@ -280,6 +285,7 @@ KEEPING = {
 }
 # Names, with * for any, of what takes no joints of an arm, or only holds what another made.
 OTHERS = {
+    "arm.DualArm.located": "joints as by joints_of, above",
     "models.FastMarching.fit": "points and poses",
     "models.Frame.*": "points and poses",
     "models.Framed.fit": "points and poses",
@@ -293,6 +299,7 @@ OTHERS = {
     "validation.validate": "plans by plan_motion",
     "augmentation.augment": "plans as validate does",
     "show.open_view": "the page of show.view",
+    "arm.DualDemonstration": "holds",
     "models.*Skill": "holds", "models.Inference": "holds", "models.Parameter": "holds",
     "models.dynamical.model.Samples": "holds", "arm.StackRun": "holds",
     "guard.Admission": "holds", "io.Episode": "holds", "io.Recording": "holds",

@@ -47,6 +47,9 @@ VALUES = {
     "Sphere": lambda: SPHERE,
     "Trajectory": lambda: lt.Trajectory(TIMES, POINTS, (lt.Event(0.2, "closed"),)),
     "arm.Arm": lambda: UR3,
+    "arm.DualDemonstration": lambda: arms.DualDemonstration(
+        *[lt.PoseTrajectory(TIMES, POINTS, TURNS)] * 2, JOINTS
+    ),
     "arm.DualArm": lambda: lt.DualArm(UR3, UR3, ((0.0, -0.6, 0.0), TURNS[1])),
     "arm.DifferentialIk": lambda: lt.DifferentialIk(UR3, posture=REST),
     "arm.DirectionTask": lambda: arms.DirectionTask((0.0, 0.0, 1.0), (0.0, 0.6, 0.8)),
