@@ -18,9 +18,8 @@ from leadthrough.check import Float64Array, LeadthroughError
 from leadthrough.motion import Demonstration, Event, JointTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show.leading import LedArm
-from leadthrough.show.lesson import Learned, learned, plan_command
+from leadthrough.show.lesson import Learned, Recordings, learned, plan_command, recording_of
 from leadthrough.show.live_session import Handler, LiveSession, vector
-from leadthrough.show.recordings import Recordings, recording_of
 from leadthrough.show.replanner import Answer
 from leadthrough.show.viewer import LivePage
 

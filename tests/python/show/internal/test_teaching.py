@@ -9,7 +9,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.show.leading import LedArm, first_configuration
-from leadthrough.show.recordings import Recordings, recording_of
+from leadthrough.show.lesson import Recordings, recording_of
 from leadthrough.show.teaching import Teaching
 
 STEP = 0.02
