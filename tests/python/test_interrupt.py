@@ -82,6 +82,8 @@ def seconds_to_end(call: Callable[[], object]) -> float:
 
 
 def main() -> None:
+    # A shell starts processes in the background with the signal ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     for name, call in calls():
         print(f"{name}: {seconds_to_end(call):.2f} s", flush=True)
 
