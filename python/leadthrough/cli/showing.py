@@ -112,7 +112,7 @@ def teach(
         lt.Demonstration(robots.joints_in(arm, file), file.stem)
         for file in sorted(out.glob("*.csv"))
     ]
-    with output.naming(port="--port"):
+    with output.naming(port="--port", folder="--out"):
         page = lt.show.teach(arm, scene, folder=out, demonstrations=recordings, port=port)
     print(f"{page.url} teaches the arm; Ctrl-C ends it", flush=True)
     page.open()

@@ -142,6 +142,8 @@ def test_collisions_are_seen():
     away = HOME + 0.3
     np.testing.assert_array_equal(connect_configurations(panda, HOME, away)[[0, -1]], [HOME, away])
     assert "<iframe" in lt.show.inline(panda, followed)._repr_html_()
+    pair = lt.DualArm(panda, panda, base=((0.0, 1.5, 0.0), (1.0, 0.0, 0.0, 0.0)))
+    assert pair.check(np.tile(HOME, (2, 2))).ok
 
 
 def test_waves_and_ways():

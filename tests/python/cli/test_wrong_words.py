@@ -35,6 +35,7 @@ ENOUGH = {
     "augment": ["skill.npz", "--episodes", "1", "--goals", "0,0,0", "-o", "found"],
     ("augment", "goals"): ["skill.npz", "--episodes", "1", "-o", "found"],
     "view": ["recorded/reach1.csv", "--html", "out.html"],
+    "teach": [],
     "experiment": ["ur3"],
     **{("info", name): ["ur3.urdf"] for name in ("base", "limits", "mesh_folder", "tip")},
     ("info", "write_limits"): ["ur3.urdf"],
@@ -112,6 +113,7 @@ WRONG = {
     ("judge", "out"): "ur3.toml/out",
     ("validate", "out"): "ur3.toml/out",
     ("augment", "out"): "ur3.toml/out",
+    ("teach", "out"): "ur3.toml/out",
     ("learn", "out"): "nowhere/out.npz",
 }
 # Without a wrong value; and files, which the error names instead.
