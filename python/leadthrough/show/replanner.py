@@ -146,11 +146,14 @@ class Replanner:
             self.skill = self.skill.undone()
             self.__dict__.pop("_quick", None)
 
-    def asked_skill(self) -> Skill:
-        """The skill, conditioned on the goal if it can be, so that its uncertainty ends there."""
-        if self.has_goal and self._asked and isinstance(self.skill, Conditioned):
+    def asked_skill(self) -> Skill | None:
+        """The skill whose uncertainty ends at the goal; None if it cannot be conditioned on it."""
+        if not (self.has_goal and self._asked and isinstance(self.skill, Conditioned)):
+            return self.skill
+        try:
             return self.skill.condition(self.skill.duration, self._goal())
-        return self.skill
+        except LeadthroughError:
+            return None
 
     def preview(self) -> Answer:
         """A quick answer, which a check of the whole arm may still refuse."""

@@ -149,6 +149,17 @@ def test_spread_of_a_promp_ends_at_the_dragged_goal(skills, panda):
     assert np.sqrt(covariance[0].max()) > 2e-3
 
 
+def test_a_goal_that_a_skill_refuses_to_be_conditioned_on_has_no_spread(skills, panda, monkeypatch):
+    planner = Replanner(panda, skills["ProMP"])
+    planner.move_goal(np.add(planner.goal_position, (0.0, 0.03, 0.05)))
+
+    def refusing(*_):
+        raise InvalidInput("time: right beside a point fixed before")
+
+    monkeypatch.setattr(type(planner.skill), "condition", refusing)
+    assert planner.asked_skill() is None
+
+
 def test_duration_is_kept(skills, panda):
     planner = Replanner(panda, skills["map"])
     planner.duration = 7.0
