@@ -30,7 +30,7 @@ from leadthrough.validation.validate import PATH_TOLERANCE, Setup, attempt, draw
 
 _TOGETHER = 50  # motions of a task
 _MAX_ROUNDS = 20  # times as many motions as are missing that are tried at most
-_OPEN, _CLOSE = "open", "close"  # in names of events
+_OPEN, _CLOSE = {"open", "opens", "opened"}, {"close", "closes", "closed"}  # in events' names
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +75,8 @@ def augment(
     Each motion is planned for the whole arm at the skill's own pace, slowed down only where limits
     require it. Only motions inside all limits and clear between samples are written, by the
     verdicts of `lt.check_limits` and `Arm.check` on the rows as they are written. The others are
-    counted. Joints, the tip's poses, the gripper by the skill's events "open" and "close", and the
-    goal and the obstacles' positions are written; images are not made.
+    counted. Joints, the tip's poses, the gripper by the skill's events, such as "close gripper" and
+    "gripper opened", and the goal and the obstacles' positions are written; images are not made.
 
     Args:
         skill: of poses, of points in 3-D, or of the arm's joints, fitted or loaded.
@@ -246,8 +246,8 @@ def _gripper(events: list[Any], count: int, rate: float) -> Float64Array:
 
 def _opens(name: str) -> float | None:
     """1 for an event at which the gripper opens, 0 where it closes; None for others."""
-    words = name.lower().split()
-    return 1.0 if _OPEN in words else 0.0 if _CLOSE in words else None
+    words = set(name.lower().split())
+    return 1.0 if words & _OPEN else 0.0 if words & _CLOSE else None
 
 
 def motions(*, first: int, count: int, seed: int, skill: Path, setup: Path) -> list[Row]:

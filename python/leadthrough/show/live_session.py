@@ -6,8 +6,9 @@ A skill plans anew in a thread of its own: after changes quickly, once all rests
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, ClassVar
@@ -138,20 +139,31 @@ class LiveSession:
             handler = self._HANDLERS[str(said.pop("do"))]
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
             return  # not from our page
-        try:
+        with self._telling():
             handler(self, said)
+
+    def advance(self, dt: float) -> list[str]:
+        """Messages to all browsers, dt s after the last call."""
+        with self._telling():
+            self._go_on(dt)
+        told, self._messages = self._messages, []
+        return told
+
+    def _go_on(self, dt: float) -> None:  # noqa: ARG002 (a session that moves needs it)
+        """Does what is due, dt s after the last call."""
+        found = None if self._planning is None else self._planning.collect()
+        if found is not None:
+            self._take(found[0], whole=found[1])
+
+    @contextmanager
+    def _telling(self) -> Iterator[None]:
+        """Tells the browsers of trouble, which must not end the page."""
+        try:
+            yield
         except LeadthroughError as error:
             self._say(str(error))
         except OSError as error:
             self._say(f"{error.filename}: {error.strerror}")
-
-    def advance(self, dt: float) -> list[str]:  # noqa: ARG002 (a session that moves needs it)
-        """Messages to all browsers, dt s after the last call."""
-        found = None if self._planning is None else self._planning.collect()
-        if found is not None:
-            self._take(found[0], whole=found[1])
-        told, self._messages = self._messages, []
-        return told
 
     def left(self) -> None:
         """The last browser has closed the page."""

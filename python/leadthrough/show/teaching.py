@@ -14,7 +14,7 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import Arm, check_arm
-from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import Demonstration, Event, JointTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show.leading import LedArm
@@ -25,6 +25,7 @@ from leadthrough.show.viewer import LivePage
 
 # A closed page or a busy computer must not let the arm jump, s.
 _MAX_STEP = 0.1
+_OPEN, _CLOSE = "open gripper", "close gripper"  # events
 
 
 def teach(
@@ -85,21 +86,21 @@ class Teaching(LiveSession):
         scene, state = super().greeting()
         return [scene, self.led.message(), state]
 
-    def advance(self, dt: float) -> list[str]:
-        """Messages to all browsers, dt s after the last call."""
+    def _go_on(self, dt: float) -> None:
         step = min(dt, _MAX_STEP)
         if self.led.advance(step):
             self._messages.append(self.led.message())
         if self._recording is not None:
             self._recording.append((self._recording[-1][0] + step, self.led.q))
+        super()._go_on(dt)
         if self._lesson is not None and self._lesson.done():
             self._finish(self._lesson)
-        return super().advance(dt)
 
     def left(self) -> None:
         """Keeps the recording that runs when the last browser closes the page."""
         self.led.release()
-        self._stop({})
+        with self._telling():
+            self._stop({})
 
     def close(self) -> None:
         """Ends the session; a recording that runs is kept."""
@@ -132,19 +133,20 @@ class Teaching(LiveSession):
         if self._recording is None:
             self._say("The gripper closes and opens while recording.")
             return
-        word = "opened" if self._events and self._events[-1].name == "closed" else "closed"
-        self._events.append(Event(self._recording[-1][0], word))
-        self._say(f"gripper {word}")
+        name = _OPEN if self._events and self._events[-1].name == _CLOSE else _CLOSE
+        self._events.append(Event(self._recording[-1][0], name))
+        self._say(name)
 
     def _stop(self, _: dict[str, Any]) -> None:
         if self._recording is None:
             return
-        recorded, self._recording = self._recording, None
-        motion = recording_of(self.arm, recorded, self._events)
+        motion = recording_of(self.arm, self._recording, self._events)
         if motion is None:
+            self._recording = None
             self._say("Nothing was recorded: the arm did not move.")
             return
-        path = self.recordings.add(motion)
+        path = self.recordings.add(motion)  # where it cannot be written, the recording goes on
+        self._recording = None
         self._show(motion)
         self._say(f"{path} is written; record another, or press Learn.")
 
@@ -166,11 +168,7 @@ class Teaching(LiveSession):
 
     def _finish(self, lesson: Future[Learned]) -> None:
         self._lesson = None
-        try:
-            found = lesson.result()
-        except LeadthroughError as error:
-            self._say(str(error))
-            return
+        found = lesson.result()
         self._learned = found.text
         self.plan_with(found.planner)
         found.planner.skill.save(self.skill_path)

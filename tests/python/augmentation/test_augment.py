@@ -27,8 +27,10 @@ HOME = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])  # rad
 def skill(panda):
     phase = np.linspace(0.0, 1.0, 51)[:, None]
     rows = HOME + minimum_jerk(phase) * [0.6, 0.4, 0.0, 0.3, 0.0, 0.1, 0.2]
-    close = (lt.Event(1.5, "close gripper"),)
-    shown = lt.JointTrajectory(3.0 * phase[:, 0], rows, joint_names=panda.joint_names, events=close)
+    events = (lt.Event(1.5, "close gripper"), lt.Event(2.7, "gripper opened"))
+    shown = lt.JointTrajectory(
+        3.0 * phase[:, 0], rows, joint_names=panda.joint_names, events=events
+    )
     return lt.DMP(weights=20).fit([panda.poses(shown)])
 
 
@@ -94,6 +96,13 @@ def test_actions_are_the_next_rows(folder):
         rows = columns(table, state)
         assert np.array_equal(columns(table, action)[:-1][same], rows[1:][same])
     assert set(columns(table, "observation.state")[:, 7]) == {0.0, 1.0}
+
+
+def test_the_gripper_follows_events_as_people_name_them(folder):
+    table = frames(folder)
+    own = columns(table, "episode_index") == 0
+    gripper = columns(table, "observation.state")[own, 7]
+    assert gripper[[0, len(gripper) // 2 + 5, -1]].tolist() == [1.0, 0.0, 1.0]
 
 
 def test_statistics_and_indices_are_those_of_the_frames(folder):

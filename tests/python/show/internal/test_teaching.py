@@ -150,7 +150,7 @@ def test_rest_before_and_after_is_left_out_and_events_stay_where_they_happened(t
     motion = teaching.recordings.demonstrations[0].motion
     assert 1.5 < motion.duration < 2.6  # of 5.4 s
     (event,) = motion.events
-    assert event.name == "closed"
+    assert event.name == "close gripper"
     np.testing.assert_allclose(
         teaching.arm.forward_kinematics(motion.at(event.time))[0],
         teaching.arm.forward_kinematics(motion.positions[0])[0] + [0.0, -0.1, 0.0],
@@ -171,6 +171,30 @@ def test_a_page_that_is_closed_while_it_records_keeps_the_recording(teaching):
     led(teaching, (0.0, -0.1, 0.0))
     teaching.left()
     assert [path.name for path in teaching.recordings.folder.glob("*")] == ["demonstration-1.csv"]
+
+
+def test_a_recording_that_cannot_be_written_goes_on_until_it_can(teaching):
+    said(teaching, "record")
+    led(teaching, (0.0, -0.1, 0.0))
+    in_the_way = teaching.recordings.folder
+    in_the_way.write_text("")
+    told = state_of(said(teaching, "stop"))
+    assert "exists" in told["text"]
+    assert told["recording"]
+    teaching.left()
+    in_the_way.unlink()
+    assert not state_of(said(teaching, "stop"))["recording"]
+    assert [path.name for path in in_the_way.glob("*")] == ["demonstration-1.csv"]
+
+
+def test_trouble_with_what_was_learned_is_told_and_the_page_goes_on(teaching):
+    demonstrated(teaching)
+    said(teaching, "learn")
+    teaching.skill_path.mkdir()
+    while teaching._lesson is not None:
+        told = advanced(teaching)
+    assert "skill.npz" in state_of(told)["text"]
+    assert teaching.planner is not None
 
 
 def test_a_deleted_demonstration_is_gone_and_its_number_is_not_given_again(teaching):
