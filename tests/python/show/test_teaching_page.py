@@ -142,10 +142,6 @@ def record(tab, *moves):
     settled(tab, "!state.recording")
 
 
-@pytest.mark.xfail(
-    strict=False,
-    reason="led in real time: of eight runs, one left a skill whose goal a command refused",
-)
 def test_taught_learned_moved_corrected_saved_and_planned(browser, taught, panda):
     tab = opened(browser, taught, 1200, 800)
     start = taught.session.led.tip[0]

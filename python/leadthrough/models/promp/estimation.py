@@ -350,12 +350,11 @@ def refuse_parts(phases: Sequence[Float64Array]) -> None:
 # Candidates: demonstrations that the prior counts as, and its correlation lengths, in phase.
 _STRENGTHS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 _LENGTHS = (0.08, 0.15, 0.3, 0.6)
-_LATE = (0.0, 0.03, 0.1)  # standard deviations of how far a motion is late at its end, in phase
 # The mean deviation over the phases counts as so many demonstrations beside that of each phase.
 _EVEN = (1.0, 1e6)
-_PRIORS = list(product_of(_STRENGTHS, _LENGTHS, _LATE, _EVEN))
+_PRIORS = list(product_of(_STRENGTHS, _LENGTHS, _EVEN))
 # The choice where there are too few demonstrations to leave one out.
-_NOMINAL = (4.0, 0.15, 0.03, 1.0)
+_NOMINAL = (4.0, 0.15, 1.0)
 _MIN_COUNT = 3
 # More demonstrations than these are not left out in turn, so that the time stays bounded.
 _MAX_LEFT_OUT = 12
@@ -415,16 +414,16 @@ class Experience(ShortRepr):
 
     def _of(self, curves: Float64Array, choice: Sequence[float]) -> PosteriorPredictive:
         """The predictive distribution after curves (m, d k)."""
-        strength, length, late, even = choice
+        strength, length, even = choice
         count = len(curves)
         mean = curves.mean(axis=0)
         centred = curves - mean
         prior = _shaped(self.basis, length, self._deviations(centred, even))
         freedom = count - 1 + strength
         scatter = centred.T @ centred + strength * prior
-        spread = scatter * ((1.0 + 1.0 / count) / freedom)
-        spread += late**2 * _of_lateness(self.basis, mean)
-        return PosteriorPredictive(Gaussian(mean, spread), freedom)
+        return PosteriorPredictive(
+            Gaussian(mean, scatter * ((1.0 + 1.0 / count) / freedom)), freedom
+        )
 
     @cached_property
     def _scores(self) -> Float64Array:
@@ -434,7 +433,7 @@ class Experience(ShortRepr):
         return np.array([self._scores_of(i, rest) for i, rest in _splits(self.curves)])
 
     def _chosen(self, scores: Float64Array) -> Sequence[float]:
-        """Strength, length, lateness and evenness of the best prior by scores (candidates,)."""
+        """Strength, length and evenness of the best prior by scores (candidates,)."""
         return _PRIORS[int(scores.argmax())] if len(self._scores) > 0 else _NOMINAL
 
     def _scores_of(self, i: int, others: Float64Array) -> list[float]:
@@ -455,13 +454,11 @@ class Experience(ShortRepr):
             for deviations in [self._deviations(others - mean, even)]
             for length in _LENGTHS
         }
-        lateness = every @ _of_lateness(self.basis, mean) @ every.T
         scores = []
-        for strength, length, late, even in _PRIORS:
+        for strength, length, even in _PRIORS:
             freedom = count - 1 + strength
             spread = (scatter + strength * priors[length, even]) * ((1.0 + 1.0 / count) / freedom)
-            spread = spread + late**2 * lateness + noise
-            scores.append(_log_density_of_rest(missed, spread, freedom, size))
+            scores.append(_log_density_of_rest(missed, spread + noise, freedom, size))
         return scores
 
     def _deviations(self, centred: Float64Array, even: float) -> Float64Array:
@@ -486,15 +483,6 @@ def _shaped(basis: Basis, length: float, deviations: Float64Array) -> Float64Arr
         rough = _ROUGH * float((own**2).mean()) * np.eye(basis.count)
         result[column, :, column] = reached @ kernel @ reached.T + rough
     return result.reshape(len(deviations) * basis.count, -1)
-
-
-def _of_lateness(basis: Basis, mean: Float64Array) -> Float64Array:
-    """Covariance (d k, d k) of a mean curve (d k,) that runs ahead or late, by 1 at its end."""
-    fit, _ = _kernel(basis, _LENGTHS[0])
-    phases = prior_phases(basis)
-    speeds = mean.reshape(-1, basis.count) @ basis(phases, 1).T
-    moved = (fit * speeds[:, None]).reshape(len(mean), -1)
-    return np.asarray(moved @ np.minimum(phases[:, None], phases) @ moved.T)
 
 
 def common_noise(noises: Sequence[Float64Array], scales: Sequence[Float64Array]) -> Float64Array:

@@ -62,6 +62,10 @@ _FACTORS = np.linspace(-3.0, 5.5, 86)
 _UNSEEN = 1e-12
 
 
+# The weights (d k,) of a demonstration, and what the others predict.
+LeftOut = tuple[Float64Array, PosteriorPredictive]
+
+
 @dataclass(frozen=True, eq=False)
 class Region(ShortRepr):
     """Ellipsoids that a motion is expected to be in, one at each of n times.
@@ -260,26 +264,11 @@ class Continuation(Generic[MotionT]):
         """The forecast, at each phase only as far from what was known before as surely gains."""
         experience = self.skill.experience
         end = min(self._observed.duration / self.duration, 1.0)
-        if experience is None or end == 1.0 or not experience.left_out:
+        if experience is None or end == 1.0:
             return rest
         basis, size = self.skill.basis, len(self._noise)
-        seen = np.linspace(0.0, end, min(len(self._rows), _MAX_SAMPLES))
         ahead = end + (1.0 - end) * _JUDGED
-        spread = float(np.sqrt(self._likely @ (self._paces - self._likely @ self._paces) ** 2))
-        judged = [
-            _judged(self._noise, basis, each, (seen, ahead), pace)
-            for each in experience.left_out
-            for pace in np.exp([-_OFF_PACE * spread, _OFF_PACE * spread])
-        ]
-        foreseen, gained, after, before = (np.array(each) for each in zip(*judged, strict=True))
-        kept = _kept(foreseen, gained)
-        missed = gained - kept[:, None] * foreseen
-        lost = ((1.0 - kept) ** 2)[:, None, None]
-        expected = after + lost * (before - after) + np.diag(self._noise)
-        squared = (missed * np.linalg.solve(expected, missed[..., None])[..., 0]).sum(axis=2)
-        # The mean of a variance after as many squared errors, if nothing was known before.
-        count = len(experience.left_out)
-        scale = float(squared.mean()) / size * count / (count - 2)
+        kept, scale = self._judged(experience.left_out, end, ahead)
         known = self._predictive.known
         at = prior_phases(basis)
         followed = np.interp(at, np.append(end, ahead), np.append(1.0, kept))
@@ -287,6 +276,29 @@ class Continuation(Generic[MotionT]):
         back = np.kron(np.eye(size), multiplied(basis, left))
         covariance = rest.covariance + back @ (known.covariance - rest.covariance) @ back.T
         return Gaussian(rest.mean - back @ (rest.mean - known.mean), scale * covariance)
+
+    def _judged(
+        self, left_out: Sequence[LeftOut], end: float, ahead: Float64Array
+    ) -> tuple[Float64Array, float]:
+        """The fractions (n,) of deviations that come true at phases, and the covariance's scale."""
+        if not left_out:  # nothing says that they do
+            return np.zeros(len(ahead)), 1.0
+        phases = np.linspace(0.0, end, min(len(self._rows), _MAX_SAMPLES)), ahead
+        spread = float(np.sqrt(self._likely @ (self._paces - self._likely @ self._paces) ** 2))
+        judged = [
+            [_forecast_of(self._noise, self.skill.basis, each, phases, pace) for each in left_out]
+            for pace in np.exp(_OFF_PACE * spread * np.array([0.0, -1.0, 1.0]))
+        ]
+        on_pace, *off_pace = ([np.array(part) for part in zip(*own, strict=True)] for own in judged)
+        kept = _kept(*on_pace[:2])
+        foreseen, gained, after, before = map(np.concatenate, zip(*off_pace, strict=True))
+        missed = gained - kept[:, None] * foreseen
+        lost = ((1.0 - kept) ** 2)[:, None, None]
+        expected = after + lost * (before - after) + np.diag(self._noise)
+        squared = (missed * np.linalg.solve(expected, missed[..., None])[..., 0]).sum(axis=2)
+        # The mean of a variance after as many squared errors, if nothing was known before.
+        count = len(left_out)
+        return kept, float(squared.mean()) / len(self._noise) * count / (count - 2)
 
     def _first_paces(self) -> Float64Array:
         """A grid over all durations that can be, finer about the demonstrated ones."""
@@ -331,10 +343,10 @@ def _nominal_pace(experience: Experience | None) -> tuple[float, float]:
     return float(paces.mean()), float(np.sqrt(squared / len(paces)))
 
 
-def _judged(
+def _forecast_of(
     noise: Float64Array,
     basis: Basis,
-    left_out: tuple[Float64Array, PosteriorPredictive],
+    left_out: LeftOut,
     phases: tuple[Float64Array, Float64Array],
     pace: float,
 ) -> tuple[Float64Array, Float64Array, Float64Array, Float64Array]:
@@ -367,11 +379,15 @@ def _plausible(
 
 
 def _kept(foreseen: Float64Array, gained: Float64Array) -> Float64Array:
-    """The fractions (n,) in [0, 1] of deviations (m, n, d) that come true, by a safe margin."""
-    product, squared = (foreseen * gained).sum(axis=2), (foreseen**2).sum(axis=2).sum(axis=0)
-    error = product.std(axis=0) * np.sqrt(len(product))
-    sure = product.sum(axis=0) - _SURELY * error
-    return np.asarray(np.clip(sure / np.where(squared > 0.0, squared, 1.0), 0.0, 1.0))
+    """The fractions (n,) in [0, 1] of deviations (m, n, d) that come true.
+
+    Each is the mean of the fraction at its phase and the one over all phases.
+    """
+    product, squared = (foreseen * gained).sum(axis=(0, 2)), (foreseen**2).sum(axis=(0, 2))
+    smallest = np.finfo(np.float64).tiny
+    own = product / np.maximum(squared, smallest)
+    every = product.sum() / max(squared.sum(), smallest)
+    return np.asarray(0.5 * (np.clip(own, 0.0, 1.0) + np.clip(every, 0.0, 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
