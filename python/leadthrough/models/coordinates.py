@@ -146,7 +146,8 @@ def _posture_of(motion: Motion, phases: Float64Array) -> Posture | None:
 
 # Columns that vary less than this fraction of the widest are as good as constant.
 _MIN_FRACTION = 1e-3
-# Reach where all positions, or all orientations, are the same: a millimetre, a milliradian.
+# Reach where all positions, or all orientations, are the same: a millimetre, a milliradian. Those
+# of poses that vary less count as the same: the rest is rounding, or inverse kinematics.
 _STILL = 1e-3
 # For a middle without a quarter turn around it: how much more the rotations must agree on it than
 # on any other, as a fraction, and how far off it one may be, short of the half turn of its
@@ -385,7 +386,9 @@ def scales(columns: Sequence[Float64Array], coordinates: Coordinates) -> Float64
     reach = np.sqrt(np.mean([each.var(axis=0) for each in columns], axis=0))
     wide = np.ones(coordinates.width)
     for group in (slice(0, coordinates.size), slice(coordinates.size, coordinates.width)):
-        wide[group] = reach[group].max(initial=0.0) or _STILL / _MIN_FRACTION
+        widest = reach[group].max(initial=0.0)
+        still = widest < _STILL if coordinates.kind == "poses" else widest == 0.0
+        wide[group] = _STILL / _MIN_FRACTION if still else widest
     return np.asarray(np.maximum(reach, _MIN_FRACTION * wide))
 
 

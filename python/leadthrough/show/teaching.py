@@ -145,7 +145,7 @@ class Teaching(LiveSession):
             self._recording = None
             self._say("Nothing was recorded: the arm did not move.")
             return
-        path = self.recordings.add(motion)  # where it cannot be written, the recording goes on
+        path = self.recordings.add(motion)  # the recording goes on if this cannot be written
         self._recording = None
         self._show(motion)
         self._say(f"{path} is written; record another, or press Learn.")

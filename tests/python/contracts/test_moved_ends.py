@@ -174,6 +174,26 @@ def test_turned_end_turns_no_more_than_its_offset(turning_skill, name, index, an
         assert frechet(between) <= MOST * angle + 1e-6
 
 
+@pytest.mark.parametrize("name", [name for name, each in STEADY.items() if each.motion == "poses"])
+@pytest.mark.parametrize("wobble", [0.0, 1e-9, 1e-7, 1e-5])
+def test_turning_the_goal_of_a_tool_that_only_rounding_turned_moves_the_tip_little(name, wobble):
+    """As an arm moves it whose inverse kinematics keeps the orientation."""
+    rng = np.random.default_rng(0)
+    motions = [reach("poses", seed) for seed in range(2)]
+    held = [
+        replace(each, orientations=rotations.exp(wobble * rng.normal(size=each.positions.shape)))
+        for each in motions
+    ]
+    skill = STEADY[name].build().fit(held)
+    own = skill.generate(dt=0.02)
+    for angle in (1e-6, 1e-3, 0.3):
+        turned = rotations.compose(rotations.exp([[angle, 0.0, 0.0]]), own.orientations[-1:])[0]
+        made = skill.generate(goal=(own.positions[-1], turned), dt=0.02)
+        # A task's frame turns about the goal, and the motion with it.
+        moved = np.linalg.norm(made.positions - own.positions, axis=1).max()
+        assert moved <= MOST * angle * np.linalg.norm(np.ptp(own.positions, axis=0)) + 1e-3
+
+
 @pytest.mark.parametrize("name", STEADY)
 @pytest.mark.parametrize("pace", [0.1, 10.0])
 def test_time_scale_does_not_matter(name, pace):
