@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from leadthrough.drawing import palette
 from leadthrough_studies import intervals
-from leadthrough_studies.singularity import draws, joint_limits, paths
+from leadthrough_studies.singularity import draws, joint_limits, paths, penalty
 from leadthrough_studies.singularity.paths import APPROACHES
 from leadthrough_studies.study import Report, Row, selected
 
@@ -66,6 +66,7 @@ def _of_draws(rows: list[Row], swept: list[Row]) -> dict[str, list[Row]]:
     return {
         "draws": draws.table(rows),
         "joint_limits": joint_limits.table(limits),
+        "alpha": penalty.table(selected(rows, study="alpha")),
         "relation": [*_related("sweep", swept), *_related("random paths", related)],
     }
 

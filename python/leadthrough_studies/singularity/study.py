@@ -21,7 +21,7 @@ import numpy as np
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.motion import JointTrajectory, PoseTrajectory
-from leadthrough_studies.singularity import draws, joint_limits
+from leadthrough_studies.singularity import draws, joint_limits, penalty
 from leadthrough_studies.singularity.paths import (
     APPROACHES,
     METHODS,
@@ -106,6 +106,7 @@ def _drawn(config: SingularityConfig) -> list[Task]:
         ),
         *(Task(draws.relation, {"seed": seed, "paths": 2 * count}) for seed in seeds),
         *(Task(joint_limits.ends, {"seed": seed, "poses": count}) for seed in seeds),
+        *(Task(penalty.steps, {"seed": seed, "poses": count}) for seed in seeds),
     ]
 
 

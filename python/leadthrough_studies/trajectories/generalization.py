@@ -11,6 +11,7 @@ import numpy as np
 from leadthrough.check import Float64Array
 from leadthrough.models import kmeans, trace_mixture
 from leadthrough_studies.study import Row, Task
+from leadthrough_studies.trajectories.forces import overlapping, shares_of
 
 COMPONENTS = 6
 _DEMONSTRATIONS, _SAMPLES = 4, 120
@@ -21,7 +22,7 @@ _DRAWN = 60  # times of a curve that are kept for the figures
 
 
 def tasks(seed: int) -> list[Task]:
-    """A task for each of the notes' four figures.
+    """A task for each of the notes' four figures, and one for k-means++.
 
     Args:
         seed: of the demonstrations and of all starts.
@@ -49,10 +50,7 @@ def combination(seed: int) -> list[Row]:
     times, y = demonstrations(seed)[0][:, [0, 2]].T
     phase = np.exp(-_DECAY * times / times[-1])
     centres = np.exp(-_DECAY * np.arange(_KERNELS) / (_KERNELS - 1))
-    gaps = np.diff(centres) ** 2
-    widths = np.log(2.0) / np.append(gaps, gaps[-1])  # neighbours overlap at a half
-    kernels = np.exp(-widths * (phase[:, None] - centres) ** 2)
-    shares = kernels / kernels.sum(axis=1, keepdims=True)
+    shares = shares_of(phase, centres, overlapping(centres, 0.5))
     weights = np.linalg.lstsq(shares, y, rcond=None)[0]
     at = np.linspace(0, len(times) - 1, _DRAWN).astype(int)
     return [
@@ -126,6 +124,7 @@ def regression(seed: int) -> list[Row]:
         {
             "study": "regression",
             "likelihoods": likelihoods,
+            "least_ratio": float(np.divide(likelihoods[1:], likelihoods[:-1]).min()),
             "least_gain": float(np.diff(likelihoods).min()),
             "error_m": float(np.linalg.norm(made - true_mean, axis=1).max()),
             "times": times.tolist(),

@@ -56,6 +56,7 @@ def lines(rows: list[Row]) -> list[Row]:
     for row in selected(rows, study="regression"):
         found += [
             ("regression", "EM", "least_gain", row["least_gain"]),
+            ("regression", "EM", "least_ratio", row["least_ratio"]),
             ("regression", "GMR", "error_m", row["error_m"]),
         ]
     names = ("study", "what", "measure", "value")

@@ -2,9 +2,9 @@
 
 They concern Runge's function on evenly spaced and on Chebyshev nodes, a rotation by Euler angles
 and by slerp, the bang-bang law and its discrete-time form in the phase plane, and minimum jerk
-compared with other curves through the same points. Of chapter 4 (`generalization`): a curve as a
-sum of Gaussians, the steps of k-means, EM and the regression. In addition, random splines are
-retimed.
+compared with other curves through the same points. `interpolation` has more of chapter 2. Of
+chapter 4: the weights of a DMP (`forces`), a curve as a sum of Gaussians, the steps of k-means, EM
+and the regression (`generalization`). In addition, random splines are retimed.
 """
 
 from __future__ import annotations
@@ -20,12 +20,15 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
 from leadthrough.timing import check_limits, retime
 from leadthrough_studies.study import Row, Study, Task
-from leadthrough_studies.trajectories import generalization
+from leadthrough_studies.trajectories import forces, generalization, interpolation
 from leadthrough_studies.trajectories.report import report
 
 _FINE = 2001
 # The example of the notes: a quarter turn about z, then one about the new x.
 _TURN = (np.pi / 2, 0.0, np.pi / 2)
+_DRAWN = 60  # orientations of a turn that are kept for the figure
+# Positions and speeds: at rest, one far enough to cruise; then moving to and from the target.
+_STARTS = ((-0.4, 0.0), (0.7, 0.0), (-2.5, 0.0), (-1.0, 0.8), (-0.7, -0.8), (1.5, 0.9))
 
 
 @dataclass(frozen=True)
@@ -57,9 +60,11 @@ def tasks(config: TrajectoriesConfig) -> list[Task]:
     return [
         *(Task(runge, {"nodes": count}) for count in config.nodes),
         Task(turning, {}),
-        *(Task(phase_plane, {"start": x, "period": config.period}) for x in (-1.0, -0.4, 0.7)),
+        *(Task(phase_plane, {"start": x, "speed": v, "period": config.period}) for x, v in _STARTS),
         Task(jerks, {"seed": config.seed}),
         *(Task(retimed, {"seed": config.seed + i}) for i in range(config.splines)),
+        *interpolation.tasks(config.nodes, config.seed),
+        *forces.tasks(config.seed),
         *generalization.tasks(config.seed),
     ]
 
@@ -83,9 +88,9 @@ def turning() -> list[Row]:
     by_angles = rotations.from_euler(np.outer(t, _TURN), convention="ZYX")
     slerp = tr.Slerp(t[[0, -1]], by_angles[[0, -1]])
     rows = []
-    for name, rates in (
-        ("Euler angles", rotations.angular_velocity(t, by_angles)),
-        ("slerp", slerp.evaluate(t, 1)),
+    for name, turned, rates in (
+        ("Euler angles", by_angles, rotations.angular_velocity(t, by_angles)),
+        ("slerp", slerp.evaluate(t), slerp.evaluate(t, 1)),
     ):
         speeds = np.linalg.norm(rates, axis=1)
         strays = np.arccos(np.clip(rates @ rates[0] / (speeds * speeds[0]), -1.0, 1.0))
@@ -96,16 +101,18 @@ def turning() -> list[Row]:
                 "way": name,
                 "angle_rad": angle,
                 "axis_strays_rad": float(strays.max()),
+                "matrices": rotations.to_matrix(turned[:: _FINE // _DRAWN]).tolist(),
             }
         )
     return rows
 
 
-def phase_plane(start: float, period: float) -> list[Row]:
+def phase_plane(start: float, speed: float, period: float) -> list[Row]:
     """The motion to rest at zero by the sampled bang-bang law and by the filter."""
+    state = tr.FilterState(np.array([start]), np.array([speed]), np.zeros(1))
     return [
-        _descent("bang-bang", start, period, _bang_bang),
-        _descent("filter", start, period, tr.TimeOptimalFilter(1.0, 1.0).step),
+        _descent("bang-bang", state, period, _bang_bang),
+        _descent("filter", state, period, tr.TimeOptimalFilter(1.0, 1.0).step),
     ]
 
 
@@ -151,9 +158,9 @@ def _cost(
     return float(np.sum(720.0 * lengths / np.diff(times) ** 5))
 
 
-def _descent(name: str, start: float, period: float, step: Any) -> Row:
-    state = tr.FilterState.at_rest([start])
-    states = [(start, 0.0)]
+def _descent(name: str, state: tr.FilterState, period: float, step: Any) -> Row:
+    start = float(state.position[0])
+    states = [(start, float(state.velocity[0]))]
     for _ in range(int(6.0 / period)):
         state = step(state, [0.0], period)
         states.append((float(state.position[0]), float(state.velocity[0])))
