@@ -28,8 +28,8 @@ def weights(seed: int) -> list[Row]:
     """Weights of eq. 4.10, each alone, beside those that minimise eq. 4.8, together.
 
     Of a minimum-jerk motion of one second through random points, at rest at both ends, with the
-    widths of eq. 4.6 and with those of `lt.DMP`. Errors of the force are root mean squares over its
-    largest value, those of the replayed motion over its extent.
+    widths of eq. 4.6 and with the default ones of `lt.DMP`. Errors of the force are root mean
+    squares over its largest value, those of the replayed motion over its extent.
     """
     t = np.linspace(0.0, 1.0, _SAMPLES)
     points = np.append(0.0, np.random.default_rng(seed).normal(size=3) + 1.0)

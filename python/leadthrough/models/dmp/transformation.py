@@ -39,7 +39,7 @@ MAX_WEIGHTS = 1000
 # A force is tabulated at this many evenly spaced phases per weight, and is linear between them.
 _INTERVALS_PER_WEIGHT = 20
 # Value of a kernel at its neighbour's centre; 1 at its own.
-_OVERLAP = 0.8
+OVERLAP = 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,11 +99,12 @@ class TransformationSystem(ShortRepr):
     form: str  # one of FORMS, or RHYTHMIC
     weights: Float64Array  # (weights, channels)
     ends: Ends  # as demonstrated
+    overlap: float = OVERLAP  # of the kernels
 
     @property
     def kernels(self) -> Kernels:
         """The kernels that the weights belong to."""
-        return kernels_of(self.form, len(self.weights))
+        return kernels_of(self.form, len(self.weights), self.overlap)
 
     @cached_property
     def forces(self) -> core.DmpForces:
@@ -117,7 +118,8 @@ class TransformationSystem(ShortRepr):
 
     def arrays(self) -> dict[str, Float64Array]:
         """Its arrays by name, for a file."""
-        return {"weights": self.weights, **vars(self.ends)}
+        overlap = np.array([self.overlap])
+        return {"weights": self.weights, **vars(self.ends), "overlap": overlap}
 
     @staticmethod
     def from_arrays(form: str, weights: int, arrays: Mapping[str, Any]) -> TransformationSystem:
@@ -127,16 +129,17 @@ class TransformationSystem(ShortRepr):
             check.frozen(arrays[field.name], field.name, shape=(known.shape[1],))
             for field in fields(Ends)
         ]
-        return TransformationSystem(form, known, Ends(*ends))
+        overlap = check.frozen(arrays.get("overlap", [OVERLAP]), "overlap", shape=(1,))
+        return TransformationSystem(form, known, Ends(*ends), float(overlap[0]))
 
 
-def kernels_of(form: str, weights: int) -> Kernels:
+def kernels_of(form: str, weights: int, overlap: float = OVERLAP) -> Kernels:
     """The kernels of a form for a number of weights."""
-    return von_mises_kernels(weights) if form == RHYTHMIC else gaussian_kernels(weights)
+    return von_mises_kernels(weights) if form == RHYTHMIC else gaussian_kernels(weights, overlap)
 
 
 @lru_cache(maxsize=8)
-def gaussian_kernels(weights: int) -> Kernels:
+def gaussian_kernels(weights: int, overlap: float) -> Kernels:
     """Gaussian kernels in the canonical state x, whose regressor is x / c_i.
 
     The centres c_i = exp(-DECAY i / (weights - 1)) are evenly spaced in time; the widths follow
@@ -144,7 +147,7 @@ def gaussian_kernels(weights: int) -> Kernels:
     """
     centres = _canonical_state(np.linspace(0.0, 1.0, weights))
     gaps = -np.diff(centres)
-    inverse_widths = -np.log(_OVERLAP) / np.append(gaps, gaps[-1]) ** 2
+    inverse_widths = -np.log(overlap) / np.append(gaps, gaps[-1]) ** 2
     phases = _node_phases(weights)
     x = _canonical_state(phases)
     kernels = np.exp(-inverse_widths * (x[:, None] - centres) ** 2)
@@ -155,7 +158,7 @@ def gaussian_kernels(weights: int) -> Kernels:
 def von_mises_kernels(weights: int) -> Kernels:
     """Von Mises kernels, evenly spaced, whose regressor is 1."""
     phases = _node_phases(weights)
-    width = -np.log(_OVERLAP) / (1.0 - np.cos(2.0 * np.pi / weights))
+    width = -np.log(OVERLAP) / (1.0 - np.cos(2.0 * np.pi / weights))
     angles = 2.0 * np.pi * (phases[:, None] - np.arange(weights) / weights)
     kernels = np.exp(width * (np.cos(angles) - 1.0))
     return Kernels(phases, kernels, np.ones_like(kernels), np.zeros_like(phases), rhythmic=True)

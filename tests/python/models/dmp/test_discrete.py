@@ -59,7 +59,7 @@ def test_a_goal_that_moves_after_the_end_is_approached_without_haste():
     assert fastest <= 1.875 * 0.1 / (0.3 * SKILL.duration) * 1.01
 
 
-@pytest.mark.parametrize(("regression", "error"), [("ridge", 1e-5), ("lwr", 1e-2)])
+@pytest.mark.parametrize(("regression", "error"), [("ridge", 1e-5), ("lwr", 2.5e-3)])
 def test_fits_of_the_literature_come_close(regression, error):
     made = fitted(regression=regression).generate(dt=2.0 / 399)
     np.testing.assert_allclose(made.positions, hook().positions, atol=error)

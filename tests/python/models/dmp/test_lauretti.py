@@ -36,7 +36,7 @@ def literal(skill, phases):
     ends, weights = skill.system.ends, skill.system.weights
     centres = np.exp(-DECAY * np.linspace(0.0, 1.0, len(weights)))
     gaps = -np.diff(centres)
-    sharpness = -np.log(0.8) / np.append(gaps, gaps[-1]) ** 2
+    sharpness = -np.log(0.4) / np.append(gaps, gaps[-1]) ** 2
 
     def rates(u, y):
         x = np.exp(-DECAY * u)

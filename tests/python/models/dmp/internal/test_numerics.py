@@ -30,7 +30,7 @@ def test_running_means_have_the_bits_of_scipys(size, mode):
 
 
 def test_kernels_sum_to_their_regressor():
-    for basis in (gaussian_kernels(12), von_mises_kernels(12)):
+    for basis in (gaussian_kernels(12, 0.8), von_mises_kernels(12)):
         share = basis.values / basis.values.sum(axis=1, keepdims=True)
         np.testing.assert_allclose(share.sum(axis=1), 1.0, atol=1e-12)
     np.testing.assert_allclose(
