@@ -40,6 +40,7 @@ not improve the means.)
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 from typing import Any
 
@@ -47,11 +48,20 @@ import numpy as np
 from scipy.stats import wilcoxon
 
 from leadthrough_studies import physics
-from leadthrough_studies.agriculture import figures, measures, recordings, skills, tasks
+from leadthrough_studies.agriculture import (
+    figures,
+    measures,
+    persons,
+    printed,
+    recordings,
+    skills,
+    tasks,
+)
 from leadthrough_studies.agriculture.paper import BELOW_40, PRINTED, SIGNIFICANT
 from leadthrough_studies.study import Report, Row, selected
 
 _ALL = "all"
+_DRAWN = "4-4"  # the subtask of the paper's figures 8 to 10
 _POWER = (
     "A signed-rank test on n pairs cannot give a p below 2 / 2^n, and Bonferroni's correction "
     "multiplies it by the {count} comparisons: at least {needed} pairs are needed for p < {level}, "
@@ -83,11 +93,7 @@ def report(config: Any, rows: list[Row]) -> Report:
             "details": [_details(_of(subtasks, *line), *line) for line in lines],
             "wilcoxon": tests,
             "wilcoxon_can_show": _power(tests) if tests else "",
-            "lookups": [
-                _looked_up(selected(rows, lookup=lookup), planner, lookup)
-                for planner in config.planners
-                for lookup in skills.LOOKUPS
-            ],
+            "lookups": _lookups(rows, config.planners),
             "recordings": [
                 _recorded(replayed, planner, weights)
                 for planner in config.planners
@@ -96,8 +102,46 @@ def report(config: Any, rows: list[Row]) -> Report:
             if replayed
             else "no recordings were given",
         },
+        tables=_tables(rows, tests, config.planners),
     )
     return _with_physics(told, wholes)
+
+
+def _tables(rows: list[Row], tests: list[Row], planners: Sequence[str]) -> dict[str, list[Row]]:
+    maps = [
+        {name: row[name] for name in ("formula", "angle_deg", "error")}
+        for row in selected(rows, study="maps")
+    ]
+    tables = {
+        "persons": persons.table(selected(rows, study="persons")),
+        "kernels": printed.kernels_table(selected(rows, study="kernels")),
+        "maps": maps,
+        "wilcoxon": tests,
+        "lookups": _lookups(rows, planners),
+        "subtasks": _of_subtask(selected(rows, study="subtasks", subtask=_DRAWN), planners),
+    }
+    return {name: lines for name, lines in tables.items() if lines}
+
+
+def _lookups(rows: list[Row], planners: Sequence[str]) -> list[Row]:
+    """Between the targets, by planner and look-up; nothing where none was run."""
+    lines = [
+        _looked_up(selected(rows, lookup=lookup), planner, lookup)
+        for planner in planners
+        for lookup in skills.LOOKUPS
+    ]
+    return [line for line in lines if line["whole_tasks"]]
+
+
+def _of_subtask(rows: list[Row], planners: Sequence[str]) -> list[Row]:
+    """Subtask 4-4, of the paper's figures 8 to 10, by planner."""
+    names = ("fastest_deg_s", "largest_deg", "farthest_from_goal_deg")
+    return [
+        {"planner": planner, "trials": len(own), "sr_mod_percent": _percent(own, "succeeded")}
+        | {name: float(np.median(_values(own, name))) for name in names if _values(own, name)}
+        for planner in planners
+        if (own := selected(rows, planner=planner))
+    ]
 
 
 def _with_physics(told: Report, wholes: list[Row]) -> Report:

@@ -20,11 +20,12 @@ from leadthrough.errors import FitError
 from leadthrough.models import DMP, DMPSkill, SkillLibrary
 from leadthrough.motion import Demonstration, Event, JointTrajectory, PoseTrajectory
 from leadthrough.preprocess import join
-from leadthrough_studies.agriculture.tasks import TASKS, Subtask, postures, targets
+from leadthrough_studies.agriculture.tasks import CHOSEN, TASKS, Holding, Subtask, postures, targets
 from leadthrough_studies.demonstrator import JointTeaching, guide_joints
 
 DURATION = 10.0  # s per subtask, as in the paper
 STEP = 0.02  # s
+PLANNED_STEP = 0.01  # s, step of the motions whose planning is timed: 1000 steps
 LOOKUPS = ("nearest", "interpolated")
 
 
@@ -100,6 +101,7 @@ def show(
     *,
     seed: int,
     target: Float64Array | None = None,
+    holding: Holding = CHOSEN,
 ) -> Shown:
     """The simulated person's demonstration of a subtask; the same for every planner.
 
@@ -110,9 +112,11 @@ def show(
         i: number of the target.
         seed: seed of the simulated person.
         target: another position (3,), m, instead of the one of target i.
+        holding: how the person holds the arm.
     """
     place = [list(TASKS).index(task), TASKS[task].index(subtask), i]
-    stops = postures(arm, task, subtask, targets(task)[i] if target is None else target)
+    at = targets(task)[i] if target is None else target
+    stops = postures(arm, task, subtask, at, holding)
     joints = guide_joints(stops, JointTeaching(), np.random.default_rng([seed, *place])).motion
     assert isinstance(joints, JointTrajectory)
     if subtask.gripper:

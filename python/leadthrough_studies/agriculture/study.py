@@ -31,13 +31,14 @@ from leadthrough.motion import Demonstration, JointTrajectory, PoseTrajectory
 from leadthrough.shapes import Scene
 from leadthrough.shapes.scene import PLANNING_TOLERANCE
 from leadthrough.timing import check_limits, keep_timing
-from leadthrough_studies.agriculture import recordings
+from leadthrough_studies.agriculture import persons, printed, recordings
 from leadthrough_studies.agriculture.measures import at_phases, gaps, judged
 from leadthrough_studies.agriculture.planners import PLANNERS, planner_of
 from leadthrough_studies.agriculture.report import report
 from leadthrough_studies.agriculture.skills import (
     DURATION,
     LOOKUPS,
+    PLANNED_STEP,
     STEP,
     Learned,
     Shown,
@@ -57,7 +58,6 @@ from leadthrough_studies.agriculture.tasks import (
 )
 from leadthrough_studies.study import Row, Study, Task, cpu_time
 
-_PLANNED_STEP = 0.01  # s, step of the motions whose planning is timed: 1000 steps
 _CLEARANCE = 1e-3  # m, tolerance of the check between samples
 _DRAWN = "4-4"  # the subtask of the paper's figures 8 to 10
 _DRAWN_SAMPLES = 201
@@ -76,6 +76,7 @@ class AgricultureConfig:
         between: whether to also run tasks for positions between four targets.
         recordings: folder with panda_execution/*.csv; empty for none.
         seed: seed of the simulated person.
+        persons: how many persons, from that seed on, repeat the trials without the arm.
     """
 
     tasks: tuple[str, ...] = tuple(TASKS)
@@ -84,17 +85,18 @@ class AgricultureConfig:
     between: bool = True
     recordings: str = ""
     seed: int = 0
+    persons: int = 10
 
 
 def configure(quick: bool, seed: int) -> AgricultureConfig:
     """The full configuration with the recordings in LEADTHROUGH_DATA, or one task, two targets."""
     if quick:
-        return AgricultureConfig(("harvesting",), (0, 4), between=False, seed=seed)
+        return AgricultureConfig(("harvesting",), (0, 4), between=False, seed=seed, persons=2)
     return AgricultureConfig(recordings=os.environ.get("LEADTHROUGH_DATA", ""), seed=seed)
 
 
 def tasks(config: AgricultureConfig) -> list[Task]:
-    """A task for every agricultural task and planner, and for every recording."""
+    """A task for every agricultural task and planner, every recording and every person."""
     common = {"repetitions": list(config.repetitions), "seed": config.seed}
     return [
         *(
@@ -103,6 +105,23 @@ def tasks(config: AgricultureConfig) -> list[Task]:
             for planner in config.planners
         ),
         *recordings.tasks(config.recordings, config.planners),
+        *_of_persons(config),
+    ]
+
+
+def _of_persons(config: AgricultureConfig) -> list[Task]:
+    """Tasks of the parts without the arm, and of formulas as printed."""
+    trials = {"tasks": list(config.tasks), "repetitions": list(config.repetitions)}
+    planners = {"planners": list(config.planners)}
+    seeds = range(config.seed, config.seed + config.persons)
+    return [
+        *(
+            Task(persons.of_seed, {"postures": name, **trials, **planners, "seed": k})
+            for name in persons.POSTURES
+            for k in seeds
+        ),
+        *(Task(printed.of_kernels, {**trials, "seed": k}) for k in seeds),
+        *(Task(printed.of_maps, {"angle_deg": angle}) for angle in printed.ANGLES),
     ]
 
 
@@ -160,7 +179,7 @@ def _reproduced(arm: Arm, learned: Learned, subtask: Subtask, i: int) -> Row:
     row = judged(made, shown.poses) | on_arm
     row |= {
         "fit_cpu_s": cpu_time(lambda: learned.model.fit([Demonstration(shown.poses)])),
-        "plan_cpu_s": cpu_time(lambda: skill.generate(duration=DURATION, dt=_PLANNED_STEP)),
+        "plan_cpu_s": cpu_time(lambda: skill.generate(duration=DURATION, dt=PLANNED_STEP)),
     }
     return row | ({"course": _course(made, shown)} if subtask.number == _DRAWN else {})
 

@@ -18,7 +18,7 @@ Lauretti et al. 2023, section 2.2, name the subtasks and the first target; the r
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -130,6 +130,30 @@ TASKS: dict[str, tuple[Subtask, ...]] = {
 }
 
 
+@dataclass(frozen=True)
+class Holding:
+    """How a person holds the arm, beside the postures here.
+
+    Attributes:
+        offsets: rad, added to the joints (7,) of a posture, by its name; at targets by the task's.
+        turn: factor of the tool's rotations.
+    """
+
+    offsets: Mapping[str, Float64Array] = field(default_factory=dict)
+    turn: float = 1.0
+
+
+CHOSEN = Holding()
+_OFFSET = 0.3  # rad, standard deviation of each joint
+_TURNS = (0.7, 1.3)
+
+
+def drawn(rng: np.random.Generator) -> Holding:
+    """A person's own way of holding the arm: the same in all subtasks and repetitions."""
+    names = [*POSTURES, *_AT_TARGET]
+    return Holding({name: rng.normal(0.0, _OFFSET, 7) for name in names}, rng.uniform(*_TURNS))
+
+
 def load_arm() -> Arm:
     """The seven joints of the arm, with the hand."""
     hand = Capsule(0.04, 0.06, np.array([0.0, 0.0, -0.1]))
@@ -158,7 +182,9 @@ def amid(task: str, i: int) -> Float64Array:
     return np.asarray(targets(task)[[i, i + 1, i + 3, i + 4]].mean(axis=0))
 
 
-def postures(arm: Arm, task: str, subtask: Subtask, target: Float64Array) -> Float64Array:
+def postures(
+    arm: Arm, task: str, subtask: Subtask, target: Float64Array, holding: Holding = CHOSEN
+) -> Float64Array:
     """The postures (n, joints) through which the arm is guided in a subtask.
 
     Args:
@@ -166,23 +192,29 @@ def postures(arm: Arm, task: str, subtask: Subtask, target: Float64Array) -> Flo
         task: name of the task.
         subtask: the subtask.
         target: position (3,), m.
+        holding: how the person holds the arm.
 
     Raises:
         RuntimeError: if the arm does not reach the target.
     """
-    return np.array([_posture(arm, task, stop, target) for stop in subtask.stops])
+    return np.array([_posture(arm, task, stop, target, holding) for stop in subtask.stops])
 
 
-def _posture(arm: Arm, task: str, stop: Stop, target: Float64Array) -> Float64Array:
+def _posture(
+    arm: Arm, task: str, stop: Stop, target: Float64Array, holding: Holding
+) -> Float64Array:
+    limits = arm.limits.lower, arm.limits.upper
     if isinstance(stop, Turned):
-        turned = _posture(arm, task, stop.posture, target)
+        turned = _posture(arm, task, stop.posture, target, holding)
         for joint, turn in stop.turns.items():
-            turned[joint - 1] += turn
-        return turned
+            turned[joint - 1] += holding.turn * turn
+        return np.clip(turned, *limits)
+    offset = holding.offsets.get(stop if stop in POSTURES else task, 0.0)
+    held = POSTURES.get(stop, _AT_TARGET[task])
+    posture = np.clip(np.array(held) + offset, *limits)
     if stop in POSTURES:
-        return np.array(POSTURES[stop])
-    seed = np.array(_AT_TARGET[task])
-    found = arm.inverse_kinematics(target, q0=seed)
+        return posture
+    found = arm.inverse_kinematics(target, q0=posture)
     if stop == "above":
         found = arm.inverse_kinematics(target + _ABOVE, q0=found.q)
     if not found.success:

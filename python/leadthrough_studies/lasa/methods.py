@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from leadthrough.check import Float64Array
-from leadthrough.models import GMR, FastMarching, ProMP
+from leadthrough.models import GMR, FastMarching, ProMP, model_entry
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.preprocess.resample import arc_length
 
@@ -89,3 +89,20 @@ METHODS: dict[str, Method] = {
     "GMR": generated_by(GMR(components=8)),
     "nearest demonstration, shifted": nearest_shifted,
 }
+
+# The paper's rivals by their names in the registry, with settings in the middle of those among
+# which the comparison chooses. They learn from all demonstrations, as in the paper's Table 2.
+SYSTEMS: dict[str, tuple[str, dict[str, int]]] = {
+    "SEDS": ("seds", {"components": 6}),
+    "CLF-DM": ("clf-dm", {"components": 8}),
+    "FSM-DM": ("fsm-dm", {"units": 25}),
+    "UMIC": ("umic", {"kernels": 50}),
+    "Modified DS": ("modified-ds", {"units": 100}),
+}
+
+
+def system(name: str) -> _Model:
+    """The model of a name in SYSTEMS."""
+    entry, settings = SYSTEMS[name]
+    made: _Model = model_entry(entry).load()(**settings)
+    return made

@@ -47,13 +47,25 @@ def report(config: Any, rows: list[Row]) -> Report:
     if selected(rows, study="sweep"):
         figures["saturation"] = _saturation_figure(config, rows)
     return Report(
-        table=[*_comparison(config, compared), *_auto_learning(config, rows), *_quoted()],
+        table=[
+            *_comparison(config, compared),
+            *_systems(config, rows),
+            *_auto_learning(config, rows),
+            *_quoted(),
+        ],
         figures=figures,
         summary={
             "remark": REMARK,
             "ranking": {name: ranking(config, compared, name) for name in config.methods},
             "saturation": _sweep(config, rows),
+        },
+        tables={
+            "saturation": _sweep(config, rows),
             "auto_learning": _learning(config, rows),
+            "characteristics": [
+                {name: value for name, value in row.items() if name != "study"}
+                for row in selected(rows, study="characteristics")
+            ],
         },
     )
 
@@ -84,6 +96,13 @@ def _comparison(config: Any, rows: Sequence[Row]) -> list[Row]:
         _line(protocol, method, selected(rows, protocol=protocol, method=method))
         for protocol in config.protocols
         for method in config.methods
+    ]
+
+
+def _systems(config: Any, rows: Sequence[Row]) -> list[Row]:
+    found = selected(rows, study="systems")
+    return [
+        _line("IN", name, own) for name in config.systems if (own := selected(found, method=name))
     ]
 
 

@@ -20,7 +20,15 @@ from leadthrough.models import FastMarchingSkill
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough_studies import metrics
-from leadthrough_studies.lasa.methods import HEADLINE, METHODS, SETTINGS, generated_by
+from leadthrough_studies.lasa import characteristics
+from leadthrough_studies.lasa.methods import (
+    HEADLINE,
+    METHODS,
+    SETTINGS,
+    SYSTEMS,
+    generated_by,
+    system,
+)
 from leadthrough_studies.lasa.report import report
 from leadthrough_studies.study import Row, Study, Task
 
@@ -40,6 +48,7 @@ class LasaConfig:
         methods: keys of METHODS.
         protocols: keys of PROTOCOLS.
         saturations: saturations of the sweep, each in (0, 1].
+        systems: keys of SYSTEMS.
         settings: keys of SETTINGS, for the sweep and for auto-learning.
         threshold: value of kappa below which auto-learning adds a path.
         seed: seed for the choice of demonstrations where not all others are learned.
@@ -49,6 +58,7 @@ class LasaConfig:
     methods: tuple[str, ...] = tuple(METHODS)
     protocols: tuple[str, ...] = tuple(PROTOCOLS)
     saturations: tuple[float, ...] = (0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0)
+    systems: tuple[str, ...] = tuple(SYSTEMS)
     settings: tuple[str, ...] = tuple(SETTINGS)
     threshold: float = 0.6
     seed: int = 0
@@ -57,7 +67,9 @@ class LasaConfig:
 def configure(quick: bool, seed: int) -> LasaConfig:
     """The configuration with all 30 motions, or with four of them and fewer saturations."""
     if quick:
-        return LasaConfig(QUICK_MOTIONS, saturations=(0.1, 0.5, 1.0), seed=seed)
+        return LasaConfig(
+            QUICK_MOTIONS, saturations=(0.1, 0.5, 1.0), systems=("Modified DS",), seed=seed
+        )
     return LasaConfig(tuple(lasa.motions()), seed=seed)
 
 
@@ -72,6 +84,15 @@ def tasks(config: LasaConfig) -> list[Task]:
             for protocol in config.protocols
             for method in config.methods
             for motion in config.motions
+        ),
+        *(
+            Task(left_in, {"motion": motion, "method": name})
+            for name in config.systems
+            for motion in config.motions
+        ),
+        *(
+            Task(characteristics.of_system, {"method": name, "seed": config.seed})
+            for name in config.systems
         ),
         *(
             Task(sweep, {"motion": motion, "setting": setting, "saturation": saturation})
@@ -98,6 +119,17 @@ def compare(*, motion: str, protocol: str, method: str, seed: int) -> list[Row]:
             row["path"] = by_arc_length(made.positions, _DRAWN).round(2).tolist()
         rows.append(row)
     return rows
+
+
+def left_in(*, motion: str, method: str) -> list[Row]:
+    """A row for every demonstration, by a system that has learned all of them."""
+    shown = lasa.load(motion)
+    skill = system(method).fit(shown)
+    labels = {"study": "systems", "protocol": "IN", "method": method, "motion": motion}
+    return [
+        {**labels, "tested": i, **error_columns(tested, skill.generate(start=tested.positions[0]))}
+        for i, tested in enumerate(each.motion for each in shown)
+    ]
 
 
 def sweep(*, motion: str, setting: str, saturation: float) -> list[Row]:

@@ -14,9 +14,28 @@ from leadthrough.timing import retime
 from leadthrough_studies import physics
 from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.study import Report, Row, selected
-from leadthrough_studies.ur3 import setups
+from leadthrough_studies.ur3 import setups, statements
+from leadthrough_studies.ur3.statements import over_persons
 
 _NOT_IN_THE_TABLE = ("study", "path", "joints")
+_OVER_PERSONS = (
+    "kappa",
+    "kappa_before_rescaling",
+    "kappa_with_obstacles",
+    "length_m",
+    "box_distance_m",
+    "tip_left_path_m",
+    "arm_self_distance_m",
+    "quantised_end_error_m",
+)
+_LEFT = 1e-3  # m, beyond which the tip counts as having left its path
+_EXTREMES = {
+    "goal_error_m": max,
+    "quantised_end_error_m": max,
+    "tip_left_path_m": max,
+    "arm_distance_m": min,
+    "arm_self_distance_m": min,
+}
 
 
 def report(config: Any, rows: list[Row]) -> Report:
@@ -28,7 +47,7 @@ def report(config: Any, rows: list[Row]) -> Report:
     if experiments:
         figures["experiments"] = _scenes_figure(config, experiments)
     if swept:
-        figures["sweep"] = _sweep_figure(config, swept)
+        figures["sweep"] = _sweep_figure(config, selected(swept, seed=config.seed))
     if taught:
         figures["teaching"] = _teaching_figure(taught)
     told = Report(
@@ -37,9 +56,11 @@ def report(config: Any, rows: list[Row]) -> Report:
         summary={
             "assumptions": setups.__doc__,
             "teaching": [_without(row, "study") for row in taught],
-            "seeds": [
-                _spread(selected(repeated, setup=n)) for n in sorted({r["setup"] for r in repeated})
-            ],
+        },
+        tables={
+            "persons": _persons(repeated),
+            "sweep": _corners(config, swept),
+            **statements.tables(rows),
         },
     )
     return _with_physics(told, experiments)
@@ -55,20 +76,36 @@ def _with_physics(told: Report, experiments: list[Row]) -> Report:
     return told
 
 
-def _spread(rows: list[Row]) -> Row:
-    """Figures of one experiment with several persons: least, mean and most if they differ."""
-    kappas = [row["kappa"] for row in rows]
-    distances = [row["arm_distance_m"] for row in rows if row["arm_ok"]]
-    return {
-        "setup": rows[0]["setup"],
-        "persons": len(rows),
-        "kappa": [min(kappas), float(np.mean(kappas)), max(kappas)],
-        "kappa_paper": rows[0]["kappa_paper"],
-        "auto_learned": sum(row["auto_learned"] for row in rows),
-        "arm_ok": sum(row["arm_ok"] for row in rows),
-        "least_arm_distance_m": min(distances, default=None),
-        "most_tip_left_path_m": max(row["tip_left_path_m"] or 0.0 for row in rows),
-    }
+def _persons(rows: list[Row]) -> list[Row]:
+    """Each experiment by either obstacle map: medians over persons, counts and extremes."""
+    keys = dict.fromkeys((row["setup"], row["obstacle_map"]) for row in rows)
+    return [_of_persons(selected(rows, setup=n, obstacle_map=name)) for n, name in keys]
+
+
+def _of_persons(rows: list[Row]) -> Row:
+    line = {name: rows[0][name] for name in ("setup", "obstacle_map", "kappa_paper")}
+    line |= {"persons": len(rows)}
+    line |= {name: sum(row[name] for row in rows) for name in ("auto_learned", "arm_ok")}
+    line["tip_left"] = sum((row["tip_left_path_m"] or 0.0) > _LEFT for row in rows)
+    for name in _OVER_PERSONS:
+        line |= over_persons(rows, name)
+    for name, chosen in _EXTREMES.items():
+        values = [row[name] for row in rows if row[name] is not None]
+        line[f"{chosen.__name__}_{name}"] = chosen(values, default=None)
+    return line
+
+
+def _corners(config: Any, rows: list[Row]) -> list[Row]:
+    """Distance of the first experiment's paths from the demonstrations, over persons."""
+    own = selected(rows, setup=1)
+    keys = dict.fromkeys((row["saturation"], row["area_of_influence"]) for row in own)
+    lines = []
+    for saturation, area in keys:
+        these = selected(own, saturation=saturation, area_of_influence=area)
+        labels = {"saturation": saturation, "area_of_influence": area, "persons": len(these)}
+        if len(these) == config.seeds:
+            lines.append({**labels, **over_persons(these, "off_demonstrations_m")})
+    return lines
 
 
 def _without(row: Row, *columns: str) -> Row:

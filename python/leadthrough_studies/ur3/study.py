@@ -4,7 +4,8 @@
 cells of 1 cm, area of influence of 5 cells, saturation 0.25; paths with kappa below 0.6 are
 learned. `plan_motion` takes the whole arm along every path, 5 mm clear of the table and the box,
 continuously between samples, and clear of itself; the rows report how far the tip leaves its path
-for that. Ten seeds of the simulated person show what of this is chance.
+for that. Ten seeds of the simulated person show what of this is chance, with the product of both
+maps around obstacles and with the paper's eq. 7. `statements` measures the paper's general ones.
 
 The paper prints values of kappa below its saturation of 0.25. The mean of a map with values in
 [0.25, 1], eq. 6, cannot be that low. So the rows state three values: of the map of the raw
@@ -14,12 +15,14 @@ obstacles.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from leadthrough.check import Float64Array
-from leadthrough.models import FastMarching, FastMarchingSkill
+from leadthrough.models import FastMarchingSkill
 from leadthrough.motion import Demonstration, Trajectory
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape
@@ -27,9 +30,11 @@ from leadthrough_studies import metrics, physics
 from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.metrics import speed_along
 from leadthrough_studies.study import Row, Study, Task, cpu_time
+from leadthrough_studies.ur3 import statements
 from leadthrough_studies.ur3.on_the_arm import on_the_arm
 from leadthrough_studies.ur3.report import report
-from leadthrough_studies.ur3.setups import SETUPS, WORKSPACE, demonstrations, table
+from leadthrough_studies.ur3.setting import Setting
+from leadthrough_studies.ur3.setups import SETUPS, demonstrations, table
 
 PACES = {
     "slow": Teaching(duration=12.0, spread=0.005, bow=0.03, tremor=0.0015),
@@ -43,26 +48,6 @@ _NOT_LEARNED: Row = {"kappa_after": None, "length_after_m": None}
 
 
 @dataclass(frozen=True)
-class Setting:
-    """Parameters of Fast Marching Learning.
-
-    Attributes:
-        area_of_influence: area of influence, m.
-        saturation: saturation, in (0, 1].
-        resolution: size of a cell, m.
-    """
-
-    area_of_influence: float = 0.05
-    saturation: float = 0.25
-    resolution: float = 0.01
-
-    def model(self) -> FastMarching:
-        """Algorithm 1 with these parameters, over the whole workspace."""
-        last = WORKSPACE - self.resolution  # the centre of the last cell
-        return FastMarching(**vars(self), method="map", workspace=((0.0,) * 3, (last,) * 3))
-
-
-@dataclass(frozen=True)
 class Ur3Config:
     """The configuration of the study.
 
@@ -70,59 +55,116 @@ class Ur3Config:
         setups: numbers of experiments, keys of SETUPS.
         paces: paces of the person, keys of PACES.
         setting: parameters of the experiments.
+        maps: the obstacle maps with which each experiment is repeated.
         saturations: saturations of the sweep.
         areas_of_influence: areas of influence of the sweep, m.
         threshold: value of kappa below which a path is learned.
         seed: seed of the simulated person.
         seeds: how many persons, from that seed on, each experiment is repeated with.
+        mazes: how many random walls each of them is given.
+        resolutions: sizes of cells, m, of which the cost is measured.
     """
 
     setups: tuple[int, ...] = tuple(SETUPS)
     paces: tuple[str, ...] = tuple(PACES)
-    setting: Setting = Setting()
+    setting: Setting = field(default_factory=Setting)
+    maps: tuple[str, ...] = ("product", "minimum")
     saturations: tuple[float, ...] = (0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
     areas_of_influence: tuple[float, ...] = (0.02, 0.05, 0.1)
     threshold: float = 0.6
     seed: int = 0
     seeds: int = 10
+    mazes: int = 200
+    resolutions: tuple[float, ...] = (0.03, 0.02, 0.015, 0.01)
 
 
 def configure(quick: bool, seed: int) -> Ur3Config:
     """The full configuration, or two experiments without the sweep."""
     if quick:
-        return Ur3Config((1, 3), ("medium",), saturations=(), seed=seed, seeds=2)
+        return Ur3Config(
+            (1, 3), ("medium",), saturations=(), seed=seed, seeds=2, mazes=20, resolutions=(0.03,)
+        )
     return Ur3Config(seed=seed)
 
 
 def tasks(config: Ur3Config) -> list[Task]:
-    """A task for every experiment, every point of the sweep and every pace of the person."""
+    """A task for every experiment, point of the sweep, person, pace and statement of the paper."""
     common = {"threshold": config.threshold, "seed": config.seed}
     setting = dict(vars(config.setting))
-    sweeps = [
-        setting | {"saturation": saturation, "area_of_influence": area}
-        for saturation in config.saturations
-        for area in config.areas_of_influence
-    ]
+
+    def mapped(name: str) -> dict[str, Any]:
+        return setting | {"obstacle_map": name}
+
     return [
         *(Task(experiment, {"setup": n, "setting": setting, **common}) for n in config.setups),
+        *_sweeps(config, setting, common),
         *(
-            Task(sweep, {"setup": n, "setting": swept, **common})
+            Task(repeat, {"setup": n, "setting": mapped(name), **common, "seed": seed})
             for n in config.setups
-            for swept in sweeps
-        ),
-        *(
-            Task(repeat, {"setup": n, "setting": setting, **common, "seed": config.seed + k})
-            for n in config.setups
-            for k in range(config.seeds)
+            for name in config.maps
+            for seed in _persons(config)
         ),
         *(
             Task(teach, {"pace": pace, "setting": setting, "seed": config.seed})
             for pace in config.paces
         ),
+        *_statements(config, setting),
     ]
 
 
-def experiment(*, setup: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
+def _persons(config: Ur3Config) -> range:
+    return range(config.seed, config.seed + config.seeds)
+
+
+def _sweeps(config: Ur3Config, setting: dict[str, Any], common: dict[str, Any]) -> list[Task]:
+    """The first person's whole sweep, and its corners in the first experiment with all others."""
+    whole = [(each, area) for each in config.saturations for area in config.areas_of_influence]
+    corners = [
+        (each, area)
+        for each, area in whole
+        if each in (config.saturations[0], config.saturations[-1])
+        and area in (config.areas_of_influence[0], config.areas_of_influence[-1])
+    ]
+    wanted = [(n, config.seed, *point) for n in config.setups for point in whole]
+    wanted += [(1, seed, *point) for seed in _persons(config)[1:] for point in corners]
+    return [
+        Task(
+            sweep,
+            common
+            | {"setup": n, "seed": seed}
+            | {"setting": setting | {"saturation": saturation, "area_of_influence": area}},
+        )
+        for n, seed, saturation, area in wanted
+    ]
+
+
+def _statements(config: Ur3Config, setting: dict[str, Any]) -> list[Task]:
+    pace = dict(vars(PACES["fast"]))
+    return [
+        *(
+            Task(statements.of_person, {"setup": n, "setting": setting, "seed": seed})
+            for n in config.setups
+            for seed in _persons(config)
+        ),
+        *(
+            Task(statements.of_mazes, {"seed": seed, "count": config.mazes})
+            for seed in _persons(config)
+        ),
+        *(
+            Task(statements.of_tubes, {"pace": pace, "setting": setting, "seed": seed})
+            for seed in _persons(config)
+        ),
+        *(
+            Task(
+                statements.of_cells,
+                {"setting": setting | {"resolution": each}, "seed": config.seed},
+            )
+            for each in config.resolutions
+        ),
+    ]
+
+
+def experiment(*, setup: int, setting: dict[str, Any], threshold: float, seed: int) -> list[Row]:
     """One row: the path of an experiment, its measures, and the motion of the arm along it."""
     place = SETUPS[setup]
     shown = demonstrations(setup, Teaching(), seed)
@@ -135,22 +177,26 @@ def experiment(*, setup: int, setting: dict[str, float], threshold: float, seed:
     return [{**labels, **row, **drawn}]
 
 
-def repeat(*, setup: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
+def repeat(*, setup: int, setting: dict[str, Any], threshold: float, seed: int) -> list[Row]:
     """One row: an experiment as another person shows it, and the whole arm along its path."""
     shown = demonstrations(setup, Teaching(), seed)
     row, _, _ = _plan(setup, setting, threshold, shown)
     met, _ = on_the_arm(Setting(**setting).model(), shown, setup)
     row |= met
-    return [{"study": "seeds", "seed": seed, "kappa_paper": SETUPS[setup].kappa, **row}]
+    labels = {"obstacle_map": setting["obstacle_map"], "kappa_paper": SETUPS[setup].kappa}
+    return [{"study": "seeds", "seed": seed, **labels, **row}]
 
 
-def sweep(*, setup: int, setting: dict[str, float], threshold: float, seed: int) -> list[Row]:
+def sweep(*, setup: int, setting: dict[str, Any], threshold: float, seed: int) -> list[Row]:
     """One row: an experiment at one saturation and one area of influence."""
-    row, _, _ = _plan(setup, setting, threshold, demonstrations(setup, Teaching(), seed))
-    return [{"study": "sweep", **setting, **row}]
+    shown = demonstrations(setup, Teaching(), seed)
+    row, made, _ = _plan(setup, setting, threshold, shown)
+    known = cKDTree(np.concatenate([_motion(each).positions for each in shown]))
+    off = float(known.query(_even(made))[0].mean())
+    return [{"study": "sweep", "seed": seed, **setting, **row, "off_demonstrations_m": off}]
 
 
-def teach(*, pace: str, setting: dict[str, float], seed: int) -> list[Row]:
+def teach(*, pace: str, setting: dict[str, Any], seed: int) -> list[Row]:
     """One row: roughness of experiment 1's demonstrations at a pace, and of the path made."""
     shown = demonstrations(1, PACES[pace], seed)
     row, made, _ = _plan(1, setting, 0.0, shown)
@@ -168,7 +214,7 @@ def teach(*, pace: str, setting: dict[str, float], seed: int) -> list[Row]:
 
 
 def _plan(
-    setup: int, setting: dict[str, float], threshold: float, shown: list[Demonstration[Trajectory]]
+    setup: int, setting: dict[str, Any], threshold: float, shown: list[Demonstration[Trajectory]]
 ) -> tuple[Row, Trajectory, FastMarchingSkill[Trajectory]]:
     place, obstacles = SETUPS[setup], SETUPS[setup].obstacles()
     skill = Setting(**setting).model().fit(shown)
@@ -205,7 +251,7 @@ def _after_learning(skill: FastMarchingSkill[Trajectory], made: Trajectory, setu
     }
 
 
-def _times(setup: int, setting: dict[str, float], shown: list[Demonstration[Trajectory]]) -> Row:
+def _times(setup: int, setting: dict[str, Any], shown: list[Demonstration[Trajectory]]) -> Row:
     place, model = SETUPS[setup], Setting(**setting).model()
     skill = model.fit(shown)
 

@@ -10,18 +10,27 @@ from motions import minimum_jerk
 
 from leadthrough import PoseTrajectory, rotations
 from leadthrough.models import DMP, SkillLibrary
-from leadthrough_studies.agriculture import figures
+from leadthrough_studies.agriculture import figures, printed
 from leadthrough_studies.agriculture.measures import judged
 from leadthrough_studies.agriculture.planners import PLANNERS
 from leadthrough_studies.agriculture.recordings import replay
 from leadthrough_studies.agriculture.report import report
 from leadthrough_studies.agriculture.skills import LOOKUPS, chain, learn, show
 from leadthrough_studies.agriculture.study import STUDY, AgricultureConfig, looked_up, on_the_arm
-from leadthrough_studies.agriculture.tasks import POSTURES, TASKS, amid, floor, load_arm, targets
+from leadthrough_studies.agriculture.tasks import (
+    POSTURES,
+    TASKS,
+    amid,
+    drawn,
+    floor,
+    load_arm,
+    postures,
+    targets,
+)
 from leadthrough_studies.study import run, selected
 
 ARM = load_arm()
-CONFIG = AgricultureConfig(("harvesting",), (0,), between=False)
+CONFIG = AgricultureConfig(("harvesting",), (0,), between=False, persons=2)
 
 
 @pytest.fixture(scope="module")
@@ -258,6 +267,63 @@ def test_between_targets_interpolated_skills_are_closer_to_demonstrations_and_fe
     whole = chain(digging, amid("digging", 0), lookup="interpolated")
     row, _ = on_the_arm(ARM, whole.poses, whole.joints)
     assert row["arm_clear"]
+
+
+def test_success_is_told_with_its_interval_over_persons_and_their_postures(outcome, rows):
+    table = outcome[0].report.tables["persons"]
+    for line in table:
+        own = selected(rows, study="persons", part=line["part"], planner=line["planner"])
+        own = selected(own, postures=line["postures"])
+        percents = [row["sr_mod_percent"] for row in own]
+        assert line["persons"] == len(own) == 2
+        assert line["sr_mod_percent_median"] == pytest.approx(np.mean(percents))
+        assert [line[f"sr_mod_percent_{end}"] for end in ("low", "high")] == sorted(percents)
+        assert line["below_own_median"] == pytest.approx(100.0 - np.mean(percents))
+        same_fit = line["planner"] in ("euler", "log", "lifted")
+        assert (line["npe_gap_high"] < 1e-9) == (same_fit or line["planner"] == "anchored")
+        assert line["noe_p_median"] == 1.0 or line["planner"] != "lifted"
+    chosen = selected(table, postures="chosen", part="harvesting")
+    for planner, percent in (("euler", 50), ("log", 50), ("lifted", 100), ("lauretti", 100)):
+        (line,) = selected(chosen, planner=planner)
+        assert line["sr_mod_percent_median"] == line["without_jump_percent_median"] == percent
+    assert {line["part"] for line in table} == {"harvesting", "all", "4-4"}
+
+
+def test_postures_of_another_person_are_others_of_the_same_arm_and_meet_the_target():
+    first, second = (drawn(np.random.default_rng(seed)) for seed in (0, 1))
+    digging = TASKS["digging"][1]
+    at = targets("digging")[4]
+    made = [postures(ARM, "digging", digging, at, each) for each in (first, second)]
+    assert np.abs(made[0] - made[1]).max() > 0.1
+    for rows in made:
+        assert (rows >= ARM.limits.lower).all()
+        assert (rows <= ARM.limits.upper).all()
+        np.testing.assert_allclose(ARM.forward_kinematics(rows[2])[0], at, atol=1e-5)
+    before = postures(ARM, "digging", TASKS["digging"][0], at, first)
+    np.testing.assert_array_equal(before[-1], made[0][0])
+
+
+def test_kernels_evenly_spaced_in_time_replay_as_the_papers_planner_does(rows):
+    shown = show(ARM, "harvesting", TASKS["harvesting"][0], 0, seed=0).poses
+    (lauretti,) = planned(rows, "lauretti", subtask="4-1")
+    assert printed.replay_error(shown, "time") == pytest.approx(lauretti["npe"], rel=0.2)
+    assert printed.replay_error(shown, "phase") > 1.2 * printed.replay_error(shown, "time")
+
+
+def test_formulas_of_the_paper_hold_or_not(rows):
+    errors = {(row["formula"], row["angle_deg"]): row["error"] for row in _maps(rows)}
+    for angle in printed.ANGLES:
+        assert errors["A13", angle] < 1e-12
+        assert errors["A17", angle] < 1e-12
+    assert errors["A14", 170.0] < 1e-12
+    assert errors["A14", 180.0] > 0.01
+    for angle in (1.0, 170.0):
+        wanted = np.tan(np.radians(angle / 2.0)) - 1.0
+        assert errors["A18", angle] == pytest.approx(abs(wanted), rel=1e-6)
+
+
+def _maps(rows):
+    return selected(rows, study="maps")
 
 
 def turning(degrees, *, off=0.0):

@@ -9,7 +9,13 @@ import pytest
 
 import leadthrough as lt
 from leadthrough_studies.lasa import study
-from leadthrough_studies.lasa.methods import METHODS, nearest_shifted, paper_setting
+from leadthrough_studies.lasa.methods import (
+    METHODS,
+    SYSTEMS,
+    nearest_shifted,
+    paper_setting,
+    system,
+)
 from leadthrough_studies.lasa.report import ranking
 from leadthrough_studies.study import run, selected
 
@@ -85,6 +91,7 @@ def outcome(tmp_path_factory):
         methods=("FML", "nearest demonstration, shifted"),
         protocols=("IN", "LOO"),
         saturations=(0.1, 1.0),
+        systems=("FSM-DM", "Modified DS"),
         settings=("FML",),
     )
     out = tmp_path_factory.mktemp("lasa")
@@ -95,7 +102,32 @@ def test_every_motion_is_tested_seven_times_a_method_and_protocol(outcome):
     _, found, _ = outcome
     assert not found.failures
     counts = [row["n"] for row in found.report.table if row["protocol"] in ("IN", "LOO")]
-    assert counts == [14, 14, 14, 14]
+    assert counts == [14] * 6
+
+
+def test_systems_learn_from_all_demonstrations_and_are_told_beside_the_paper(outcome):
+    table = outcome[1].report.table
+    for name in ("FSM-DM", "Modified DS"):
+        (line,) = selected(table, protocol="IN", method=name)
+        own = selected(outcome[1].rows, study="systems", method=name)
+        assert line["SEA_mm2"] == pytest.approx(np.mean([row["SEA_mm2"] for row in own]))
+        assert line["end_error_mm"] < 1.0
+        assert selected(table, protocol="Table 2, quoted", method=name)
+
+
+def test_characteristics_of_systems_are_measured(outcome):
+    for row in outcome[1].report.tables["characteristics"]:
+        assert row["arrived"] == row["starts"] == 500
+        assert row["violations"] == 0
+        assert row["in_space"] == 1
+        assert 0 <= row["from_one"] <= row["drawings"] == 4
+    (_, modified) = outcome[1].report.tables["characteristics"]
+    assert modified["from_one"] >= 3
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_every_system_of_the_papers_table_is_known(name):
+    assert callable(system(name).fit)
 
 
 def test_table_holds_means_and_the_papers_convention(outcome):
@@ -120,6 +152,8 @@ def test_shapes_are_ranked_by_their_error_and_saturations_swept(outcome):
     assert {row["motion"] for row in ranked} == set(config.motions)
     summary = json.loads((out / "results.json").read_text())["summary"]
     assert [row["saturation"] for row in summary["saturation"]] == [0.1, 1.0]
+    (learned,) = found.report.tables["auto_learning"]
+    assert learned["paths"] == 14
     assert "not compared" in summary["remark"]
 
 
