@@ -1,16 +1,18 @@
 """Joints of two arms along the motion of an object that both hold.
 
 Each arm follows its grasp in the posture that it reaches first; if the arms are not clear, other
-postures of either are paired, then those that a search finds around the obstacles. Joints move
+postures of either are paired, then joints that a search finds around the obstacles. Joints move
 straight between two samples, and the error of the tips' relative pose grows with the square of the
 step: the errors at the middles say how many samples to add.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import product
+from functools import cached_property, partial
+from itertools import count, islice
 from typing import TypeVar
 
 import numpy as np
@@ -19,16 +21,17 @@ from numpy.typing import NDArray
 import leadthrough._core as core
 from leadthrough.arm.arm import Arm
 from leadthrough.arm.collision import check_motion
-from leadthrough.arm.following import FollowOptions
+from leadthrough.arm.following import FollowOptions, follow, reachable_start
 from leadthrough.arm.rigid_transforms import Transforms
 from leadthrough.arm.tip_path import CollisionTest
+from leadthrough.arm.tracking import guesses
 from leadthrough.check import Float64Array, IkFailure
 from leadthrough.motion import JointTrajectory, PoseTrajectory, columns_of
 from leadthrough.shapes import Scene, Shape
 
 SIDES = ("left", "right")
-# Postures of an arm that are tried, and how far apart they are, rad.
-_POSTURES, _SEPARATION = 12, 0.3
+# Postures of an arm that are tried, near to the first and to others, and how far apart, rad.
+_POSTURES, _RANDOM_POSTURES, _SEPARATION = 12, 24, 0.3
 # Samples from one to the next at which most collisions are seen.
 _COARSE = 8
 _MAX_PARTS = 64  # of a step between two samples
@@ -38,8 +41,6 @@ _ALLOWED = 0.8  # of the tolerance, at the middle between two samples
 _CHECKED = 1e-3  # m, to which the motion of a refusal is checked
 
 ShapeT = TypeVar("ShapeT", bound=Shape)
-# Joints (n, joints) of one arm along the motion of its tip.
-Tracks = list[Float64Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,44 +55,52 @@ class Side:
     scene: Scene | None  # in the arm's base frame
 
     @cached_property
-    def first(self) -> Tracks:
-        """The joints that the arm has without a scene."""
+    def first(self) -> Float64Array:
+        """The joints (n, joints) that the arm has without a scene."""
         try:
-            return [self._follow(self.q0, self.options, None)]
+            q0 = reachable_start(self.arm, self.tip, self.q0, self.options)
+            return self._follow(q0, self.options, None)
         except IkFailure as error:
             raise _of_side(self.name, error) from None
 
-    @cached_property
-    def postures(self) -> Tracks:
-        """Joints that keep near to other postures of the first sample, clear of the scene."""
-        pose = self.tip.positions[0], self.tip.orientations[0]
-        found = self.arm.inverse_kinematics_all(
-            *pose, count=_POSTURES, separation=_SEPARATION, q0=self.first[0][0]
-        )
-        tracks = self.first.copy()
-        for q in found.q:
-            tracks += self._tried(q, replace(self.options, posture=q), None)
+    def tracks(self) -> Iterator[Float64Array]:
+        """Joints (n, joints) clear of the scene at some samples, the least effort first.
+
+        Raises IkFailure if there are none.
+        """
         test = CollisionTest.of(self.arm._collision, self.scene or ())
-        return [track for track in tracks if _is_clear(test, track)]
-
-    @cached_property
-    def around(self) -> Tracks:
-        """Joints that a search finds around the obstacles, then the other postures."""
-        return self._tried(self.q0, self.options, self.scene) + self.postures
-
-    def _tried(
-        self, q0: Float64Array | None, options: FollowOptions, scene: Scene | None
-    ) -> Tracks:
+        none = True
+        for track in self._near_postures(test):
+            if _is_clear(test, track):
+                none = False
+                yield track
         try:
-            return [self._follow(q0, options, scene)]
-        except IkFailure:
-            return []
+            yield self._follow(self.q0, self.options, test)
+        except IkFailure as error:
+            if none:
+                raise _of_side(self.name, error) from None
+
+    def _near_postures(self, test: CollisionTest) -> Iterator[Float64Array]:
+        """The first joints, then those that keep near to other postures of the first sample."""
+        yield self.first
+        postures = self._postures()
+        for q, clear in zip(postures, test.clear_rows(postures), strict=True):
+            if clear:
+                with suppress(IkFailure):
+                    yield self._follow(q, replace(self.options, posture=q), None)
+
+    def _postures(self) -> Float64Array:
+        """Configurations (m, joints) of the first sample, near the first joints or random ones."""
+        pose = self.tip.positions[0], self.tip.orientations[0]
+        solve = partial(self.arm.inverse_kinematics_all, *pose, separation=_SEPARATION)
+        others = (solve(count=1, q0=q0).q for q0 in guesses(self.arm._chain)[:_RANDOM_POSTURES])
+        return np.vstack([solve(count=_POSTURES, q0=self.first[0]).q, *others])
 
     def _follow(
-        self, q0: Float64Array | None, options: FollowOptions, scene: Scene | None
+        self, q0: Float64Array | None, options: FollowOptions, around: CollisionTest | None
     ) -> Float64Array:
-        return self.arm.follow(
-            self.tip, q0=q0, on_rate_limit="exceed_limits", options=options, scene=scene
+        return follow(
+            self.arm, self.tip, q0=q0, on_rate_limit="exceed_limits", options=options, around=around
         ).positions
 
 
@@ -122,16 +131,16 @@ class Carry:
     def along(self, motion: PoseTrajectory) -> tuple[PoseTrajectory, Float64Array]:
         """The motion with the samples that the tolerance takes, and joints (n, joints) along it."""
         sides = self._sides(motion)
-        q = _stacked([side.first[0] for side in sides])
+        q = _stacked([side.first for side in sides])
         for _ in range(_MAX_ROUNDS):
             if (parts := self._parts(q)).max(initial=1) > 1:
                 motion = divided(motion, parts)
                 sides = self._sides(motion)
             q = self._clear(motion, sides)
-            if self._parts(q).max(initial=1) == 1:
+            if (parts := self._parts(q)).max(initial=1) == 1:
                 return motion, q
-        i = int(np.argmax(self._parts(q)))
-        raise _missed(motion, i, "jump", "the tips cannot keep their relative pose from there", q)
+        why = "the tips cannot keep their relative pose from there"
+        raise _missed(motion, int(np.argmax(parts)), "jump", why, q)
 
     def _sides(self, motion: PoseTrajectory) -> list[Side]:
         at = Transforms(motion.positions, motion.orientations)
@@ -162,22 +171,32 @@ class Carry:
 
     def _clear(self, motion: PoseTrajectory, sides: list[Side]) -> Float64Array:
         """Joints (n, joints) of both arms that keep clear."""
-        first = _stacked([side.first[0] for side in sides])
         if self.scene is None or self.model is None:
-            return first
+            return _stacked([side.first for side in sides])
         test = CollisionTest.of(self.model, self.scene)
-        for effort in ("first", "postures", "around"):
-            left, right = (getattr(side, effort) for side in sides)
-            for i, j in sorted(product(range(len(left)), range(len(right))), key=sum):
-                q = _stacked([left[i], right[j]])
-                if _is_clear(test, q) and test.clear_along(q):
-                    return q
+        tried: list[Float64Array] = []
+        for q in _paired(*(side.tracks() for side in sides)):
+            if _is_clear(test, q) and all(test.clear_rows(q)) and test.clear_between(q):
+                return q
+            tried = tried or [q]
         chain = self.model.chain
-        found = check_motion(self.model, chain, first, test.scene, tolerance=_CHECKED, threads=1)
+        found = check_motion(self.model, chain, tried[0], test.scene, tolerance=_CHECKED, threads=1)
         assert found.first is not None
         a, b = found.first.bodies
         why = f"{a} and {b} come {1e3 * found.first.distance:.1f} mm near, in other postures too"
-        raise _missed(motion, int(found.first.sample), "blocked", why, first)
+        raise _missed(motion, int(found.first.sample), "blocked", why, tried[0])
+
+
+def _paired(left: Iterator[Float64Array], right: Iterator[Float64Array]) -> Iterator[Float64Array]:
+    """All pairs of joints of both arms, the early ones first; none is made before it is paired."""
+    known: tuple[list[Float64Array], list[Float64Array]] = ([], [])
+    for total in count():
+        for tracks, more in zip(known, (left, right), strict=True):
+            tracks.extend(islice(more, 1))
+        if total > len(known[0]) + len(known[1]):
+            return
+        for i in range(max(0, total + 1 - len(known[1])), min(total + 1, len(known[0]))):
+            yield _stacked([known[0][i], known[1][total - i]])
 
 
 def tips_of(
@@ -218,7 +237,7 @@ def _is_clear(test: CollisionTest, q: Float64Array) -> bool:
     return all(test.clear_rows(np.ascontiguousarray(q[::_COARSE])))
 
 
-def _stacked(rows: Tracks) -> Float64Array:
+def _stacked(rows: list[Float64Array]) -> Float64Array:
     return np.ascontiguousarray(np.hstack(rows))
 
 

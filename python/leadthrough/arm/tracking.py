@@ -249,26 +249,29 @@ def _first_postures(tracker: Tracker, rates: Sequence[float]) -> list[Start]:
     stride, axes = math.ceil(len(path) / _LOOK_AHEAD), free_axes(path.free)
     step = tracker.max_step * stride
     options = core.TrackOptions(tracker.tolerance, _SAMPLE_ITERATIONS, step, axes)
+    pulls = {rate: thin.pull(rate) for rate in rates}
+    steps = np.diff(thin.times)[:, None]
     keys = []
     for i, start in enumerate(starts):
-        pull = thin.pull(start.rate)
+        pull = pulls[start.rate]
         q, *_ = core.track(chain, thin.positions, thin.orientations, start.q, *pull, options)
-        keys.append((-len(q), _cost(chain, q, thin.times, tracker.limits.velocity), i))
+        keys.append((-len(q), _cost(chain, q, steps, tracker.limits.velocity), i))
     return [starts[i] for *_, i in sorted(keys)[:_MAX_STARTS]]
 
 
 def _solutions(chain: core.Chain, path: TipPath) -> tuple[Float64Array, bool]:
-    guesses = _guesses(chain)
-    q, status, errors = solve_sample(chain, path, 0, guesses, path.options())
+    starts = guesses(chain)
+    q, status, errors = solve_sample(chain, path, 0, starts, path.options())
     if not (status == 0).any():
         return q[[np.argmin(errors)]], False
     centred, its_status, _ = solve_sample(
-        chain, path, 0, guesses[:_CENTRED_GUESSES], path.options(nullspace_gain=1.0)
+        chain, path, 0, starts[:_CENTRED_GUESSES], path.options(nullspace_gain=1.0)
     )
     return _distinct(np.vstack([q[status == 0], centred[its_status == 0]])), True
 
 
-def _guesses(chain: core.Chain) -> Float64Array:
+def guesses(chain: core.Chain) -> Float64Array:
+    """Configurations (m, joints) all over the joints' ranges, the middle first."""
     lower = np.maximum(chain.lower, -np.pi)
     upper = np.minimum(chain.upper, np.pi)
     samples = np.random.default_rng(0).uniform(0.0, 1.0, (_GUESSES - 1, len(lower)))
@@ -283,10 +286,10 @@ def _distinct(q: Float64Array) -> Float64Array:
     return distinct
 
 
-def _cost(chain: core.Chain, q: Float64Array, times: Float64Array, velocity: Float64Array) -> float:
+def _cost(chain: core.Chain, q: Float64Array, steps: Float64Array, velocity: Float64Array) -> float:
     """The largest joint speed over its limit, higher where joints come near position limits."""
     limit = np.where(np.isfinite(velocity) & (velocity > 0), velocity, 1.0)
-    speeds = np.abs(np.diff(q, axis=0)) / np.diff(times[: len(q)])[:, None] / limit
+    speeds = np.abs(np.diff(q, axis=0)) / steps[: len(q) - 1] / limit
     margin = margins(chain.lower, chain.upper, q).min()
     return float(speeds.max(initial=0.0)) * (1.0 + _NEAR_A_LIMIT / max(float(margin), 1e-9))
 

@@ -302,6 +302,68 @@ def test_other_postures_are_paired_where_the_first_ones_touch(panda):
     assert near.check(near.follow(motion, grasps, scene=[]), []).ok
 
 
+def scene_of_a_known_motion(dual, rng):
+    """A carry, the grasps, and five boxes of which a motion in random postures keeps clear."""
+    gap = -dual.base[0][1]
+    while True:
+        low, high = [0.3, -gap / 2 - 0.15, 0.15], [0.6, -gap / 2 + 0.15, 0.55]
+        ends = rng.uniform(low, high, (2, 3))
+        s = carry().positions[:, 2, None] * 4.0 - 1.2  # from 0 to 1
+        turns = rotations.exp(s * rng.uniform(-0.3, 0.3, 3))
+        motion = lt.PoseTrajectory(carry().times, ends[0] + s * (ends[1] - ends[0]), turns)
+        width, spin, tilt = rng.uniform([0.1, 0.0, 0.0], [0.2, 2 * np.pi, 0.6])
+        grasps = tuple(((0.0, side * width, 0.0), hand(-side * tilt, spin)) for side in (1.0, -1.0))
+        posture = rng.uniform(dual.limits.lower, dual.limits.upper)
+        options = lt.arm.FollowOptions(posture=posture)
+        try:
+            known = dual.follow(motion, grasps, q0=posture, options=options)
+        except IkFailure:
+            continue
+        if dual.is_clear(known, lt.Scene(margin=0.01)):
+            return motion, grasps, boxes_beside(dual, known, rng)
+
+
+def hand(tilt, spin):
+    return rotations.compose(
+        rotations.compose(rotations.exp([[tilt, 0.0, 0.0]]), [DOWN]),
+        rotations.exp([[0.0, 0.0, spin]]),
+    )[0]
+
+
+def boxes_beside(dual, known, rng):
+    """Five boxes at most 5 cm or so beside a motion, and at least 1 cm."""
+    boxes, gap = [], -dual.base[0][1]
+    while len(boxes) < 5:
+        center = rng.uniform([-0.4, -gap - 0.5, 0.05], [0.9, 0.5, 1.0])
+        size, turn = rng.uniform(0.1, 0.5, 3), rotations.exp([rng.normal(size=3)])[0]
+        wide = lt.Scene([lt.Box(size + 0.1, center, turn)], 0.01)
+        box = lt.Box(size, center, turn)
+        near = not dual.is_clear(known.positions[::4], wide).all()
+        if near and dual.is_clear(known, lt.Scene([box], 0.01)):
+            boxes.append(box)
+    return boxes
+
+
+@pytest.mark.parametrize(("gap", "seed"), [(0.4, 32), (0.4, 58), (0.6, 48), (0.8, 0)])
+def test_scenes_with_a_known_motion_are_solved_and_coal_finds_them_clear(panda, gap, seed):
+    """In all but the last, no postures near to the first ones are clear."""
+    base = ((0.0, -gap, 0.0), (1.0, 0.0, 0.0, 0.0))
+    pair = lt.DualArm(panda, panda, base)
+    motion, grasps, boxes = scene_of_a_known_motion(pair, np.random.default_rng(seed))
+    q = pair.follow(motion, grasps, scene=boxes).positions
+    peer = CoalArm(
+        lt.Arm.from_urdf(rerooted(panda, base), base=f"left_{panda.tip}", tip=f"right_{panda.tip}")
+    )
+    between = [names for names in pair.collision_pairs.checked if names[0][:5] != names[1][:5]]
+    moving = {name for names in between for name in names if not name.endswith("link0")}
+    for row in (q[:-1] + 0.4 * np.diff(q, axis=0))[::6]:
+        peer.place(in_chain(row[None])[0])
+        left_base = transform(*panda.forward_kinematics(row[:7])).inverse()
+        for geometry, pose in map(peer.solid, boxes):
+            assert peer.distance_to(moving, geometry, left_base * pose) > 0.005
+        assert min(peer.link_distance(*names) for names in between) > 0.005
+
+
 def test_refusals_name_arm_sample_and_bodies(facing, panda):
     away = carry()
     path = away.positions + np.array([0.0, -0.6, 0.0])
@@ -309,10 +371,14 @@ def test_refusals_name_arm_sample_and_bodies(facing, panda):
     with pytest.raises(IkFailure, match=r"^left arm: sample \d+"):
         facing.follow(away, GRASPS)
     box = lt.Box((0.4, 0.1, 0.2), (0.45, -0.35, 0.4))
-    with pytest.raises(IkFailure, match="obstacle 0") as raising:
+    blocked = r"^(left|right) arm: sample \d+ at .* s: blocked, .*obstacle 0"
+    with pytest.raises(IkFailure, match=blocked) as raising:
         facing.follow(carry(), GRASPS, scene=[box])
     assert raising.value.status == "blocked"
-    assert "sample" in str(raising.value)
+    at_once = tuple(((0.0, 0.2 * y, 0.0), orientation) for (_, y, _), orientation in GRASPS)
+    between = r"^both arms: sample \d+ at .* s: blocked, left_panda_\w+ and right_panda_\w+ come"
+    with pytest.raises(IkFailure, match=between):
+        facing.follow(carry(), at_once, scene=[])
 
 
 def test_bad_arguments_are_named(facing, panda):
