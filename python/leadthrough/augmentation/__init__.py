@@ -1,3 +1,4 @@
-"""Many motions of a skill, inside all limits and clear, written as a data set for policies."""
+"""Data sets for policies: many motions of a skill, or demonstrations as they were recorded."""
 
 from leadthrough.augmentation.data_set import Augmentation as Augmentation, augment as augment
+from leadthrough.augmentation.recorded import write_data_set as write_data_set

@@ -8,7 +8,7 @@ import pickle
 import warnings
 import zlib
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from leadthrough.tasks import Execution, Outcome, Row, Store, Task, pickled
 from leadthrough.timing import check_limits, keep_timing
 from leadthrough.validation.validate import PATH_TOLERANCE, Setup, attempt, draw_query, numbers_of
 
+GOAL_POSE = tuple(f"goal_{name}" for name in ("x", "y", "z", "qw", "qx", "qy", "qz"))
 _TOGETHER = 50  # motions of a task
 _MAX_ROUNDS = 20  # times as many motions as are missing that are tried at most
 _OPEN, _CLOSE = {"open", "opens", "opened"}, {"close", "closes", "closed"}  # in events' names
@@ -197,16 +198,16 @@ def _in_order(outcomes: Iterator[Outcome], store: Store) -> Iterator[list[Row]]:
 
 def _layout(setup: Setup, skill: Skill[Motion], digest: str, seed: int) -> Layout:
     posed = isinstance(skill.generate(), PoseTrajectory)
-    target = ["x", "y", "z", "qw", "qx", "qy", "qz"] if posed else list("xyz")
+    target: Sequence[str] = GOAL_POSE if posed else GOAL_POSE[:3]
     if len(setup.goals.lower) != 3:
-        target = list(setup.arm.joint_names)
+        target = [f"goal_{name}" for name in setup.arm.joint_names]
     places = [f"obstacle_{i}_{axis}" for i in range(len(setup.scene.obstacles)) for axis in "xyz"]
     events = skill.generate().events
     return Layout(
         setup.arm.robot.name,
         setup.arm.joint_names,
-        (*(f"goal_{name}" for name in target), *places),
-        any(_opens(event.name) is not None for event in events),
+        (*target, *places),
+        any(opens(event.name) is not None for event in events),
         setup.rate,
         "reach the goal",
         {
@@ -224,7 +225,7 @@ def _layout(setup: Setup, skill: Skill[Motion], digest: str, seed: int) -> Layou
 def _episode(row: Row, layout: Layout, arm: Arm) -> Episode:
     q, qd = unpacked(row, len(layout.joints))
     positions, orientations = arm.forward_kinematics(q)
-    gripper = _gripper(row["events"], len(q), layout.rate) if layout.has_gripper else None
+    gripper = gripper_states(row["events"], len(q), layout.rate) if layout.has_gripper else None
     return Episode(
         q,
         qd,
@@ -235,16 +236,16 @@ def _episode(row: Row, layout: Layout, arm: Arm) -> Episode:
     )
 
 
-def _gripper(events: list[Any], count: int, rate: float) -> Float64Array:
+def gripper_states(events: Sequence[Any], count: int, rate: float) -> Float64Array:
     """Whether the gripper is open, 1, or closed, 0, at each frame."""
-    changes = [(time, state) for time, name in events if (state := _opens(name)) is not None]
+    changes = [(time, state) for time, name in events if (state := opens(name)) is not None]
     gripper = np.full(count, 1.0 - changes[0][1] if changes else 1.0)
     for time, after in changes:
         gripper[int(np.ceil(time * rate - 1e-9)) :] = after
     return gripper
 
 
-def _opens(name: str) -> float | None:
+def opens(name: str) -> float | None:
     """1 for an event at which the gripper opens, 0 where it closes; None for others."""
     words = set(name.lower().split())
     return 1.0 if words & _OPEN else 0.0 if words & _CLOSE else None
@@ -280,13 +281,13 @@ def _row(learned: Skill[Motion], common: Setup, seed: int, number: int) -> Row:
 
 def _demonstrated(joints: JointTrajectory, setup: Setup) -> JointTrajectory:
     """The motion at its own pace, slowed down where limits require it."""
-    sampled = _sampled(joints, setup.rate)
-    if check_limits(sampled, setup.arm.limits).ok:
-        return sampled
+    rows = sampled(joints, setup.rate)
+    if check_limits(rows, setup.arm.limits).ok:
+        return rows
     return keep_timing(joints, setup.arm.limits, rate=setup.rate, path_tolerance=PATH_TOLERANCE)
 
 
-def _sampled(joints: JointTrajectory, rate: float) -> JointTrajectory:
+def sampled(joints: JointTrajectory, rate: float) -> JointTrajectory:
     """Samples of the spline through a motion, from rest to rest, over a whole number of periods."""
     curve = CubicSpline(joints.times, joints.positions, bc_type="clamped")
     periods = max(1, int(np.ceil(joints.duration * rate - 1e-9)))

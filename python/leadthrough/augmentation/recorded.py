@@ -1,0 +1,78 @@
+"""Recorded demonstrations of an arm as a data set for policies, as they were recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from leadthrough import check
+from leadthrough.arm import Arm
+from leadthrough.augmentation.data_set import GOAL_POSE, gripper_states, opens, sampled
+from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.io.episode_writers import writing
+from leadthrough.io.episodes import Episode, Layout
+from leadthrough.motion import Demonstration, JointTrajectory
+from leadthrough.shapes import SceneLike, as_scene
+
+
+def write_data_set(
+    demonstrations: Sequence[Demonstration[JointTrajectory]],
+    arm: Arm,
+    out: str | Path,
+    scene: SceneLike = (),
+    *,
+    rate: float = 50.0,
+    task: str = "reach the goal",
+) -> Path:
+    """The data set of demonstrations, an episode each, that policies can learn from.
+
+    It has the columns of `lt.augment`: joints, the tip's poses, the gripper by events such as
+    "close gripper", and the poses of the goal, where a demonstration ends, and the obstacles'
+    positions; images are not made.
+
+    Args:
+        demonstrations: joint motions of the arm, at least one.
+        out: folder of a LeRobot data set of version 3, which must not be there yet; or an HDF5
+            file, ".hdf5" or ".h5".
+        scene: obstacles in the arm's base frame.
+        rate: frames per second, > 0. Durations become whole numbers of frames.
+        task: of all episodes, in words.
+
+    Raises:
+        InvalidInput: if there is no demonstration, or the data set cannot be written.
+        MissingDependency: if the extra `lerobot` or `hdf5` is not installed.
+    """
+    frames = check.number(rate, "rate", above=0.0)
+    if not demonstrations:
+        raise InvalidInput("demonstrations: expected at least one, got none")
+    motions = [arm.joints_of(each.motion) for each in demonstrations]
+    places = [shape.position for shape in as_scene(scene).shapes]
+    names = [f"obstacle_{i}_{axis}" for i in range(len(places)) for axis in "xyz"]
+    grips = any(opens(event.name) is not None for each in motions for event in each.events)
+    layout = Layout(
+        *(arm.robot.name, arm.joint_names, (*GOAL_POSE, *names), grips, frames, task),
+        {"demonstrations": [each.name for each in demonstrations], "images": "none"},
+    )
+    with writing(out, layout) as writer:
+        for given, motion in zip(demonstrations, motions, strict=True):
+            rows = sampled(motion, frames)
+            writer.add(_episode(rows, arm, layout, np.ravel(places), given.name))
+    return Path(out)
+
+
+def _episode(
+    rows: JointTrajectory, arm: Arm, layout: Layout, places: Float64Array, name: str
+) -> Episode:
+    positions, orientations = arm.forward_kinematics(rows.positions)
+    events = [(event.time, event.name) for event in rows.events]
+    assert rows.velocities is not None  # of a spline
+    return Episode(
+        rows.positions,
+        rows.velocities,
+        np.hstack([positions, orientations[:, [1, 2, 3, 0]]]),
+        gripper_states(events, len(rows), layout.rate) if layout.has_gripper else None,
+        np.concatenate([positions[-1], orientations[-1], places]),
+        {"demonstration": name},
+    )
