@@ -16,7 +16,7 @@ from leadthrough.cli import options, output
 from leadthrough.cli.command import OF_THE_ROBOT, read_profile
 
 if TYPE_CHECKING:
-    from leadthrough.show.info import FileInfo
+    from leadthrough.cli.file_info import FileInfo
 
 _URDF = (".urdf", ".xml", ".xacro")
 
@@ -46,7 +46,7 @@ def info(
     import json
 
     from leadthrough.cli import reading, robot as robots
-    from leadthrough.show.info import describe
+    from leadthrough.cli.file_info import describe
 
     found = reading.listed(files, also=_URDF)
     if not any(file.suffix.lower() in _URDF for file in found):

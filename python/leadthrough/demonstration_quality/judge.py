@@ -157,8 +157,7 @@ def judge_demonstrations(
     learner: Model = ProMP() if model is None else model
     region = None if goals is None else _goals(goals, motions)
     number = check.integer(seed, "seed", at_least=0)
-    differences = peculiarities(motions)
-    suspicion = np.max([differences[trait] for trait in TRAITS], axis=0)
+    suspicion, faults = suspicions(motions)
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory()))
         few = tuple(_thinned(motion) for motion in motions)
@@ -173,7 +172,7 @@ def judge_demonstrations(
         Verdict(
             getattr(each, "name", "") or f"demonstration {i + 1}",
             float(suspicion[i]),
-            _faults(motions, differences, i),
+            faults[i],
             float(worth[i]),
             i in remove,
         )
@@ -193,6 +192,13 @@ def _goals(goals: TargetRegion, motions: Sequence[Motion]) -> TargetRegion:
     if len(goals.lower) != size or goals.orientation is not None:
         raise InvalidInput(f"goals: expected {size} coordinates without an orientation")
     return goals
+
+
+def suspicions(motions: Sequence[Motion]) -> tuple[Float64Array, list[tuple[Fault, ...]]]:
+    """Largest difference (m,) of each motion from the others, in usual differences, and faults."""
+    differences = peculiarities(motions)
+    suspicion = np.max([differences[trait] for trait in TRAITS], axis=0)
+    return suspicion, [_faults(motions, differences, i) for i in range(len(motions))]
 
 
 def _faults(

@@ -252,7 +252,8 @@ _PANEL = """<section class="panel {kind}" aria-label="motion">{before}
 
 _RECORDING = """<div class="buttons"><button class="record">Record</button>
 <button class="gripper">Gripper</button><button class="learn">Learn</button>
-<button class="save">Save</button></div><ol class="demonstrations"></ol>"""
+<button class="save">Save</button></div><ol class="demonstrations"></ol>
+<button class="restore" hidden>Undo last change of the list</button>"""
 
 _PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8">

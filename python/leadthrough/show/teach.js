@@ -40,7 +40,7 @@ class TeachingView extends LiveView {
     if (this.tip.held) return;
     const playing = this.playing, after = this.after;
     Object.assign(this, { live: false, after: null });
-    this.seek(after ? 0 : share * this.duration);
+    this.seek(after === "end" ? this.duration : after ? 0 : share * this.duration);
     this.play(after === "play" || !after && playing);
   }
 
@@ -61,7 +61,7 @@ class TeachingView extends LiveView {
       if (this.state.recording) this.after = "rest"; else this.grab();
       this.send({ do: this.state.recording ? "stop" : "record" });
     };
-    for (const name of ["gripper", "learn", "save"])
+    for (const name of ["gripper", "learn", "save", "restore"])
       this.find(name).onclick = () => {
         if (name === "learn") this.after = "play";
         this.send({ do: name });
@@ -82,21 +82,55 @@ class TeachingView extends LiveView {
     this.find("save").disabled = !state.learned;
     this.find("next").hidden = !state.command;
     this.find("next").querySelector("code").textContent = state.command;
-    this.find("demonstrations").replaceChildren(...state.demonstrations.map((each, i) => this.row(each, i)));
+    this.find("restore").hidden = !state.restorable;
+    this.relist(state);
   }
 
-  row({ name, seconds, metres }, index) {
+  // Lists the demonstrations anew where they changed; the focus stays at its place in the list.
+  relist({ demonstrations, shown }) {
+    const told = JSON.stringify([demonstrations, shown]), list = this.find("demonstrations");
+    if (told === this.listed) return;
+    this.listed = told;
+    const controls = () => [...list.querySelectorAll("input, button")];
+    const at = controls().indexOf(document.activeElement);
+    list.replaceChildren(...demonstrations.map((each, i) => this.row(each, i, shown.includes(i))));
+    if (at >= 0) controls().at(Math.min(at, controls().length - 1))?.focus();
+  }
+
+  row({ name, seconds, metres, differs, faults }, index, shown) {
     const row = document.createElement("li"), text = document.createElement("span");
-    text.textContent = `${name}: ${seconds.toFixed(1)} s, ${metres.toFixed(2)} m`;
-    const button = (label, does) => {
+    const own = differs === null ? [] : [`${faults.join(", ") || "agrees"} (${Math.max(differs, 0).toFixed(1)})`];
+    text.textContent = [`${seconds.toFixed(1)} s`, `${metres.toFixed(2)} m`, ...own].join(", ");
+    text.title = "In brackets, the largest difference from the others in usual ones; 3 and more are faults";
+    text.classList.toggle("faulty", faults.length > 0);
+    const button = (label, does, after, message) => {
       const made = document.createElement("button");
       made.textContent = label;
       made.setAttribute("aria-label", `${does} ${name}`);
-      made.onclick = () => { if (does === "play") this.after = "play"; this.send({ do: does, index }); };
+      made.onclick = () => { this.after = after; this.send({ index, ...message() }); };
       return made;
     };
-    row.append(text, button("▶", "play"), button("✕", "delete"));
+    row.append(
+      this.field(name, index), button("▶", "play", "play", () => ({ do: "play" })),
+      button("✕", "delete", null, () => ({ do: "delete" })), text,
+    );
+    if (shown)
+      row.append(
+        button("trim to start here", "start at the time shown:", "rest", () => ({ do: "trim", first: this.time })),
+        button("trim to end here", "end at the time shown:", "end", () => ({ do: "trim", last: this.time })),
+      );
     return row;
+  }
+
+  field(name, index) {
+    const field = Object.assign(document.createElement("input"), { value: name, maxLength: 80 });
+    field.setAttribute("aria-label", `name of ${name}`);
+    field.onkeydown = ({ key }) => { if (key === "Escape") field.value = name; };
+    field.onchange = () => {
+      this.listed = null; // a name that is refused is shown as it was
+      this.send({ do: "rename", index, name: field.value });
+    };
+    return field;
   }
 }
 

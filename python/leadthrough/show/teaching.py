@@ -18,8 +18,9 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import Demonstration, Event, JointTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show.leading import LedArm
-from leadthrough.show.lesson import Learned, Recordings, learned, plan_command, recording_of
+from leadthrough.show.lesson import Learned, learned, plan_command
 from leadthrough.show.live_session import Handler, LiveSession, vector
+from leadthrough.show.recordings import Recordings, recording_of
 from leadthrough.show.replanner import Answer
 from leadthrough.show.viewer import LivePage
 
@@ -155,6 +156,23 @@ class Teaching(LiveSession):
         self._redraw_demonstrations(moves=False)
         self._say(f"{name} is deleted.")
 
+    def _rename(self, said: dict[str, Any]) -> None:
+        index = self.recordings.checked(said.get("index"))
+        path = self.recordings.rename(index, said.get("name"))
+        self._redraw_demonstrations(moves=False)
+        self._say(f"It is in {path} now.")
+
+    def _trim(self, said: dict[str, Any]) -> None:
+        index = self.recordings.checked(said.get("index"))
+        self._show(self.recordings.trim(index, said.get("first"), said.get("last")))
+        self._say(f"{self.demonstrations[index].name} is trimmed, in its file too.")
+
+    def _restore(self, _: dict[str, Any]) -> None:
+        motion = self.recordings.restore()
+        if motion is not None:
+            self._show(motion)
+            self._say("The last change is taken back.")
+
     def _play(self, said: dict[str, Any]) -> None:
         self._show(self.recordings.motion(said.get("index")))
 
@@ -214,6 +232,8 @@ class Teaching(LiveSession):
         return {
             "recording": self._recording is not None,
             "demonstrations": self.recordings.listed(),
+            "shown": [i for i, e in enumerate(self.demonstrations) if e.motion is self.motion],
+            "restorable": self.recordings.restorable,
             "command": self.command,
         }
 
@@ -224,5 +244,5 @@ class Teaching(LiveSession):
     _HANDLERS: ClassVar[Mapping[str, Handler]] = {
         **LiveSession.HANDLERS, "grab": _grab, "lead": _lead, "turn": _turn, "release": _release,
         "record": _record, "gripper": _gripper, "stop": _stop, "delete": _delete, "play": _play,
-        "learn": _learn, "save": _save,
+        "rename": _rename, "trim": _trim, "restore": _restore, "learn": _learn, "save": _save,
     }  # fmt: skip

@@ -185,6 +185,41 @@ def test_taught_learned_moved_corrected_saved_and_planned(browser, taught, panda
     tab.context.close()
 
 
+@pytest.mark.parametrize(("width", "height"), [(1200, 800), (390, 844)])
+def test_a_recording_is_named_trimmed_and_brought_back_on_the_page(browser, taught, width, height):
+    tab = opened(browser, taught, width, height)
+    record(tab, (0, -60), (-40, 40))
+    settled(tab, "state.shown[0] === 0 && data.times.length > 10")
+    folder = taught.session.recordings.folder
+    before = (folder / "demonstration-1.csv").read_bytes()
+    field = tab.get_by_role("textbox", name="name of demonstration-1")
+    field.fill("a/b")
+    field.press("Enter")
+    settled(tab, "/^name: /.test(state.text)")
+    assert field.input_value() == "demonstration-1"
+    field.fill("up and over")
+    field.press("Enter")
+    settled(tab, "state.demonstrations[0].name === 'up and over'")
+    assert tab.evaluate("document.activeElement.value") == "up and over"
+    tab.evaluate(f"{SCENE}.play(false); {SCENE}.seek(0.6 * {SCENE}.duration)")
+    time = tab.evaluate(f"{SCENE}.time")
+    press(tab, "end at the time shown: up and over")
+    settled(tab, f"Math.abs({SCENE}.duration - {time}) < 1e-3 && {SCENE}.time === {SCENE}.duration")
+    (path,) = folder.glob("*.csv")
+    assert path.stem == "up and over"
+    assert lt.read_motion(path).duration == pytest.approx(time, abs=1e-3)
+    assert tab.evaluate("document.documentElement.scrollWidth") <= width
+    press(tab, "delete up and over")
+    settled(tab, "!state.demonstrations.length")
+    assert list(folder.iterdir()) == []
+    press(tab, "Undo last change of the list")
+    settled(tab, "state.demonstrations.length === 1 && state.shown[0] === 0")
+    assert lt.read_motion(path).duration == pytest.approx(time, abs=1e-3)
+    assert path.read_bytes() != before
+    assert tab.problems == []
+    tab.context.close()
+
+
 def test_a_finger_on_a_phone_leads_the_arm_and_nothing_is_wider(browser, taught):
     tab = opened(browser, taught, 390, 844)
     assert tab.evaluate("document.documentElement.scrollWidth") <= 390

@@ -1,6 +1,7 @@
 """Leading an arm by its tip, recordings of it, and what is learned from them, without a browser."""
 
 import json
+import re
 import time
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough.show.leading import LedArm, first_configuration
-from leadthrough.show.lesson import Recordings, recording_of
+from leadthrough.show.recordings import Recordings, recording_of
 from leadthrough.show.teaching import Teaching
 
 STEP = 0.02
@@ -208,6 +209,133 @@ def test_a_deleted_demonstration_is_gone_and_its_number_is_not_given_again(teach
     ]
 
 
+def files(session):
+    return sorted(path.stem for path in session.recordings.folder.glob("*"))
+
+
+def recorded(session, name):
+    return lt.read_motion(session.recordings.folder / f"{name}.csv")
+
+
+def test_a_new_name_is_that_of_the_file_at_once_and_can_be_taken_back(teaching):
+    for _ in range(2):
+        demonstrated(teaching)
+    before = (teaching.recordings.folder / "demonstration-1.csv").read_bytes()
+    told = state_of(said(teaching, "rename", index=0, name=" over the post "))
+    assert [each["name"] for each in told["demonstrations"]] == ["over the post", "demonstration-2"]
+    assert files(teaching) == ["demonstration-2", "over the post"]
+    assert (teaching.recordings.folder / "over the post.csv").read_bytes() == before
+    told = state_of(said(teaching, "restore"))
+    assert told["demonstrations"][0]["name"] == "demonstration-1"
+    assert files(teaching) == ["demonstration-1", "demonstration-2"]
+    assert (teaching.recordings.folder / "demonstration-1.csv").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "",
+        " ",
+        "../away",
+        "a/b",
+        "a\\b",
+        ".hidden",
+        "a\nb",
+        "x" * 81,
+        "demonstration-2",
+        "Notes",
+        3,
+        None,
+    ],
+)
+def test_names_that_no_file_can_have_or_another_has_change_nothing(teaching, name):
+    for _ in range(2):
+        demonstrated(teaching)
+    (teaching.recordings.folder / "notes.csv").write_text("of somebody else\n")
+    told = state_of(said(teaching, "rename", index=0, name=name))
+    assert told["text"].startswith("name: ")
+    assert [each["name"] for each in told["demonstrations"]] == [
+        "demonstration-1", "demonstration-2",
+    ]  # fmt: skip
+    assert files(teaching) == ["demonstration-1", "demonstration-2", "notes"]
+
+
+def test_a_motion_is_cut_at_the_times_chosen_and_so_is_its_file(teaching):
+    said(teaching, "record")
+    led(teaching, (0.0, -0.08, 0.0))
+    said(teaching, "gripper")
+    led(teaching, (0.0, -0.08, 0.0), steps=80)
+    said(teaching, "gripper")
+    led(teaching, (0.0, -0.08, 0.0))
+    said(teaching, "stop")
+    whole = recorded(teaching, "demonstration-1")
+    closed, opened = (event.time for event in whole.events)
+    first, last = closed + 0.05, opened - 0.17
+    said(teaching, "trim", index=0, last=last)
+    told = state_of(said(teaching, "trim", index=0, first=first))
+    cut = recorded(teaching, "demonstration-1")
+    assert cut.times[0] == 0.0
+    assert cut.duration == pytest.approx(last - first, abs=1e-4)
+    for part in (0.0, 0.4, 1.0):
+        np.testing.assert_allclose(
+            cut.at(part * cut.duration), whole.at(first + part * (last - first)), atol=2e-4
+        )
+    assert told["demonstrations"][0]["seconds"] == pytest.approx(cut.duration, abs=0.01)
+    assert told["shown"] == [0]
+    # The gripper is closed where the motion begins now; it opens after its end.
+    assert [(event.time, event.name) for event in cut.events] == [(0.0, "close gripper")]
+    np.testing.assert_allclose(teaching.motion.positions, cut.positions, atol=1e-9)
+    said(teaching, "restore")
+    back = recorded(teaching, "demonstration-1")
+    np.testing.assert_allclose(back.positions[0], whole.positions[0])
+    assert back.duration == pytest.approx(last, abs=1e-4)
+
+
+def test_trimming_that_leaves_no_motion_changes_nothing(teaching):
+    demonstrated(teaching)
+    before = (teaching.recordings.folder / "demonstration-1.csv").read_bytes()
+    for wrong in (
+        {"last": 0.02}, {"first": 2.0, "last": 1.0}, {"first": -1.0}, {"last": 1e9}, {"first": "x"},
+    ):  # fmt: skip
+        told = state_of(said(teaching, "trim", index=0, **wrong))
+        assert re.match("first|last|motion", told["text"]), told["text"]
+        assert told["demonstrations"][0]["seconds"] > 1.0
+    assert (teaching.recordings.folder / "demonstration-1.csv").read_bytes() == before
+
+
+def test_a_deleted_demonstration_comes_back_to_its_file(teaching):
+    for _ in range(2):
+        demonstrated(teaching)
+    before = (teaching.recordings.folder / "demonstration-1.csv").read_bytes()
+    assert state_of(said(teaching, "delete", index=0))["restorable"]
+    told = state_of(said(teaching, "restore"))
+    assert [each["name"] for each in told["demonstrations"]] == [
+        "demonstration-1", "demonstration-2",
+    ]  # fmt: skip
+    assert not told["restorable"]
+    assert (teaching.recordings.folder / "demonstration-1.csv").read_bytes() == before
+
+
+def test_agreement_with_the_others_is_that_of_the_judgement_of_the_tips_motions(teaching, panda):
+    assert state_of([json.loads(teaching.greeting()[-1])])["demonstrations"] == []
+    told = demonstrated(teaching)
+    assert told["demonstrations"][0]["differs"] is None
+    for sideways in (0.0, 0.005, 0.01):
+        demonstrated(teaching, sideways)
+    said(teaching, "record")  # from the same start to the same end, but far up in between
+    led(teaching, (0.0, -0.05, 0.25), (0.05, -0.11, -0.28))
+    (*_, odd) = shown = state_of(said(teaching, "stop"))["demonstrations"]
+    judged = lt.judge_demonstrations(
+        [lt.Demonstration(panda.poses(each.motion)) for each in teaching.demonstrations]
+    )
+    assert [each["differs"] for each in shown] == pytest.approx(
+        [each.suspicion for each in judged.verdicts], abs=0.051
+    )
+    assert [tuple(each["faults"]) for each in shown] == [each.faults for each in judged.verdicts]
+    assert odd["faults"][0] == "outlier"
+    assert max(each["differs"] for each in shown[:-1]) < 3.0
+
+
 def test_learned_moved_corrected_undone_and_saved(teaching, panda):
     for sideways in (0.0, 0.01):
         demonstrated(teaching, sideways)
@@ -254,7 +382,9 @@ def test_an_obstacle_is_not_moved_into_the_arm(teaching):
         '{"do": "lead", "position": "here"}', '{"do": "goal", "position": {"a": 1}}',
         '{"do": "delete", "index": 7}', '{"do": "play", "index": true}',
         '{"do": "obstacle", "index": -1, "position": [0, 0, 0]}', '{"do": "correct", "time": "x"}',
-        '{"do": "turn", "vector": [1e999, 0, 0]}', '{"do": "undo"}', '{"do": "save"}', "[" * 5000,
+        '{"do": "rename", "index": 0, "name": "a"}', '{"do": "trim", "index": 0, "first": 1}',
+        '{"do": "restore"}', '{"do": "turn", "vector": [1e999, 0, 0]}', '{"do": "undo"}',
+        '{"do": "save"}', "[" * 5000,
     ],
 )  # fmt: skip
 def test_malformed_messages_change_nothing(teaching, message):

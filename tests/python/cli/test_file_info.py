@@ -7,10 +7,10 @@ from cli.command_line import facts, run
 from motions import minimum_jerk, with_derivatives
 
 import leadthrough as lt
+from leadthrough.cli.file_info import describe
 from leadthrough.errors import InvalidInput
 from leadthrough.io import rosbag
 from leadthrough.io.table import Request
-from leadthrough.show.info import describe
 
 TIMES = np.arange(51) / 50.0
 JOINTS = with_derivatives(
