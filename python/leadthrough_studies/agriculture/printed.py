@@ -22,7 +22,7 @@ ANGLES = (1.0, 90.0, 170.0, 180.0)  # degrees
 SPACINGS = ("phase", "time")
 _AXIS = np.array([2.0, 3.0, 6.0]) / 7.0
 _ALPHA, _BETA, _DECAY = 25.0, 6.25, -np.log(0.01)  # x ends at 0.01
-_KERNELS, _OVERLAP = 50, 0.8  # the value of a kernel at its neighbour's centre
+_KERNELS, _OVERLAP = 50, 0.4  # the value of a kernel at its neighbour's centre, as in `DMP`
 _STEPS = 1000
 _BACK_AT_START = 1e-3  # m: the paper's force is zero for a channel that ends where it began
 
