@@ -13,6 +13,11 @@ from leadthrough.arm.differential_ik import (
     JointState as JointState,
 )
 from leadthrough.arm.dual_arm import DualArm as DualArm, check_arms as check_arms
+from leadthrough.arm.dual_coordination import (
+    CoordinatedMotion as CoordinatedMotion,
+    Wait as Wait,
+    coordinate as coordinate,
+)
 from leadthrough.arm.dual_demonstration import (
     DualDemonstration as DualDemonstration,
     left_tip as left_tip,

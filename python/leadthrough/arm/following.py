@@ -223,7 +223,7 @@ def _track_function(
 
 def timed(
     limits: JointLimits,
-    motion: Trajectory | PoseTrajectory,
+    motion: Motion,
     q: Float64Array,
     on_rate_limit: OnRateLimit,
 ) -> JointTrajectory:

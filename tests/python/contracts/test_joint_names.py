@@ -101,6 +101,12 @@ def checked_pair(joints):
     return [found.obstacles.minimum_distance, found.itself.minimum_distance]
 
 
+def coordinated(joints):
+    rest = np.tile(PANDA_REST, (len(joints), 1))
+    right = lt.JointTrajectory(joints.times, rest, joint_names=PAIR.right.joint_names)
+    return lt.arm.coordinate(PAIR, joints, right).joints
+
+
 def followed(posture):
     options = FollowOptions(posture=posture, nullspace_gain=0.5, free=("rz",))
     return ARM.follow(TIP, q0=REST, options=options)
@@ -144,6 +150,7 @@ ENTRIES = {
         PAIR.demonstration(paired(joints)).right.positions,
         PAIR.demonstration(paired(joints)).left.positions,
     ],
+    "arm.coordinate": lambda joints: PAIR.motions(coordinated(joints))[0],
     "arm.DualArm.motions": lambda joints: PAIR.motions(paired(joints))[0],
     "arm.FollowOptions": followed,
     "guard.Guard.admit": lambda joints: lt.Guard(ARM, rate=100.0).admit(joints, REST).motion,
@@ -299,7 +306,7 @@ OTHERS = {
     "validation.validate": "plans by plan_motion",
     "augmentation.augment": "plans as validate does",
     "show.open_view": "the page of show.view",
-    "arm.DualDemonstration": "holds",
+    "arm.DualDemonstration": "holds", "arm.CoordinatedMotion": "holds",
     "models.*Skill": "holds", "models.Inference": "holds", "models.Parameter": "holds",
     "models.dynamical.model.Samples": "holds", "arm.StackRun": "holds",
     "guard.Admission": "holds", "io.Episode": "holds", "io.Recording": "holds",

@@ -27,6 +27,7 @@ CUBE = np.array(np.meshgrid([0.0, 0.1], [0.0, 0.1], [0.0, 0.1])).reshape(3, 8).T
 SQUARES = [[0, 1, 2], [1, 2, 3], [4, 5, 6], [5, 6, 7], [0, 1, 4], [1, 4, 5], [2, 3, 6], [3, 6, 7]]
 UR3 = arm("ur3")
 REST = np.array([0.0, -1.6, 1.9, -1.9, -1.6, 0.0])
+WAIT = arms.Wait("left", 0.0, 1.0, REST, ("left_hand", "right_hand"))
 JOINTS = lt.JointTrajectory(TIMES, POINTS, 2 * POINTS, 3 * POINTS, ("a", "b", "c"))
 CURVE = trajectories.Bezier(POINTS, (0.0, 2.0))
 SPHERE = lt.Sphere(0.1, (0.1, 0.2, 0.3))
@@ -50,6 +51,7 @@ VALUES = {
     "arm.DualDemonstration": lambda: arms.DualDemonstration(
         *[lt.PoseTrajectory(TIMES, POINTS, TURNS)] * 2, JOINTS
     ),
+    "arm.Wait": lambda: WAIT,
     "arm.DualArm": lambda: lt.DualArm(UR3, UR3, ((0.0, -0.6, 0.0), TURNS[1])),
     "arm.DifferentialIk": lambda: lt.DifferentialIk(UR3, posture=REST),
     "arm.DirectionTask": lambda: arms.DirectionTask((0.0, 0.0, 1.0), (0.0, 0.6, 0.8)),

@@ -1,0 +1,276 @@
+"""Two arms with a task each: both keep their paths, and one waits where they would meet.
+
+The progress of the left arm is one axis of a plane, that of the right arm the other. A path through
+the plane that never turns back, and keeps out of the configurations in which the arms or the
+obstacles are too near, is a schedule; the quickest one is taken, with a price on every stop.
+
+Source: O'Donnell and Lozano-Perez 1989.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+import leadthrough._core as core
+from leadthrough import check
+from leadthrough.arm.collision import ClosestPair, check_motion
+from leadthrough.arm.dual_arm import DualArm
+from leadthrough.arm.dual_following import SIDES
+from leadthrough.arm.following import timed
+from leadthrough.arm.limits import JointLimits
+from leadthrough.arm.tip_path import CollisionTest
+from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
+from leadthrough.motion import JointTrajectory, in_order, moved_events
+from leadthrough.shapes import Scene, SceneLike, as_scene
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+# Knots of either arm's motion, where it may stop.
+_KNOTS = 96
+# Price of a change between moving and waiting, in steps from knot to knot.
+_CHANGE = 2.0
+_COARSE = 0.01  # rad or m between a chord of the motions and a spline
+# Schedules that are tried; steps of one that are not clear are closed to the next.
+_MAX_SCHEDULES = 60
+_CHECKED = 1e-3  # m, to which the bodies of a wait are searched
+# Knots that the left and the right arm advance in a step.
+_MOVES = np.array([[1, 1], [1, 0], [0, 1]])
+
+Knots = NDArray[np.int_]
+
+
+@dataclass(frozen=True, eq=False)
+class Wait(ShortRepr):
+    """A stop of one arm until the other has passed.
+
+    Attributes:
+        side: "left" or "right", the arm that gives way.
+        begin: of the stop, s of the coordinated motion.
+        end: of the stop, s.
+        q: configuration (joints,) of that arm there.
+        bodies: those that would be the first to come too near without the stop.
+    """
+
+    side: str
+    begin: float
+    end: float
+    q: Float64Array
+    bodies: tuple[str, str]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "q", check.frozen(self.q, "q", shape=("joints",)))
+
+
+@dataclass(frozen=True, eq=False)
+class CoordinatedMotion(ShortRepr):
+    """Two motions as one, clear of obstacles and of each other.
+
+    Attributes:
+        joints: of both arms, the left arm's first, at evenly spaced times until they are slowed.
+        waits: the stops, in order; none if the arms never meet.
+    """
+
+    joints: JointTrajectory
+    waits: tuple[Wait, ...]
+
+
+def coordinate(
+    pair: DualArm, left: JointTrajectory, right: JointTrajectory, *, scene: SceneLike = ()
+) -> CoordinatedMotion:
+    """Separate tasks of two arms as one motion: each keeps its path, and one waits if needed.
+
+    Both begin together. The quickest schedule is taken that keeps the arms clear of each other,
+    with few stops. Retime its `joints` as a whole: that stops no arm longer than it has to.
+
+    Args:
+        pair: the two arms.
+        left: joints of the left arm, two dense samples or more: a cubic spline goes through.
+        right: joints of the right arm, likewise. The times need not be the same.
+        scene: obstacles that both arms keep clear of, with the margin between the arms.
+
+    Raises:
+        NoPath: if no waiting helps, as where one arm ends in the other's way; with the bodies.
+        InvalidRobot: if a robot has no collision geometry.
+        LimitsInfeasible: if a joint has to move whose limits are zero.
+
+    Source: O'Donnell and Lozano-Perez 1989.
+    """
+    if not isinstance(pair, DualArm):
+        raise check.refused("pair", "a DualArm", repr(pair))
+    motions = (
+        in_order(left, pair.left.joint_names, "left"),
+        in_order(right, pair.right.joint_names, "right"),
+    )
+    for side, motion in zip(SIDES, motions, strict=True):
+        if len(motion) == 1:
+            raise check.refused(side, "two samples or more", "one")
+    return _Coordination(pair._collision, pair.limits, motions, as_scene(scene)).found()
+
+
+@dataclass(frozen=True, eq=False)
+class _Coordination:
+    """The motions of the left and the right arm, and what both keep clear of."""
+
+    model: core.CollisionModel
+    limits: JointLimits
+    motions: tuple[JointTrajectory, JointTrajectory]
+    scene: Scene
+
+    @cached_property
+    def _own_times(self) -> list[Float64Array]:
+        """Times (n,) of either motion from its own beginning, s."""
+        return [motion.times - motion.times[0] for motion in self.motions]
+
+    @cached_property
+    def _paths(self) -> list[CubicSpline]:
+        """Splines through the samples: chords would make the joint path of both arms rough."""
+        from scipy.interpolate import CubicSpline
+
+        paths = []
+        for name, motion, times in zip(SIDES, self.motions, self._own_times, strict=True):
+            path, q = CubicSpline(times, motion.positions), motion.positions
+            off = path(0.5 * (times[1:] + times[:-1])) - 0.5 * (q[1:] + q[:-1])
+            if (worst := float(np.abs(off).max())) > _COARSE:
+                raise InvalidInput(
+                    f"{name}: expected samples so dense that a cubic spline through them stays "
+                    f"within {_COARSE:g} rad of the straight motion, got {worst:.2g}; take more"
+                )
+            paths.append(path)
+        return paths
+
+    @cached_property
+    def _knots(self) -> Float64Array:
+        """Evenly spaced times (k,) of either motion at which its arm may stop, s."""
+        return np.linspace(0.0, max(times[-1] for times in self._own_times), _KNOTS)
+
+    @cached_property
+    def _test(self) -> CollisionTest:
+        return CollisionTest.of(self.model, self.scene)
+
+    def found(self) -> CoordinatedMotion:
+        """The quickest motion; NoPath if there is none."""
+        open_ = self._open()
+        for _ in range(_MAX_SCHEDULES):
+            if (schedule := self._schedule(open_)) is None:
+                break
+            clock, progress = self._progress(schedule)
+            q = self._joined(progress)
+            margins = self._test.scene.margin, self._test.scene.self_collision_margin
+            clear = core.clear_edges(self.model, self._test.shapes, q[:-1], q[1:], *margins, 1)
+            if all(clear):
+                return self._timed(schedule, clock, progress)
+            for step in np.unique(np.flatnonzero(~np.array(clear)) // self._rows_in_step):
+                (i, j), ahead = schedule[step], schedule[step + 1] - schedule[step]
+                open_[int(np.argmax((ahead == _MOVES).all(axis=1))), i, j] = False
+        raise NoPath(self._refusal(), reason="blocked")
+
+    def _open(self) -> NDArray[np.bool_]:
+        """Steps (3, k, k) by `_MOVES` from pairs of knots to pairs that are clear."""
+        count = len(self._knots)
+        both = np.stack(np.meshgrid(self._knots, self._knots, indexing="ij"), axis=-1)
+        pairs = self._joined(both.reshape(-1, 2))
+        clear = np.zeros((count + 1, count + 1), dtype=bool)
+        clear[:-1, :-1] = np.reshape(self._test.clear_rows(pairs), (count, count))
+        ends = [clear[a : a + count, b : b + count] for a, b in _MOVES]
+        return np.stack([clear[:-1, :-1] & end for end in ends])
+
+    def _schedule(self, open_: NDArray[np.bool_]) -> Knots | None:
+        """Pairs of knots (m, 2) of the cheapest way from both beginnings to both ends."""
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import dijkstra
+
+        count = len(self._knots)
+        node = np.arange(3 * count * count).reshape(3, count, count)  # by the step that led there
+        columns = []
+        for move, (a, b) in enumerate(_MOVES):
+            i, j = np.nonzero(open_[move])
+            for before in range(3):
+                cost = np.full(len(i), 1.0 + _CHANGE * (before != move))
+                columns.append((cost, node[before, i, j], node[move, i + a, j + b]))
+        cost, begin, end = (np.concatenate(part) for part in zip(*columns, strict=True))
+        graph = csr_array((cost, (begin, end)), shape=(node.size, node.size))
+        costs, before = dijkstra(graph, indices=node[0, 0, 0], return_predecessors=True)
+        at = int(min(node[:, -1, -1], key=lambda last: costs[last]))
+        if not np.isfinite(costs[at]):
+            return None
+        way = [at]
+        while way[-1] != node[0, 0, 0]:
+            way.append(int(before[way[-1]]))
+        return np.column_stack(np.unravel_index(way[::-1], node.shape)[1:])
+
+    @cached_property
+    def _rows_in_step(self) -> int:
+        """Rows from knot to knot, as dense as the samples of either motion."""
+        between = min(float(np.median(np.diff(times))) for times in self._own_times)
+        return math.ceil(float(self._knots[1]) / between)
+
+    def _clock(self, schedule: Knots) -> Float64Array:
+        """Times (m,) of a schedule's pairs, s."""
+        return np.linspace(0.0, (len(schedule) - 1) * float(self._knots[1]), len(schedule))
+
+    def _progress(self, schedule: Knots) -> tuple[Float64Array, Float64Array]:
+        """Evenly spaced times (r,), and what time (r, 2) of its motion either arm has got to."""
+        at, clock = self._knots[schedule], self._clock(schedule)
+        rows = np.linspace(0.0, clock[-1], (len(schedule) - 1) * self._rows_in_step + 1)
+        return rows, np.column_stack([np.interp(rows, clock, times) for times in at.T])
+
+    def _joined(self, progress: Float64Array) -> Float64Array:
+        """Joints (r, joints) of both arms at times (r, 2) of their motions."""
+        rows = [
+            path(np.minimum(at, times[-1]))
+            for at, times, path in zip(progress.T, self._own_times, self._paths, strict=True)
+        ]
+        return np.ascontiguousarray(np.hstack(rows))
+
+    def _timed(
+        self, schedule: Knots, clock: Float64Array, progress: Float64Array
+    ) -> CoordinatedMotion:
+        events = [
+            event
+            for motion, times in zip(self.motions, progress.T, strict=True)
+            for event in moved_events(motion.events, motion.times[0] + times, clock)
+        ]
+        events.sort(key=lambda event: event.time)
+        q = self._joined(progress)
+        joints = timed(self.limits, JointTrajectory(clock, q, events=events), q, "slow")
+        at_knots = np.interp(self._clock(schedule), clock, joints.times)
+        return CoordinatedMotion(joints, self._waits(schedule, at_knots))
+
+    def _waits(self, schedule: Knots, times: Float64Array) -> tuple[Wait, ...]:
+        """The stops of arms that have not ended."""
+        waits = []
+        for k, name in enumerate(SIDES):
+            progress = self._knots[schedule[:, k]]
+            stands = (np.diff(progress) == 0.0) & (progress[:-1] < self._own_times[k][-1])
+            edges = np.flatnonzero(np.diff(stands, prepend=False, append=False))
+            for begin, end in edges.reshape(-1, 2):
+                q = self._paths[k](progress[begin])
+                bodies = self._meeting(self._knots[schedule[begin]]).bodies
+                waits.append(Wait(name, float(times[begin]), float(times[end]), q, bodies))
+        return tuple(sorted(waits, key=lambda wait: wait.begin))
+
+    def _meeting(self, begin: Float64Array) -> ClosestPair:
+        """The first bodies too near if both arms went on from times (2,) of their motions."""
+        ahead = [times - at for times, at in zip(self._own_times, begin, strict=True)]
+        clock = np.unique(np.concatenate([[0.0], *ahead]).clip(0.0))
+        q, scene = self._joined(begin + clock[:, None]), self._test.scene
+        chain = self.model.chain
+        report = check_motion(self.model, chain, q, scene, tolerance=_CHECKED, threads=1)
+        pair = report.first or report.closest
+        assert pair is not None
+        return pair
+
+    def _refusal(self) -> str:
+        pair = self._meeting(np.zeros(2))
+        a, b = pair.bodies
+        return (
+            f"no waiting of either arm keeps both clear: without any, {a} and {b} come "
+            f"{1e3 * pair.distance:.1f} mm near; change a path, or where it ends"
+        )
