@@ -20,6 +20,7 @@ SAMPLES = 1001
 POSE_TOLERANCE = 0.01  # m and rad, mean
 JOINT_TOLERANCE = 0.01  # rad, mean
 PEER = "movement_primitives"
+HAND = np.array([0.0, 0.15, 0.0])  # m, of the right hand in the object; the left one is opposite
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
@@ -46,6 +47,7 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
         tolerance=POSE_TOLERANCE,
     )
     yield _subtask(repeats)
+    yield _carry()
 
 
 def _fit(repeats: int) -> Benchmark:
@@ -94,6 +96,52 @@ def _subtask(repeats: int) -> Benchmark:
         error=lambda ours, _: float(np.abs(ours[-1] - goal).max()),
         tolerance=1e-9,
     )
+
+
+def _carry() -> Benchmark:
+    """An object held by two hands, to a new goal: theirs couple the hands, ours move the object."""
+    shown = _pose_motion(1.0)
+    skill = lt.DMP(weights=WEIGHTS).fit([lt.Demonstration(shown)])
+    goal = _rows(shown)[-1] + np.array([0.05, 0.05, 0.05, 0.0, 0.0, 0.0, 0.0])
+    peer = peers.DualCartesianDMP(
+        execution_time=1.0, dt=0.001, int_dt=0.001, n_weights_per_dim=WEIGHTS
+    )
+    peer.imitate(shown.times, _hands(_rows(shown)))
+    peer.configure(goal_y=_hands(goal[None])[0])
+    apart = np.eye(4)
+    apart[:3, 3] = 2.0 * HAND
+    coupling = peers.CouplingTermDualCartesianPose(apart, lf=(1, 1))
+
+    def ours() -> Any:
+        return _hands(_rows(skill.generate(goal=(goal[:3], goal[3:]), dt=0.001)))
+
+    return Benchmark(
+        "an object carried by two hands to a new goal, 1000 steps",
+        ours=ours,
+        peer=lambda: peer.open_loop(coupling_term=coupling)[1],
+        peer_name=PEER,
+        # The peer's hands drift apart by millimetres: ours are judged by what they have to keep.
+        error=lambda hands, _: max(held_apart(hands), _goal_error(hands, goal)),
+        tolerance=1e-9,
+    )
+
+
+def _hands(rows: Any) -> Any:
+    """Poses (n, 14) of the left and the right hand of an object's poses (n, 7)."""
+    away = lt.rotations.to_matrix(rows[:, 3:]) @ HAND
+    turns = rows[:, 3:]
+    return np.hstack([rows[:, :3] - away, turns, rows[:, :3] + away, turns])
+
+
+def held_apart(hands: Any) -> float:
+    """The largest error of the right hand's position as seen from the left one, m."""
+    apart = hands[:, 7:10] - hands[:, :3]
+    seen = np.einsum("nij,ni->nj", lt.rotations.to_matrix(hands[:, 3:7]), apart)
+    return float(np.linalg.norm(seen - 2.0 * HAND, axis=1).max())
+
+
+def _goal_error(hands: Any, goal: Any) -> float:
+    return float(np.abs(hands[-1] - _hands(goal[None])[0])[[0, 1, 2, 7, 8, 9]].max())
 
 
 def _pose_motion(duration: float) -> lt.PoseTrajectory:
