@@ -103,6 +103,22 @@ def nearest(
     return distances if batch else float(distances[0])
 
 
+def nearest_pairs(
+    model: core.CollisionModel, q: Float64Array, shapes: Sequence[Shape]
+) -> list[tuple[Float64Array, list[tuple[str, str]], Float64Array]]:
+    """Distances (m,), bodies and points (m, 6) of the pairs that are nearest at configurations.
+
+    First those with an obstacle, if there are any, then those of two parts of the arm.
+    """
+    both = [against(model, model.chain, shapes)] if shapes else []
+    found = []
+    for pairs in (*both, core.itself(model)):
+        distances, bodies, points = core.nearest_bodies(pairs, np.ascontiguousarray(q), 1)
+        names = [(pairs.names[a], pairs.names[b]) for a, b in bodies]
+        found.append((distances, names, points))
+    return found
+
+
 def _configurations(
     trajectory: JointTrajectory | ArrayLike, joint_names: tuple[str, ...]
 ) -> tuple[Float64Array, Float64Array | None]:

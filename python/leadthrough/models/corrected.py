@@ -27,6 +27,7 @@ from leadthrough.motion import (
     MotionT_co,
     PoseTrajectory,
     Target,
+    lerp,
     normalised_times,
 )
 from leadthrough.preprocess.resample import arc_length
@@ -124,6 +125,12 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         ]
         made = Correction(fraction, check.frozen(offset, "offset", shape=("n",)), mode)
         return CorrectedSkill(self.skill, (*kept, made))
+
+    def corrected_points(self, **query: Any) -> Float64Array:
+        """Positions (k, d) of the answer to a query where it was corrected."""
+        inside: Any = self.skill.generate(**query)
+        at = np.interp([each.at for each in self.corrections], self._progress(inside), inside.times)
+        return lerp(at, inside.times, self.generate(**query).positions)
 
     def parameters(self, demonstrations: Demonstrations[Motion] = ()) -> Sequence[Parameter[Any]]:
         """Adjustable parameters of the skill inside, which stays corrected."""

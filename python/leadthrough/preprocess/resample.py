@@ -13,15 +13,20 @@ from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
     Demonstration,
+    Event,
+    JointTrajectory,
     MotionT,
     PoseTrajectory,
     as_demonstration,
     clipped_events,
+    events_within,
     fields_of,
+    lerp,
     rows_of,
 )
 
 _ENDLESS = "points: expected a curve of finite length; use a larger unit"
+_MIN_GAP = 1e-5  # s, between samples where a motion is cut
 _MAX_SAMPLES = 10_000_000  # samples
 
 
@@ -96,3 +101,18 @@ def several_samples(demonstration: Demonstration[MotionT] | MotionT) -> Demonstr
     if len(demonstration.motion.times) < 2:
         raise InvalidInput("demonstration: expected at least two samples, got one")
     return demonstration
+
+
+def trimmed(motion: JointTrajectory, first: float, last: float) -> JointTrajectory:
+    """The part of a motion between two times, s from its start; the last event before it stays."""
+    times = motion.times - motion.times[0]
+    inside = times[(times > first + _MIN_GAP) & (times < last - _MIN_GAP)]
+    if len(inside) < 1:
+        raise InvalidInput(f"motion: too little is left between {first:.2f} and {last:.2f} s")
+    kept = np.concatenate([[first], inside, [last]])
+    rows = {name: lerp(kept, times, each) for name, each in rows_of(motion).items()}
+    begin, end = motion.times[0] + np.array([first, last])
+    before = [Event(begin, each.name) for each in motion.events if each.time < begin][-1:]
+    events = (*before, *events_within(motion.events, begin, end))
+    shifted = tuple(Event(each.time - begin, each.name) for each in events)
+    return replace(motion, times=kept - first, events=shifted, **fields_of(motion, rows))

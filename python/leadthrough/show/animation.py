@@ -5,7 +5,8 @@ It knows no renderer: the HTML page, the notebook and the live view draw the sam
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -18,12 +19,12 @@ from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.shapes.surface import Surface
 from leadthrough.show.surfaces import creased, smooth
 
-ARM, DEMONSTRATIONS, PATH, SPREAD, OBSTACLES, GOAL = (
-    "arm", "demonstrations", "path", "uncertainty", "obstacles", "goal",
+ARM, DEMONSTRATIONS, PATH, SPREAD, OBSTACLES, START, GOAL, VIA = (
+    "arm", "demonstrations", "path", "uncertainty", "obstacles", "start", "goal", "via points",
 )  # fmt: skip
 
 # Layers whose surfaces have no creases.
-_SMOOTH = frozenset({DEMONSTRATIONS, PATH, SPREAD, GOAL})
+_SMOOTH = frozenset({DEMONSTRATIONS, PATH, SPREAD, START, GOAL, VIA})
 # A screen shows at most 60 frames per second, and a long motion is shown with fewer.
 _FRAME_RATE = 60.0
 _MAX_FRAMES = 1200
@@ -55,14 +56,8 @@ class Animation(ShortRepr):
     orientations: Float64Array  # of the links in that frame, (n, links, 4), w, x, y, z
     items: tuple[Item, ...] = field(repr=False)  # the surfaces
     tip: int | None = None  # index of the link at the arm's tip
+    readouts: dict[str, Any] | None = None  # figures at the times; see `readouts`
     remarks: tuple[str, ...] = ()  # on missing parts, such as a mesh file that is not there
-
-    def with_motion(self, arm: Arm, joints: JointTrajectory) -> Animation:
-        """The same surfaces with another motion of the arm."""
-        frames = sampled(arm, joints)
-        _, positions, orientations = link_motion(arm, frames.positions)
-        times = frames.times - frames.times[0]
-        return replace(self, times=times, positions=positions, orientations=orientations)
 
     def ball(self) -> tuple[Float64Array, float]:
         """Centre (3,) and radius, m, of a ball around all surfaces and their motion."""

@@ -26,6 +26,8 @@ from leadthrough.show.animation import (
     OBSTACLES,
     PATH,
     SPREAD,
+    START,
+    VIA,
     Animation,
     Item,
     link_motion,
@@ -37,7 +39,7 @@ from leadthrough.show.surfaces import thinned, tube, uncertainty_tube
 _PATH_RADIUS = 0.004
 _PATH_FRACTION = 0.01  # of the path's extent
 _DEMONSTRATION_FRACTION = 0.5  # of a path's radius
-_GOAL_RADIUS = 0.014
+_GOAL_RADIUS, _MARK_RADIUS = 0.014, 0.009
 _PATH_POINTS = 200
 _DEMONSTRATION_POINTS = 100
 _SPREAD_POINTS = 80
@@ -63,7 +65,8 @@ def arm_scene(
     parts, remarks = link_geometry.surfaces(arm.robot, arm.mesh_folders)
     items = [*arm_items(arm, links, parts), *demonstration_items(arm, demonstrations)]
     if path is not None:
-        items.append(path_item(check.array(path, "path", shape=("n", 3))))
+        points = check.array(path, "path", shape=("n", 3))
+        items += [path_item(points), start_item(points)]
     items += spread_items(arm, skill)
     items += [obstacle_item(shape, i) for i, shape in enumerate(check_shapes(obstacles))]
     if goal is not None:
@@ -156,6 +159,19 @@ def goal_item(goal: Float64Array) -> Item:
     """A ball at the goal (3,)."""
     mesh = sphere(_GOAL_RADIUS).moved(goal)
     return Item("goal", GOAL, mesh, palette.rgb(palette.GOAL))
+
+
+def start_item(path: Float64Array) -> Item:
+    """A small ball where a path (n, 3) begins."""
+    mesh = sphere(_MARK_RADIUS).moved(path[0])
+    return Item("start", START, mesh, palette.rgb(palette.PATH))
+
+
+def via_items(points: Iterable[Float64Array]) -> Iterator[Item]:
+    """Small balls at points (3,) that the path was moved to."""
+    for i, point in enumerate(points):
+        mesh = sphere(_MARK_RADIUS).moved(point)
+        yield Item(f"via point {i + 1}", VIA, mesh, palette.rgb(palette.PINK))
 
 
 def _radius(path: Float64Array) -> float:

@@ -34,7 +34,7 @@ def learned(arm: Arm, demonstrations: Sequence[Demonstration[Any]], scene: Scene
     skill = learn(poses)
     near = reproduction(skill, poses)
     family = type(skill.model).__name__
-    text = f"Learned by {family}, within {1e3 * near.position:.2g} mm of every demonstration."
+    text = f"Learned by {family}, within {1e3 * near.position:.3g} mm of every demonstration."
     return Learned(Replanner(arm, skill, scene=scene, demonstrations=poses), text)
 
 

@@ -64,13 +64,14 @@ class LiveView extends SceneView {
     const scene = await unpacked(data), { layers, times, poses, arrays, readouts } = scene;
     const share = this.duration ? this.time / this.duration : 0;
     this.painter.replace(layers, scene);
+    if (readouts || moves) this.data.readouts = readouts;
     this.list(scene.items);
-    if (readouts) this.data.readouts = readouts;
     if (moves) {
       Object.assign(this.data, { times, poses, arrays });
       this.slider.max = this.duration;
       this.show(share);
     }
+    this.curves.draw();
     this.changed();
   }
 
@@ -94,17 +95,6 @@ class LiveView extends SceneView {
   }
 
   get correctable() { return this.state.learned && this.duration > 0; }
-
-  tell() {
-    super.tell();
-    const told = this.data.readouts;
-    if (!this.panel || !told) return;
-    let i = told.times.findIndex((time) => time >= this.time);
-    if (i < 0) i = told.times.length - 1;
-    const clear = told.clearance ? `clearance ${(1000 * told.clearance[i]).toFixed(0)} mm, ` : "";
-    this.find("reading").textContent = `${clear}${told.names[told.joint[i]]} at ${
-      (100 * told.share[i]).toFixed(0)} % of its speed, tip ${told.speed[i].toFixed(2)} m/s`;
-  }
 
   update(state) {
     this.state = state;

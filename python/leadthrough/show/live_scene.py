@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
+from leadthrough.io.files import StrPath
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene
@@ -21,6 +21,8 @@ from leadthrough.show.animation import (
     OBSTACLES,
     PATH,
     SPREAD,
+    START,
+    VIA,
     Animation,
     Item,
 )
@@ -32,10 +34,14 @@ from leadthrough.show.arm_scene import (
     obstacle_item,
     path_item,
     spread_items,
+    start_item,
+    via_items,
 )
+from leadthrough.show.readouts import readouts
 
 _MOTIONLESS = Animation((), np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 4)), ())
-LAYERS = (DEMONSTRATIONS, OBSTACLES, PATH, SPREAD, GOAL)
+_MARKS = {PATH: path_item, START: start_item, GOAL: goal_item}
+LAYERS = (DEMONSTRATIONS, OBSTACLES, PATH, SPREAD, START, GOAL, VIA)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +55,15 @@ class LiveScene:
     path: Float64Array | None = None  # of the tip (n, 3)
     goal: Float64Array | None = None  # (3,)
     skill: Skill | None = None  # whose spread is drawn
+    via: Sequence[Float64Array] = ()  # points (3,) that the path was moved to
 
     def document(self, kind: str) -> str:
         """The page of a kind, "teach" or "view"."""
         return page.live_document(self._whole(), self.arm.robot.name, kind)
+
+    def write(self, path: StrPath) -> None:
+        """Writes a page that needs no server."""
+        page.write_page(path, self.arm.robot.name, page.scene(self._whole()), whole=True)
 
     def message(
         self, layers: Sequence[str] = LAYERS, *, moves: bool = False, detailed: bool = True
@@ -67,35 +78,19 @@ class LiveScene:
 
     def _whole(self) -> Animation:
         drawn = arm_scene(self.arm, self.motion)
-        items = [item for item in drawn.items if item.layer != PATH]
-        return replace(drawn, items=(*items, *(i for name in LAYERS for i in self._items(name))))
+        items = [item for item in drawn.items if item.layer not in LAYERS]
+        items += [item for name in LAYERS for item in self._items(name)]
+        told = readouts(self.arm, self.motion, self.scene)
+        return replace(drawn, items=tuple(items), readouts=told)
 
-    def _items(self, layer: str) -> Sequence[Item]:
+    def _items(self, layer: str) -> Iterable[Item]:
         if layer == DEMONSTRATIONS:
-            return list(demonstration_items(self.arm, self.demonstrations))
+            return demonstration_items(self.arm, self.demonstrations)
         if layer == OBSTACLES:
             return [obstacle_item(shape, i) for i, shape in enumerate(self.scene.shapes)]
-        if layer == PATH and self.path is not None:
-            return [path_item(self.path)]
         if layer == SPREAD:
-            return list(spread_items(self.arm, self.skill))
-        return [goal_item(self.goal)] if layer == GOAL and self.goal is not None else []
-
-
-def readouts(arm: Arm, motion: JointTrajectory | None, scene: Scene) -> dict[str, Any] | None:
-    """Clearance, m, the joint nearest to its speed limit, and the tip's speed along a motion."""
-    if motion is None or len(motion.times) < 2:
-        return None
-    times = motion.times
-    rates = np.abs(np.gradient(motion.positions, times, axis=0)) / arm.limits.velocity
-    tips = arm.forward_kinematics(motion.positions)[0]
-    speed = np.linalg.norm(np.gradient(tips, times, axis=0), axis=1)
-    clearance = np.asarray(arm.distance(motion.positions, scene)) if scene.shapes else None
-    return {
-        "times": (times - times[0]).round(4).tolist(),
-        "joint": rates.argmax(axis=1).tolist(),
-        "share": rates.max(axis=1).round(3).tolist(),
-        "speed": speed.round(4).tolist(),
-        "clearance": None if clearance is None else clearance.round(4).tolist(),
-        "names": list(arm.joint_names),
-    }
+            return spread_items(self.arm, self.skill)
+        if layer == VIA:
+            return via_items(self.via)
+        marked = self.goal if layer == GOAL else self.path
+        return [] if marked is None else [_MARKS[layer](marked)]

@@ -20,7 +20,7 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene, Shape
-from leadthrough.show.animation import DEMONSTRATIONS, GOAL, OBSTACLES, PATH, SPREAD
+from leadthrough.show.animation import DEMONSTRATIONS, GOAL, OBSTACLES, PATH, SPREAD, START, VIA
 from leadthrough.show.live_scene import LiveScene
 from leadthrough.show.replanner import Answer, Replanner
 
@@ -122,10 +122,11 @@ class LiveSession:
     @property
     def drawn(self) -> LiveScene:
         """All that the page draws."""
-        skill = None if self.planner is None else self.planner.asked_skill()
+        planner = self.planner
+        skill, via = (None, ()) if planner is None else (planner.asked_skill(), planner.via)
         return LiveScene(
             *(self.arm, self._shown(), self.scene, self.demonstrations),
-            *(self._path, self._goal_position, skill),
+            *(self._path, self._goal_position, skill, via),
         )
 
     def greeting(self) -> list[str]:
@@ -251,7 +252,7 @@ class LiveSession:
             self._path = answer.path
         if answer.joints is not None:
             self.motion = answer.joints
-        layers = (PATH, GOAL) if answer.trouble else (PATH, GOAL, SPREAD)
+        layers = (PATH, START, GOAL, VIA, *(() if answer.trouble else (SPREAD,)))
         self._messages.append(self.drawn.message(layers, moves=moves, detailed=whole))
         self._say(self._verdict(answer, whole=whole))
 

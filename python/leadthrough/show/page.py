@@ -23,7 +23,7 @@ from leadthrough.show.animation import Animation
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_SCRIPTS = ("vectors.js", "shaders.js", "painter.js", "pace.js", "scene.js")
+_SCRIPTS = ("vectors.js", "shaders.js", "painter.js", "pace.js", "curves.js", "scene.js")
 _LIVE_SCRIPTS = (*_SCRIPTS, "handles.js", "live.js", "teach.js")
 _STYLES = ("page.css",)
 _LIVE_STYLES = (*_STYLES, "live.css")
@@ -194,6 +194,7 @@ def packed(animation: Animation, *, level: int = 9, **told: Any) -> str:
         "times": [round(float(time), 5) for time in animation.times],
         "poses": stored(_rounded(poses), np.float32),
         "items": items,
+        "readouts": animation.readouts,
         **told,
     }
     return _deflated(head, arrays, level)
@@ -234,25 +235,30 @@ def _extent(animation: Animation) -> dict[str, Any]:
 _SCENE = """<figure class="scene"><div class="stage"><canvas tabindex="0" role="img"
 aria-label="3D scene: arrow keys turn it, plus and minus zoom, space plays"></canvas>
 <div class="layers" role="group" aria-label="layers"></div>
-<div class="bar"><button class="play" aria-label="play">▶</button>
+<div class="trouble"></div>
+<div class="foot"><div class="remarks">{remarks}</div><p class="reading"></p>
+<div class="bar"><div class="curves" hidden><svg viewBox="0 0 1000 100" preserveAspectRatio="none"
+role="img" aria-label="curves of the joints over time"></svg><p></p></div>
+<button class="play" aria-label="play">▶</button>
 <input class="time" type="range" min="0" max="1" step="any" value="0" aria-label="time">
 <span class="clock"></span>
 <select class="speed" aria-label="speed"><option value="0.25">1/4 x</option>
 <option value="1" selected>1 x</option><option value="2">2 x</option></select>
-<button class="home">Reset view</button></div><div class="trouble"></div>
-<div class="remarks">{remarks}</div></div>
+<select class="figure" aria-label="curves"><option value="">no curves</option></select>
+<button class="home">Reset view</button></div></div></div>
 <script type="text/plain">{data}</script>{caption}</figure>"""
 
 _PANEL = """<section class="panel {kind}" aria-label="motion">{before}
 <div class="sliders"></div>
 <div class="buttons"><button class="turning" aria-pressed="false">Turn what is dragged</button>
 <button class="undo">Undo correction</button></div>
-<p class="told" role="status"></p><p class="reading"></p>
+<p class="told" role="status"></p>
 <p class="next" hidden>next: <code></code></p></section>"""
 
 _RECORDING = """<div class="buttons"><button class="record">Record</button>
 <button class="gripper">Gripper</button><button class="learn">Learn</button>
-<button class="save">Save</button></div><ol class="demonstrations"></ol>
+<button class="save">Save</button><button class="export">Save as LeRobot</button></div>
+<ol class="demonstrations"></ol>
 <button class="restore" hidden>Undo last change of the list</button>"""
 
 _PAGE = """<!doctype html>

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -13,20 +13,14 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import Arm
+from leadthrough.augmentation import write_data_set
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.demonstration_quality.judge import suspicions
 from leadthrough.io.files import replacing
 from leadthrough.io.formats import write_motion
-from leadthrough.motion import (
-    Demonstration,
-    Event,
-    JointTrajectory,
-    events_within,
-    fields_of,
-    lerp,
-    rows_of,
-)
-from leadthrough.preprocess.resample import arc_length
+from leadthrough.motion import Demonstration, Event, JointTrajectory
+from leadthrough.preprocess.resample import arc_length, trimmed
+from leadthrough.shapes import Scene
 
 _STILL = 1e-4  # rad or m; joints that differ by less at a recording's ends rest
 _MIN_SAMPLES = 10
@@ -42,8 +36,9 @@ class Recordings:
     def __init__(self, arm: Arm, folder: Path, demonstrations: Sequence[Any]) -> None:
         self.arm, self.folder = arm, folder
         self.demonstrations = [_of_arm(arm, each, i) for i, each in enumerate(demonstrations)]
-        self._former: tuple[int, list[Demonstration[JointTrajectory]], bytes | None] | None = None
+        self.former: tuple[int, list[Demonstration[JointTrajectory]], bytes | None] | None = None
         self._listed: list[dict[str, Any]] | None = None
+        self.source = folder  # of the demonstrations as they are
 
     def add(self, motion: JointTrajectory) -> Path:
         """Writes a motion to a new file, whose path is returned."""
@@ -52,7 +47,8 @@ class Recordings:
         path = self.path(name)
         write_motion(motion, path)
         self.demonstrations.append(Demonstration(motion, name))
-        self._former = self._listed = None
+        self.former = None
+        self._changed()
         return path
 
     def remove(self, index: int) -> str:
@@ -83,16 +79,11 @@ class Recordings:
         self.demonstrations[index] = Demonstration(motion, given.name)
         return motion
 
-    @property
-    def restorable(self) -> bool:
-        """Whether the last change of a demonstration can be taken back."""
-        return self._former is not None
-
     def restore(self) -> JointTrajectory | None:
         """Takes the last change of a demonstration back, in its file too; its motion."""
-        if self._former is None:
+        if self.former is None:
             return None
-        index, demonstrations, content = self._former
+        index, demonstrations, content = self.former
         known = {each.name for each in demonstrations}
         if content is not None:
             with replacing(self.path(demonstrations[index].name)) as temporary:
@@ -101,8 +92,16 @@ class Recordings:
             if each.name not in known:
                 self.path(each.name).unlink(missing_ok=True)
         self.demonstrations[:] = demonstrations
-        self._former = self._listed = None
+        self.former = None
+        self._changed()
         return demonstrations[index].motion
+
+    def export(self, scene: Scene) -> Path:
+        """The LeRobot data set of the demonstrations, written to a new folder beside theirs."""
+        names = (f"{self.folder.name}-lerobot{f'-{n}' * (n > 1)}" for n in count(1))
+        free = next(path for path in map(self.folder.with_name, names) if not path.exists())
+        self.source = write_data_set(self.demonstrations, self.arm, free, scene)
+        return self.source
 
     def path(self, name: str) -> Path:
         """The file of a demonstration."""
@@ -112,9 +111,12 @@ class Recordings:
         """The file of a demonstration that is about to change, kept for `restore`."""
         path = self.path(self.demonstrations[index].name)
         content = path.read_bytes() if path.exists() else None
-        self._former = index, list(self.demonstrations), content
-        self._listed = None
+        self.former = index, list(self.demonstrations), content
+        self._changed()
         return path
+
+    def _changed(self) -> None:
+        self.source, self._listed = self.folder, None
 
     def _checked_name(self, index: int, name: object) -> str:
         given = name.strip() if isinstance(name, str) else ""
@@ -125,10 +127,6 @@ class Recordings:
         if given.casefold() in {each.casefold() for each in self._taken() - {own}}:
             raise InvalidInput(f"name: there is a {given} already")
         return given
-
-    def motion(self, index: object) -> JointTrajectory:
-        """The motion at an index of any type."""
-        return self.demonstrations[self.checked(index)].motion
 
     def checked(self, index: object) -> int:
         """The index, if there is a demonstration at it."""
@@ -207,18 +205,3 @@ def _moves(arm: Arm, motion: JointTrajectory) -> bool:
     poses = arm.poses(motion)
     turned = math.dist(poses.orientations[0], poses.orientations[-1]) > 0.5 * _MIN_TURN
     return bool(arc_length(poses.positions)[-1] > _MIN_PATH or turned)
-
-
-def trimmed(motion: JointTrajectory, first: float, last: float) -> JointTrajectory:
-    """The part between two times, s from the start; the last event before it stays, at 0."""
-    times = motion.times - motion.times[0]
-    inside = times[(times > first + _ROUNDING) & (times < last - _ROUNDING)]
-    if len(inside) < 1:
-        raise InvalidInput(f"motion: too little is left between {first:.2f} and {last:.2f} s")
-    kept = np.concatenate([[first], inside, [last]])
-    rows = {name: lerp(kept, times, each) for name, each in rows_of(motion).items()}
-    begin, end = motion.times[0] + np.array([first, last])
-    before = [Event(begin, each.name) for each in motion.events if each.time < begin][-1:]
-    events = (*before, *events_within(motion.events, begin, end))
-    shifted = tuple(Event(each.time - begin, each.name) for each in events)
-    return replace(motion, times=kept - first, events=shifted, **fields_of(motion, rows))

@@ -155,6 +155,17 @@ class Replanner:
         except LeadthroughError:
             return None
 
+    @property
+    def via(self) -> Sequence[Float64Array]:
+        """Points (3,) that the tip's path was moved to, for the present goal."""
+        if not isinstance(self.skill, CorrectedSkill) or not self.corrections:
+            return ()
+        try:
+            points = self.skill.corrected_points(**self._query(_STEP).arguments())
+        except LeadthroughError:
+            return ()
+        return tuple(self.arm.forward_kinematics(points)[0] if self._is_of_joints else points)
+
     def preview(self) -> Answer:
         """A quick answer, which a check of the whole arm may still refuse."""
         return self._answer(_PREVIEW_STEP, preview=True)

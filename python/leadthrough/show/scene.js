@@ -20,11 +20,13 @@ async function unpacked(text) {
 
 class SceneView {
   constructor(element, data) {
-    Object.assign(this, { element, data, time: 0, playing: true, frames: 0, hidden: new Set() });
+    Object.assign(this, { element, data, time: 0, sample: 0, playing: true, frames: 0, hidden: new Set() });
     this.links = data.links.map(() => UNMOVED);
     this.canvas = element.querySelector("canvas");
     this.painter = new Painter(this.canvas, data);
     this.pace = begun(this.painter.byProcessor ? BY_PROCESSOR : 0);
+    this.pairs = new Pairs(this);
+    this.curves = new Curves(this);
     this.controls();
     this.orbit();
     this.home();
@@ -44,6 +46,7 @@ class SceneView {
     }
     const span = times[high] - times[low], share = span > 0 ? (this.time - times[low]) / span : 0;
     const poses = arrays[this.data.poses], n = links.length;
+    this.sample = share < 0.5 ? low : high;
     this.links = links.map((_, link) => {
       const a = 7 * (low * n + link), b = 7 * (high * n + link), mixed = [];
       for (let k = 0; k < 7; k++) mixed.push((1 - share) * poses[a + k] + share * poses[b + k]);
@@ -58,6 +61,8 @@ class SceneView {
     this.toldAt = performance.now();
     this.slider.value = this.time;
     this.clock.textContent = `${this.time.toFixed(2)} / ${this.duration.toFixed(2)} s`;
+    this.element.querySelector(".reading").textContent = read(this.data.readouts, this.sample);
+    this.curves.mark();
   }
 
   play(on) {
@@ -121,6 +126,7 @@ class SceneView {
   draw(way) {
     const { target, distance, links, hidden } = this;
     this.painter.draw(WAYS[way], { eye: this.eye(), target, distance }, links, hidden);
+    this.pairs.draw();
     Object.assign(this, { stale: false, coarse: way > 0 });
     this.frames += 1;
   }
@@ -143,7 +149,8 @@ class SceneView {
   // Boxes that show and hide the layers of these surfaces, where there is none yet.
   list(items) {
     const known = [...this.boxes.querySelectorAll("input")].map((box) => box.name);
-    const layers = new Map(items.map((item) => [item.layer, item]));
+    const told = this.data.readouts?.pairs.length ? [PAIRS] : [];
+    const layers = new Map([...items, ...told].map((item) => [item.layer, item]));
     for (const [layer, item] of layers) {
       if (known.includes(layer)) continue;
       const label = document.createElement("label"), box = document.createElement("input");

@@ -31,7 +31,7 @@ class TeachingView extends LiveView {
     if (this.playing) this.play(false);
     this.live = true;
     this.links = this.links.map((_, i) => posed(poses.slice(7 * i, 7 * i + 3), poses.slice(7 * i + 3, 7 * i + 7)));
-    this.find("reading").textContent = why;
+    this.element.querySelector(".reading").textContent = why;
     this.moved();
   }
 
@@ -61,7 +61,7 @@ class TeachingView extends LiveView {
       if (this.state.recording) this.after = "rest"; else this.grab();
       this.send({ do: this.state.recording ? "stop" : "record" });
     };
-    for (const name of ["gripper", "learn", "save", "restore"])
+    for (const name of ["gripper", "learn", "save", "export", "restore"])
       this.find(name).onclick = () => {
         if (name === "learn") this.after = "play";
         this.send({ do: name });
@@ -79,6 +79,7 @@ class TeachingView extends LiveView {
     this.panel.classList.toggle("recording", state.recording);
     this.find("gripper").disabled = !state.recording;
     this.find("learn").disabled = !state.demonstrations.length || state.recording;
+    this.find("export").disabled = this.find("learn").disabled;
     this.find("save").disabled = !state.learned;
     this.find("next").hidden = !state.command;
     this.find("next").querySelector("code").textContent = state.command;

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
+from shlex import quote
 from typing import Any, ClassVar
 
 import numpy as np
@@ -174,7 +175,8 @@ class Teaching(LiveSession):
             self._say("The last change is taken back.")
 
     def _play(self, said: dict[str, Any]) -> None:
-        self._show(self.recordings.motion(said.get("index")))
+        index = self.recordings.checked(said.get("index"))
+        self._show(self.recordings.demonstrations[index].motion)
 
     def _learn(self, _: dict[str, Any]) -> None:
         given = tuple(self.demonstrations)
@@ -197,7 +199,16 @@ class Teaching(LiveSession):
             self._say("Press Learn first.")
             return
         self.planner.skill.save(self.skill_path)
-        self._say(f"The skill is in {self.skill_path}.")
+        scene = self.skill_path.with_suffix(".html")
+        self.drawn.write(scene)
+        self._say(f"The skill is in {self.skill_path}, this scene in {scene}.")
+
+    def _export(self, _: dict[str, Any]) -> None:
+        if not self.demonstrations:
+            self._say("Record a demonstration first.")
+            return
+        path = self.recordings.export(self.scene)
+        self._say(f"The data set is in {path}; to learn from it: {self._learn_command}")
 
     @property
     def skill_path(self) -> Path:
@@ -209,9 +220,11 @@ class Teaching(LiveSession):
         """The next command, which goes on with the files that are there."""
         if self.planner is not None:
             return plan_command(self.planner, self.skill_path, self.scene)
-        return f"leadthrough learn {self.recordings.folder} -o skill.npz" * bool(
-            self.demonstrations
-        )
+        return self._learn_command * bool(self.demonstrations)
+
+    @property
+    def _learn_command(self) -> str:
+        return f"leadthrough learn {quote(str(self.recordings.source))} -o skill.npz"
 
     def _shown(self) -> JointTrajectory:
         resting = JointTrajectory(np.zeros(1), self.led.q[None], joint_names=self.arm.joint_names)
@@ -233,7 +246,7 @@ class Teaching(LiveSession):
             "recording": self._recording is not None,
             "demonstrations": self.recordings.listed(),
             "shown": [i for i, e in enumerate(self.demonstrations) if e.motion is self.motion],
-            "restorable": self.recordings.restorable,
+            "restorable": self.recordings.former is not None,
             "command": self.command,
         }
 
@@ -244,5 +257,6 @@ class Teaching(LiveSession):
     _HANDLERS: ClassVar[Mapping[str, Handler]] = {
         **LiveSession.HANDLERS, "grab": _grab, "lead": _lead, "turn": _turn, "release": _release,
         "record": _record, "gripper": _gripper, "stop": _stop, "delete": _delete, "play": _play,
-        "rename": _rename, "trim": _trim, "restore": _restore, "learn": _learn, "save": _save,
+        "rename": _rename, "trim": _trim, "restore": _restore, "export": _export,
+        "learn": _learn, "save": _save,
     }  # fmt: skip

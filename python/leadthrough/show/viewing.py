@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from leadthrough import check
 from leadthrough.arm import Arm, check_arm
@@ -17,6 +17,7 @@ from leadthrough.show import page
 from leadthrough.show.animation import Animation
 from leadthrough.show.arm_scene import arm_scene
 from leadthrough.show.live_session import LiveSession
+from leadthrough.show.readouts import readouts
 from leadthrough.show.replanner import Replanner, parted
 from leadthrough.show.viewer import LivePage
 
@@ -168,7 +169,7 @@ class _Content:
         position = None if self.goal is None else parted(self.goal)[0]
         if position is None and self.skill is not None and joints is not None:
             position = self.arm.forward_kinematics(joints.positions[-1])[0]
-        return arm_scene(
+        drawn = arm_scene(
             self.arm,
             joints,
             demonstrations=self.demonstrations,
@@ -177,3 +178,4 @@ class _Content:
             obstacles=self.scene.shapes,
             goal=position,
         )
+        return replace(drawn, readouts=readouts(self.arm, joints, self.scene))

@@ -5,6 +5,7 @@ import json
 import re
 import time
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from PIL import Image
 import leadthrough as lt
 from leadthrough.show import open_view, page
 from leadthrough.show.arm_scene import arm_scene
+from leadthrough.show.readouts import readouts
 
 BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
 SIZE = {"width": 640, "height": 400}
@@ -68,13 +70,11 @@ def opened(browser):
 @pytest.fixture(scope="module")
 def moving(panda, shown):
     motion = lt.DMP().fit(shown).generate(dt=0.05)
-    return arm_scene(
-        panda,
-        panda.follow(motion),
-        demonstrations=shown,
-        obstacles=[BOX],
-        goal=motion.positions[-1],
+    joints = panda.follow(motion)
+    drawn = arm_scene(
+        panda, joints, demonstrations=shown, obstacles=[BOX], goal=motion.positions[-1]
     )
+    return replace(drawn, readouts=readouts(panda, joints, lt.Scene([BOX])))
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +104,7 @@ def test_file_shows_the_arm_the_path_and_the_controls(html):
     for name in ("play", "time", "clock", "speed", "home"):
         assert html.locator(f".{name}").is_visible()
     layers = html.locator(".layers label").all_inner_texts()
-    assert layers == ["arm", "demonstrations", "path", "obstacles", "goal"]
+    assert layers == ["arm", "demonstrations", "path", "start", "obstacles", "goal", "clearance"]
 
 
 def test_arm_in_the_file_moves_as_the_scene_says(html, moving):
@@ -260,6 +260,42 @@ def test_a_click_on_the_path_goes_to_that_time_and_one_beside_it_nowhere(html, m
         assert html.evaluate("leadthrough.scenes[0].time") == pytest.approx(at, abs=0.1)
     html.mouse.click(20, 200)
     assert html.evaluate("leadthrough.scenes[0].time") == pytest.approx(2.6, abs=0.1)
+
+
+def test_curves_and_the_nearest_pair_are_those_of_the_time_shown(html, moving):
+    told = moving.readouts
+    chosen = html.locator("select.figure")
+    assert html.locator(".curves").is_hidden()
+    at = 0.5 * told["times"][-1]
+    seek(html, at)
+    i = int(np.argmin(np.abs(np.array(told["times"]) - at)))
+    near, own = told["pairs"]
+    texts = html.locator(".pairs text").all_text_contents()
+    assert texts == [f"{1000 * pair['distance'][i]:.0f} mm" for pair in (near, own)]
+    ends = [float(html.locator(".pairs line").first.get_attribute(name)) for name in ("x1", "y1")]
+    point = html.evaluate(f"leadthrough.scenes[0].onCanvas({near['points'][i][:3]})")
+    np.testing.assert_allclose(ends, point[:2], atol=0.2)
+    assert near["bodies"][i] in html.locator(".reading").inner_text()
+    for name, rows, lines in (
+        ("positions, rad", told["positions"], 0),
+        ("velocities, share of limits", np.array(told["velocities"]) / np.c_[told["limits"][2]], 2),
+    ):
+        chosen.select_option(name)
+        assert html.locator(".curves polyline").count() == 7
+        assert html.locator(".curves .limit").count() == lines
+        values = [float(x.split()[-1]) for x in html.locator(".curves span").all_inner_texts()]
+        np.testing.assert_allclose(values, np.array(rows)[:, i], atol=0.0051)
+    box = html.locator(".curves svg").bounding_box()
+    html.mouse.click(box["x"] + 0.25 * box["width"], box["y"] + 20)
+    assert html.evaluate("leadthrough.scenes[0].time") == pytest.approx(0.5 * at, rel=0.02)
+    now = float(html.locator(".curves .now").get_attribute("x1"))
+    assert now == pytest.approx(250, abs=10)
+    html.locator(".layers input[name=clearance]").uncheck()
+    seek(html, at)
+    assert html.locator(".pairs line").first.is_hidden()
+    html.locator(".layers input[name=clearance]").check()
+    chosen.select_option("")
+    assert html.locator(".curves").is_hidden()
 
 
 def test_keys_work_without_the_focus_on_the_scene(html):

@@ -3,6 +3,7 @@
 import asyncio
 import http.client
 import json
+import re
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -180,6 +181,10 @@ def test_taught_learned_moved_corrected_saved_and_planned(browser, taught, panda
     at = panda.forward_kinematics(planned.positions[-1])[0]
     np.testing.assert_allclose(at, state(tab)["goal"], atol=1e-3)
     run("learn", "recorded", "--robot", "panda", "--model", "dmp", "-o", "again.npz")
+    press(tab, "Save as LeRobot")
+    settled(tab, "/The data set is in/.test(state.text)")
+    _, *words = re.search(r"leadthrough learn .*", state(tab)["text"])[0].split()
+    run(*words, "--robot", "panda", "--model", "dmp")
     assert program == "leadthrough"
     assert tab.problems == []
     tab.context.close()
@@ -216,6 +221,45 @@ def test_a_recording_is_named_trimmed_and_brought_back_on_the_page(browser, taug
     settled(tab, "state.demonstrations.length === 1 && state.shown[0] === 0")
     assert lt.read_motion(path).duration == pytest.approx(time, abs=1e-3)
     assert path.read_bytes() != before
+    assert tab.problems == []
+    tab.context.close()
+
+
+def drawn(tab):
+    """All that a page shows of a motion, at half its duration."""
+    tab.evaluate(f"{SCENE}.play(false); {SCENE}.seek(0.5 * {SCENE}.duration)")
+    tab.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    layers = tab.locator(".layers label").all_inner_texts()
+    return {
+        "layers": sorted(layers),
+        "links": tab.evaluate(f"{SCENE}.links.map((link) => [...link].map((x) => +x.toFixed(4)))"),
+        "readouts": tab.evaluate(f"{SCENE}.data.readouts"),
+        "reading": tab.locator(".reading").inner_text(),
+        "clock": tab.locator(".clock").inner_text(),
+        "lengths": tab.locator(".pairs text").all_text_contents(),
+    }
+
+
+@pytest.mark.parametrize(("width", "height"), [(1200, 800), (390, 844)])
+def test_the_scene_that_was_saved_is_the_same_from_disk(browser, taught, width, height):
+    tab = opened(browser, taught, width, height)
+    record(tab, (0, -60), (-40, 40))
+    settled(tab, "state.demonstrations.length === 1")
+    press(tab, "Learn")
+    settled(tab, "state.goal && /lear by/.test(state.text) && data.readouts")
+    press(tab, "Save")
+    settled(tab, "/this scene in/.test(state.text)")
+    live = drawn(tab)
+    press(tab, "Save as LeRobot")
+    settled(tab, "/The data set is in/.test(state.text)")
+    (again,) = lt.read_demonstrations("recorded-lerobot")
+    given = taught.session.demonstrations[0].motion
+    assert again.motion.duration == pytest.approx(given.duration, abs=0.3)
+    tab.goto(Path("skill.html").absolute().as_uri())
+    tab.wait_for_function(f"leadthrough.scenes.length && {SCENE}.frames > 0")
+    assert drawn(tab) == live
+    assert live["lengths"] == [f"{text} mm" for text in re.findall(r"(-?\d+) mm", live["reading"])]
+    assert tab.evaluate("document.documentElement.scrollWidth") <= width
     assert tab.problems == []
     tab.context.close()
 

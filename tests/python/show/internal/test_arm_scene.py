@@ -6,6 +6,7 @@ from refusals import refused
 
 import leadthrough as lt
 from leadthrough.show.arm_scene import arm_scene, distribution_of
+from leadthrough.show.readouts import readouts
 
 STICKS = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
 <joint name="one" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
@@ -54,7 +55,7 @@ def test_each_kind_of_thing_has_its_layer(panda, shown):
     counts = {layer: layers.count(layer) for layer in dict.fromkeys(layers)}
     assert counts.pop("arm") == 9
     assert counts == {
-        "demonstrations": 5, "path": 1, "uncertainty": 1, "obstacles": 2, "goal": 1,
+        "demonstrations": 5, "path": 1, "start": 1, "uncertainty": 1, "obstacles": 2, "goal": 1,
     }  # fmt: skip
 
 
@@ -117,3 +118,34 @@ def test_spread_of_joints_is_brought_to_the_tip(panda):
 )
 def test_wrong_arguments_are_named(panda, arguments, said):
     refused(said, arm_scene, panda, **{"joints": None, **arguments})
+
+
+def test_figures_along_a_motion_are_those_of_the_arm_at_its_frames(panda):
+    box = lt.Box((0.1, 0.1, 0.3), (0.6, 0.2, 0.15))
+    joints = swing(panda, count=400)
+    made = arm_scene(panda, joints, obstacles=[box])
+    told = readouts(panda, joints, lt.Scene([box]))
+    assert len(told["times"]) == len(made.times)
+    q = np.array(told["positions"]).T
+    near, own = told["pairs"]
+    np.testing.assert_allclose(near["distance"], panda.distance(q, [box]), atol=1e-3)
+    np.testing.assert_allclose(own["distance"], panda.self_distance(q), atol=1e-3)
+    for pair in told["pairs"]:
+        points = np.array(pair["points"])
+        lengths = np.linalg.norm(points[:, 3:] - points[:, :3], axis=1)
+        np.testing.assert_allclose(lengths, np.abs(pair["distance"]), atol=2e-3)
+    assert all("obstacle 0" in names for names in near["bodies"])
+    expected = 0.3 * np.cos(told["times"])
+    np.testing.assert_allclose(
+        np.array(told["velocities"])[:, 2:-2], [expected[2:-2]] * 7, atol=2e-3
+    )
+    most = (np.abs(expected)[:, None] / panda.limits.velocity).max(axis=1)
+    np.testing.assert_allclose(told["share"][2:-2], most[2:-2], atol=2e-3)
+
+
+def test_an_arm_without_geometry_has_figures_but_no_pairs():
+    arm = lt.Arm.from_urdf(STICKS)
+    told = readouts(arm, swing(arm), lt.Scene())
+    assert told["pairs"] == []
+    assert told["limits"] == [[-1.0], [1.0], [1.0]]
+    assert readouts(arm, None, lt.Scene()) is None

@@ -1,6 +1,7 @@
 """Leading an arm by its tip, recordings of it, and what is learned from them, without a browser."""
 
 import json
+import math
 import re
 import time
 from pathlib import Path
@@ -356,13 +357,33 @@ def test_learned_moved_corrected_undone_and_saved(teaching, panda):
     np.testing.assert_allclose(
         panda.forward_kinematics(teaching.motion.at(middle))[0], wanted, atol=3e-3
     )
+    np.testing.assert_allclose(teaching.planner.via, [wanted], atol=3e-3)
+    assert [each.layer for each in teaching.drawn._whole().items][-2:] == ["goal", "via points"]
     assert panda.check(teaching.motion, teaching.led.scene).ok
     said(teaching, "save")
+    assert "<title>panda</title>" in teaching.skill_path.with_suffix(".html").read_text()
     saved = lt.load_skill(teaching.skill_path)
     assert len(saved.corrections) == 1
     said(teaching, "undo")
     assert planned(teaching)["corrections"] == 0
     assert first.joint_names == teaching.motion.joint_names
+
+
+def test_a_taught_set_is_saved_for_lerobot_and_its_command_names_it(teaching, panda):
+    assert "first" in state_of(said(teaching, "export"))["text"]
+    for sideways in (0.0, 0.01):
+        demonstrated(teaching, sideways)
+    for name in ("recorded-lerobot", "recorded-lerobot-2"):
+        folder = teaching.recordings.folder.with_name(name)
+        told = state_of(said(teaching, "export"))
+        assert told["command"] == f"leadthrough learn {folder} -o skill.npz"
+        back = lt.read_demonstrations(folder, rest=math.inf)
+        assert len(back) == 2
+        for ours, given in zip(back, teaching.demonstrations, strict=True):
+            np.testing.assert_allclose(
+                ours.motion.positions[[0, -1]], given.motion.positions[[0, -1]], atol=1e-4
+            )
+    assert demonstrated(teaching)["command"].endswith("recorded -o skill.npz")
 
 
 def test_an_obstacle_is_not_moved_into_the_arm(teaching):
@@ -383,8 +404,8 @@ def test_an_obstacle_is_not_moved_into_the_arm(teaching):
         '{"do": "delete", "index": 7}', '{"do": "play", "index": true}',
         '{"do": "obstacle", "index": -1, "position": [0, 0, 0]}', '{"do": "correct", "time": "x"}',
         '{"do": "rename", "index": 0, "name": "a"}', '{"do": "trim", "index": 0, "first": 1}',
-        '{"do": "restore"}', '{"do": "turn", "vector": [1e999, 0, 0]}', '{"do": "undo"}',
-        '{"do": "save"}', "[" * 5000,
+        '{"do": "restore"}', '{"do": "export"}',
+        '{"do": "turn", "vector": [1e999, 0, 0]}', '{"do": "undo"}', '{"do": "save"}', "[" * 5000,
     ],
 )  # fmt: skip
 def test_malformed_messages_change_nothing(teaching, message):

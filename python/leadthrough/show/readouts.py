@@ -1,0 +1,58 @@
+"""Figures along a motion that a page states and draws: joints, tip speed, and nearest pairs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from leadthrough.arm import Arm
+from leadthrough.arm.collision import nearest_pairs
+from leadthrough.check import Float64Array, InvalidRobot, MissingDependency
+from leadthrough.motion import JointTrajectory
+from leadthrough.shapes import Scene
+from leadthrough.show.animation import sampled
+
+
+def readouts(arm: Arm, motion: JointTrajectory | None, scene: Scene) -> dict[str, Any] | None:
+    """Figures at the samples that a page draws, as values that JSON knows; lengths in m."""
+    if motion is None or len(motion.times) < 2:
+        return None
+    drawn = sampled(arm, motion)
+    times, q = drawn.times - drawn.times[0], drawn.positions
+    rates = np.gradient(q, times, axis=0)
+    limits = arm.limits
+    shares = np.abs(rates) / limits.velocity
+    tips = arm.forward_kinematics(q)[0]
+    return {
+        "times": times.round(4).tolist(),
+        "joint": shares.argmax(axis=1).tolist(),
+        "share": shares.max(axis=1).round(3).tolist(),
+        "speed": np.linalg.norm(np.gradient(tips, times, axis=0), axis=1).round(3).tolist(),
+        "names": list(arm.joint_names),
+        "positions": q.T.round(3).tolist(),
+        "velocities": rates.T.round(3).tolist(),
+        "limits": [_finite(each) for each in (limits.lower, limits.upper, limits.velocity)],
+        "pairs": _pairs(arm, q, scene),
+    }
+
+
+def _pairs(arm: Arm, q: Float64Array, scene: Scene) -> list[dict[str, Any]]:
+    """The nearest obstacle and link, and the nearest links, at configurations (n, joints)."""
+    try:
+        found = nearest_pairs(arm._collision, q, scene.shapes)
+    except (InvalidRobot, MissingDependency):  # there is no geometry to compare
+        return []
+    return [
+        {
+            "distance": distances.round(4).tolist(),
+            "bodies": [" and ".join(names) for names in bodies],
+            "points": points.round(3).tolist(),
+        }
+        for distances, bodies, points in found
+        if np.isfinite(distances).all()
+    ]
+
+
+def _finite(limits: Float64Array) -> list[float | None]:
+    return [float(limit) if np.isfinite(limit) else None for limit in limits]
