@@ -65,10 +65,15 @@ class LasaConfig:
 
 
 def configure(quick: bool, seed: int) -> LasaConfig:
-    """The configuration with all 30 motions, or with four of them and fewer saturations."""
+    """The configuration with all 30 motions, or with four of them and less of the rest."""
     if quick:
         return LasaConfig(
-            QUICK_MOTIONS, saturations=(0.1, 0.5, 1.0), systems=("Modified DS",), seed=seed
+            QUICK_MOTIONS,
+            protocols=("IN", "LOO", "LOO from 1"),
+            saturations=(0.1, 0.5, 1.0),
+            systems=(),
+            settings=("FML, paper's setting", "FML"),
+            seed=seed,
         )
     return LasaConfig(tuple(lasa.motions()), seed=seed)
 
