@@ -39,8 +39,9 @@ _REACH, _GROWTH = 0.08, 1.4
 _CELLS = 3
 # Radius of a closed ball, in cells: those of neighbours overlap.
 _COVER = 0.75
-# Distances that a segment is moved by, m, in the order of trial.
-_OFFSETS = tuple(0.02 * k for k in (1, 2, 3, 4, 6, 8, 11, 15))
+# Distances that a segment is moved by, m, in the order of trial; from the fourth on it is widened.
+_OFFSETS = (0.02, 0.035, 0.05, 0.08, 0.12, 0.16, 0.22, 0.3)
+_NOT_WIDENED = 2
 # Length of the transition to and from the detour, over the offset.
 _RAMP = 3.0
 # Samples of the segment that are tested in each direction.
@@ -190,8 +191,8 @@ def detours(
     length = path_lengths(tip)
     if length[segment.samples[0]] == 0.0 or length[segment.samples[-1]] == length[-1]:
         return
-    for more, offset in enumerate(_OFFSETS):
-        part = segment.widened(more)
+    for i, offset in enumerate(_OFFSETS):
+        part = segment.widened(max(0, i - _NOT_WIDENED))
         directions = _open_directions(ik, tip, part, near, offset)
         if len(directions):
             opposite = directions[np.argmin(directions @ directions[0])]
