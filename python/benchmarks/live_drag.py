@@ -52,6 +52,7 @@ def latencies(moves: int) -> list[float]:
             tab = browser.new_page(viewport=SIZE)
             tab.goto(view.url)
             tab.get_by_text("planned in").wait_for(timeout=1e5)
+            tab.locator(".handle.obstacle").wait_for(timeout=1e5)  # drawn in the next frame
             ring = tab.locator(".handle.obstacle").bounding_box()
             assert ring is not None
             place = ring["x"] + 0.5 * ring["width"], ring["y"] + 0.5 * ring["height"]
