@@ -9,6 +9,7 @@ import re
 from fnmatch import fnmatch
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from cli.command_line import facts, run
@@ -20,6 +21,7 @@ from refusals import refused
 import leadthrough as lt
 from leadthrough import models, preprocess
 from leadthrough.arm import FollowOptions
+from leadthrough.augmentation import write_data_set
 from leadthrough.errors import InvalidInput
 from leadthrough.guard.ros import message_of, trajectory_of
 
@@ -123,6 +125,13 @@ def embedded(joints):
     return [np.frombuffer(shown._repr_html_().encode(), dtype=np.uint8)]
 
 
+def in_a_data_set(joints):
+    Path("set.hdf5").unlink(missing_ok=True)
+    written = write_data_set([lt.Demonstration(joints)], ARM, "set.hdf5")
+    with h5py.File(written) as file:
+        return [np.array(file["data/demo_0/obs/robot0_joint_pos"])]
+
+
 def taught(joints):
     page = lt.show.teach(ARM, demonstrations=[lt.Demonstration(joints)])
     page.close()
@@ -153,6 +162,7 @@ ENTRIES = {
     "arm.coordinate": lambda joints: PAIR.motions(coordinated(joints))[0],
     "arm.DualArm.motions": lambda joints: PAIR.motions(paired(joints))[0],
     "arm.FollowOptions": followed,
+    "augmentation.write_data_set": in_a_data_set,
     "guard.Guard.admit": lambda joints: lt.Guard(ARM, rate=100.0).admit(joints, REST).motion,
     "guard.Playback": played,
     "guard.connect": lambda joints: lt.connect(REST, joints, ARM),
