@@ -36,8 +36,11 @@ class Curves {
   constructor(view) {
     Object.assign(this, { view, rows: [] });
     [this.box, this.choice] = ["curves", "figure"].map((name) => view.element.querySelector(`.${name}`));
-    this.svg = this.box.querySelector("svg");
-    this.names = this.box.querySelector("p");
+    this.svg = drawn("svg", this.box, {
+      viewBox: "0 0 1000 100", preserveAspectRatio: "none", role: "img", "aria-label": "curves of the joints over time",
+    });
+    this.names = document.createElement("p");
+    this.box.append(this.names);
     for (const name of Object.keys(FIGURES)) this.choice.append(new Option(name));
     this.choice.hidden = !view.data.readouts && !document.querySelector(".panel");
     this.choice.onchange = () => this.draw();

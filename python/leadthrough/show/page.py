@@ -237,8 +237,7 @@ aria-label="3D scene: arrow keys turn it, plus and minus zoom, space plays"></ca
 <div class="layers" role="group" aria-label="layers"></div>
 <div class="trouble"></div>
 <div class="foot"><div class="remarks">{remarks}</div><p class="reading"></p>
-<div class="bar"><div class="curves" hidden><svg viewBox="0 0 1000 100" preserveAspectRatio="none"
-role="img" aria-label="curves of the joints over time"></svg><p></p></div>
+<div class="bar"><div class="curves" hidden></div>
 <button class="play" aria-label="play">▶</button>
 <input class="time" type="range" min="0" max="1" step="any" value="0" aria-label="time">
 <span class="clock"></span>
