@@ -141,6 +141,7 @@ def test_rows_do_not_depend_on_where_tasks_run(tmp_path):
         ("Line", "Worm"),
         methods=("nearest demonstration, shifted",),
         protocols=("IN", "LOO from 3"),
+        systems=(),
         saturations=(),
         settings=(),
     )
