@@ -271,6 +271,7 @@ std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref
 MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
                           const MotionOptions& options) {
   check_argument(q.rows() > 0, "q: expected at least one configuration");
+  check_argument(q.allFinite(), "q: expected finite numbers");
   check_argument(std::isfinite(options.margin), "margin: expected a finite distance");
   check_argument(longest_step(scene, q) <= kMaxTests * options.tolerance,
                  "q, tolerance: expected at most kMaxTests tests between two configurations");

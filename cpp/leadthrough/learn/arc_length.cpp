@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 
 namespace leadthrough {
 
 namespace {
+
+constexpr std::size_t kMostNumbers = std::size_t{1} << 28;
 
 // In eight sums side by side, as far as there are eight numbers: that rounds less.
 double squared_distance(const double* a, const double* b, std::size_t dimension) {
@@ -39,6 +42,8 @@ std::vector<double> arc_lengths(const Polyline& curve) {
 
 std::vector<double> by_arc_length(const Polyline& curve, const std::vector<double>& lengths,
                                   std::size_t count) {
+  check_argument(count <= kMostNumbers / std::max<std::size_t>(curve.dimension, 1),
+                 "count: expected at most 2^28 numbers in all");
   // A step that adds no length has no inside to interpolate in: its points are passed over.
   std::vector<std::size_t> distinct{0};
   for (std::size_t n = 1; n < curve.count; ++n)
@@ -48,6 +53,7 @@ std::vector<double> by_arc_length(const Polyline& curve, const std::vector<doubl
   std::vector<double> result(count * curve.dimension);
   double* to = result.data();
   for (std::size_t n = 0, left = 0; n < count; ++n) {
+    check_interrupt(n);
     if (distinct.size() == 1) {
       to = std::copy_n(curve.points, curve.dimension, to);
       continue;

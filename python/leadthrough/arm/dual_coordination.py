@@ -23,7 +23,6 @@ from leadthrough.arm.collision import ClosestPair, check_motion
 from leadthrough.arm.dual_arm import DualArm
 from leadthrough.arm.dual_following import SIDES
 from leadthrough.arm.following import timed
-from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
 from leadthrough.motion import JointTrajectory, in_order, moved_events
@@ -39,6 +38,7 @@ _CHANGE = 2.0
 _COARSE = 0.01  # rad or m between a chord of the motions and a spline
 # Schedules that are tried; steps of one that are not clear are closed to the next.
 _MAX_SCHEDULES = 60
+_MAX_ROWS = 1_000_000
 _CHECKED = 1e-3  # m, to which the bodies of a wait are searched
 # Knots that the left and the right arm advance in a step.
 _MOVES = np.array([[1, 1], [1, 0], [0, 1]])
@@ -111,17 +111,20 @@ def coordinate(
     for side, motion in zip(SIDES, motions, strict=True):
         if len(motion) == 1:
             raise check.refused(side, "two samples or more", "one")
-    return _Coordination(pair._collision, pair.limits, motions, as_scene(scene)).found()
+    return _Coordination(pair, motions, as_scene(scene)).found()
 
 
 @dataclass(frozen=True, eq=False)
 class _Coordination:
     """The motions of the left and the right arm, and what both keep clear of."""
 
-    model: core.CollisionModel
-    limits: JointLimits
+    pair: DualArm
     motions: tuple[JointTrajectory, JointTrajectory]
     scene: Scene
+
+    @cached_property
+    def _model(self) -> core.CollisionModel:
+        return self.pair._collision
 
     @cached_property
     def _own_times(self) -> list[Float64Array]:
@@ -152,7 +155,7 @@ class _Coordination:
 
     @cached_property
     def _test(self) -> CollisionTest:
-        return CollisionTest.of(self.model, self.scene)
+        return CollisionTest.of(self._model, self.scene)
 
     def found(self) -> CoordinatedMotion:
         """The quickest motion; NoPath if there is none."""
@@ -163,7 +166,7 @@ class _Coordination:
             clock, progress = self._progress(schedule)
             q = self._joined(progress)
             margins = self._test.scene.margin, self._test.scene.self_collision_margin
-            clear = core.clear_edges(self.model, self._test.shapes, q[:-1], q[1:], *margins, 1)
+            clear = core.clear_edges(self._model, self._test.shapes, q[:-1], q[1:], *margins, 1)
             if all(clear):
                 return self._timed(schedule, clock, progress)
             for step in np.unique(np.flatnonzero(~np.array(clear)) // self._rows_in_step):
@@ -209,7 +212,13 @@ class _Coordination:
     def _rows_in_step(self) -> int:
         """Rows from knot to knot, as dense as the samples of either motion."""
         between = min(float(np.median(np.diff(times))) for times in self._own_times)
-        return math.ceil(float(self._knots[1]) / between)
+        rows = math.ceil(float(self._knots[1]) / between)
+        if rows * _KNOTS > _MAX_ROWS:
+            raise InvalidInput(
+                f"left, right: expected at most {_MAX_ROWS:,} samples, got one every "
+                f"{between:.3g} s in {self._knots[-1]:.6g} s; sample both motions at one rate"
+            )
+        return rows
 
     def _clock(self, schedule: Knots) -> Float64Array:
         """Times (m,) of a schedule's pairs, s."""
@@ -239,7 +248,7 @@ class _Coordination:
         ]
         events.sort(key=lambda event: event.time)
         q = self._joined(progress)
-        joints = timed(self.limits, JointTrajectory(clock, q, events=events), q, "slow")
+        joints = timed(self.pair.limits, JointTrajectory(clock, q, events=events), q, "slow")
         at_knots = np.interp(self._clock(schedule), clock, joints.times)
         return CoordinatedMotion(joints, self._waits(schedule, at_knots))
 
@@ -261,16 +270,16 @@ class _Coordination:
         ahead = [times - at for times, at in zip(self._own_times, begin, strict=True)]
         clock = np.unique(np.concatenate([[0.0], *ahead]).clip(0.0))
         q, scene = self._joined(begin + clock[:, None]), self._test.scene
-        chain = self.model.chain
-        report = check_motion(self.model, chain, q, scene, tolerance=_CHECKED, threads=1)
+        chain = self._model.chain
+        report = check_motion(self._model, chain, q, scene, tolerance=_CHECKED, threads=1)
         pair = report.first or report.closest
         assert pair is not None
         return pair
 
     def _refusal(self) -> str:
         pair = self._meeting(np.zeros(2))
-        a, b = pair.bodies
+        near = f"come {1e3 * pair.distance:.1f} mm near" if pair.distance > 0.0 else "touch"
         return (
-            f"no waiting of either arm keeps both clear: without any, {a} and {b} come "
-            f"{1e3 * pair.distance:.1f} mm near; change a path, or where it ends"
+            f"no waiting of either arm keeps both clear: without any, {' and '.join(pair.bodies)} "
+            f"{near}; change a path, or where it ends"
         )

@@ -8,17 +8,18 @@ from pathlib import Path
 import numpy as np
 
 from leadthrough import check
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, check_arm
 from leadthrough.augmentation.data_set import GOAL_POSE, gripper_states, opens, sampled
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array
 from leadthrough.io.episode_writers import writing
 from leadthrough.io.episodes import Episode, Layout
 from leadthrough.motion import Demonstration, JointTrajectory
+from leadthrough.preprocess.resample import check_sample_count, several_samples
 from leadthrough.shapes import SceneLike, as_scene
 
 
 def write_data_set(
-    demonstrations: Sequence[Demonstration[JointTrajectory]],
+    demonstrations: Sequence[Demonstration[JointTrajectory] | JointTrajectory],
     arm: Arm,
     out: str | Path,
     scene: SceneLike = (),
@@ -33,7 +34,7 @@ def write_data_set(
     positions; images are not made.
 
     Args:
-        demonstrations: joint motions of the arm, at least one.
+        demonstrations: joint motions of the arm, at least one, each of two samples or more.
         out: folder of a LeRobot data set of version 3, which must not be there yet; or an HDF5
             file, ".hdf5" or ".h5".
         scene: obstacles in the arm's base frame.
@@ -41,24 +42,32 @@ def write_data_set(
         task: of all episodes, in words.
 
     Raises:
-        InvalidInput: if there is no demonstration, or the data set cannot be written.
+        InvalidInput: if there is no demonstration or one is not of the arm's joints, if the rate
+            asks for too many frames, or the data set cannot be written.
         MissingDependency: if the extra `lerobot` or `hdf5` is not installed.
     """
+    check_arm(arm)
     frames = check.number(rate, "rate", above=0.0)
-    if not demonstrations:
-        raise InvalidInput("demonstrations: expected at least one, got none")
-    motions = [arm.joints_of(each.motion) for each in demonstrations]
+    if not isinstance(task, str):
+        raise check.refused("task", "words", repr(task))
+    if not isinstance(demonstrations, Sequence) or not demonstrations:
+        got = type(demonstrations).__name__ if demonstrations else "none"
+        raise check.refused("demonstrations", "a sequence of at least one", got)
+    given = [several_samples(each) for each in demonstrations]
+    motions = [arm.joints_of(each.motion) for each in given]
+    for motion in motions:
+        check_sample_count(motion.duration, frames)
     places = [shape.position for shape in as_scene(scene).shapes]
     names = [f"obstacle_{i}_{axis}" for i in range(len(places)) for axis in "xyz"]
     grips = any(opens(event.name) is not None for each in motions for event in each.events)
     layout = Layout(
         *(arm.robot.name, arm.joint_names, (*GOAL_POSE, *names), grips, frames, task),
-        {"demonstrations": [each.name for each in demonstrations], "images": "none"},
+        {"demonstrations": [each.name for each in given], "images": "none"},
     )
     with writing(out, layout) as writer:
-        for given, motion in zip(demonstrations, motions, strict=True):
+        for each, motion in zip(given, motions, strict=True):
             rows = sampled(motion, frames)
-            writer.add(_episode(rows, arm, layout, np.ravel(places), given.name))
+            writer.add(_episode(rows, arm, layout, np.ravel(places), each.name))
     return Path(out)
 
 

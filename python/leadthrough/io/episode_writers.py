@@ -119,7 +119,7 @@ def writing(path: StrPath, layout: Layout) -> Iterator[EpisodeWriter]:
         InvalidInput: if the path cannot be written, or the folder is there already.
         MissingDependency: if the extra `hdf5` or `lerobot` is not installed.
     """
-    target = Path(path)
+    target = checked_path(path)
     if writes_hdf5(target):
         with replacing(target) as temporary:
             file = RobomimicWriter(temporary, layout)

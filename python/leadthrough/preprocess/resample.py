@@ -26,8 +26,8 @@ from leadthrough.motion import (
 )
 
 _ENDLESS = "points: expected a curve of finite length; use a larger unit"
-_MIN_GAP = 1e-5  # s, between samples where a motion is cut
 _MAX_SAMPLES = 10_000_000  # samples
+_MIN_GAP = 1e-5  # s, between samples where a motion is cut
 
 
 def arc_length(points: ArrayLike) -> Float64Array:
@@ -77,11 +77,7 @@ def sample_evenly(
 
     demonstration = several_samples(demonstration)
     motion, hertz = demonstration.motion, check.number(rate, "rate", above=0.0)
-    if motion.duration * hertz > _MAX_SAMPLES:
-        raise InvalidInput(
-            f"rate: expected at most {_MAX_SAMPLES:,} samples in {motion.duration:.6g} s, "
-            f"got {rate} Hz"
-        )
+    check_sample_count(motion.duration, hertz)
     count = int(np.floor(motion.duration * hertz + 1e-9)) + 1
     times = np.minimum(motion.times[0] + np.arange(count) / hertz, motion.times[-1])
     parts: dict[str, Any] = {
@@ -93,6 +89,14 @@ def sample_evenly(
         parts["orientations"] = rotations.interpolate(motion.times, motion.orientations, times)
     parts["events"] = clipped_events(motion.events, times)
     return replace(demonstration, motion=replace(motion, times=times, **fields_of(motion, parts)))
+
+
+def check_sample_count(duration: float, rate: float) -> None:
+    """Refuses a rate, Hz, at which a duration, s, has more samples than anyone needs."""
+    if duration * rate > _MAX_SAMPLES:
+        raise InvalidInput(
+            f"rate: expected at most {_MAX_SAMPLES:,} samples in {duration:.6g} s, got {rate} Hz"
+        )
 
 
 def several_samples(demonstration: Demonstration[MotionT] | MotionT) -> Demonstration[MotionT]:

@@ -13,6 +13,8 @@ from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import Scene
 from leadthrough.show.animation import sampled
 
+_LEAST = 1e-9  # rad/s (m/s), for limits of zero
+
 
 def readouts(arm: Arm, motion: JointTrajectory | None, scene: Scene) -> dict[str, Any] | None:
     """Figures at the samples that a page draws, as values that JSON knows; lengths in m."""
@@ -22,7 +24,7 @@ def readouts(arm: Arm, motion: JointTrajectory | None, scene: Scene) -> dict[str
     times, q = drawn.times - drawn.times[0], drawn.positions
     rates = np.gradient(q, times, axis=0)
     limits = arm.limits
-    shares = np.abs(rates) / limits.velocity
+    shares = np.abs(rates) / np.maximum(limits.velocity, _LEAST)
     tips = arm.forward_kinematics(q)[0]
     return {
         "times": times.round(4).tolist(),

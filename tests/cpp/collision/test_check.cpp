@@ -120,6 +120,13 @@ TEST(Collision, NothingIsPassedThroughBetweenRows) {
   EXPECT_LT(report.closest.nearest.distance, -0.1);
 }
 
+TEST(Collision, RowsThatAreNotFiniteAreRefused) {
+  const Planar arm;
+  const auto wall = against(arm.model, {{sphere(0.1), at(2.0, 0, 0)}});
+  for (const double wrong : {kInfinity, std::nan("")})
+    EXPECT_THROW(check_motion(wall, rows({{0.1, 0.2}, {wrong, 0.2}})), std::invalid_argument);
+}
+
 TEST(Collision, NoRowsHaveNoStepBetweenThem) {
   const Planar arm;
   const auto wall = against(arm.model, {{sphere(0.1), at(2.0, 0, 0)}});

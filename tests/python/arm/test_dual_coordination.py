@@ -113,3 +113,9 @@ def test_bad_arguments_are_named(pair, crossing):
     refused("left", coordinate, pair, None, right)
     refused("right: expected two samples or more", coordinate, pair, left, right[:1])
     refused("left: expected samples so dense", coordinate, pair, left[::12], right)
+
+
+def test_motions_of_paces_that_no_memory_holds_together_are_refused(pair, crossing):
+    left, right = crossing
+    quick = lt.JointTrajectory(1e-6 * left.times, left.positions, joint_names=left.joint_names)
+    refused("left, right: expected at most", coordinate, pair, quick, right)

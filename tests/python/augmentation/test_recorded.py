@@ -60,6 +60,7 @@ def test_a_lerobot_data_set_has_the_motions_at_its_frames(recorded, panda, tmp_p
 
 def test_the_same_as_robomimic_reads_it_and_without_a_gripper(recorded, panda, tmp_path):
     still = [lt.Demonstration(each.motion[:40], each.name) for each in recorded]
+    assert write_data_set([still[0].motion], panda, tmp_path / "one.hdf5").exists()
     path = write_data_set(still, panda, tmp_path / "set.hdf5", rate=20.0)
     with h5py.File(path) as file:
         assert file["data"].attrs["total"] == sum(
@@ -71,7 +72,14 @@ def test_the_same_as_robomimic_reads_it_and_without_a_gripper(recorded, panda, t
 
 
 def test_nothing_a_wrong_rate_and_a_folder_that_is_there_are_refused(recorded, panda, tmp_path):
-    refused("demonstrations", write_data_set, [], panda, tmp_path / "set")
-    refused("rate", write_data_set, recorded, panda, tmp_path / "set", rate=0.0)
+    for wrong in ([], None, recorded[0]):
+        refused("demonstrations", write_data_set, wrong, panda, tmp_path / "set")
+    one = recorded[0].motion[:1]
+    refused("demonstration: expected at least two", write_data_set, [one], panda, tmp_path / "set")
+    for rate in (0.0, np.nan, 1e12):
+        refused("rate", write_data_set, recorded, panda, tmp_path / "set", rate=rate)
+    refused("arm", write_data_set, recorded, None, tmp_path / "set")
+    refused("task", write_data_set, recorded, panda, tmp_path / "set", task=None)
+    refused("path", write_data_set, recorded, panda, None)
     (tmp_path / "there").write_text("")
     refused("path", write_data_set, recorded, panda, tmp_path)

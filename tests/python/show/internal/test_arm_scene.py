@@ -1,5 +1,8 @@
 """Scenes: surfaces in layers and links that move."""
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from refusals import refused
@@ -149,3 +152,13 @@ def test_an_arm_without_geometry_has_figures_but_no_pairs():
     assert told["pairs"] == []
     assert told["limits"] == [[-1.0], [1.0], [1.0]]
     assert readouts(arm, None, lt.Scene()) is None
+
+
+def test_figures_of_a_joint_whose_velocity_limit_is_zero_are_numbers(panda):
+    velocity = panda.limits.velocity * [1, 1, 1, 1, 1, 1, 0]
+    held = lt.Arm.load("panda", limits=replace(panda.limits, velocity=velocity))
+    motion = swing(panda)
+    still = motion.positions * [1, 1, 1, 1, 1, 1, 0]
+    for q in (motion.positions, still):
+        told = readouts(held, replace(motion, positions=q), lt.Scene())
+        json.dumps(told, allow_nan=False)
