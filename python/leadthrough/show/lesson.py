@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.learn import learn, reproduction
+from leadthrough.models.protocol import contradicting
 from leadthrough.motion import Demonstration, PoseTrajectory
 from leadthrough.shapes import Scene
 from leadthrough.shapes.primitives import PRIMITIVES
@@ -31,7 +32,10 @@ def learned(arm: Arm, demonstrations: Sequence[Demonstration[Any]], scene: Scene
     poses: list[Demonstration[PoseTrajectory]] = [
         Demonstration(arm.poses(each.motion), each.name) for each in demonstrations
     ]
-    skill = learn(poses)
+    if found := contradicting([each.motion for each in poses]):
+        texts = (f"{poses[i].name}: {text}" for i, text in found.items())
+        raise InvalidInput(f"{'; '.join(texts)}; delete it, or trim it, and press Learn again")
+    skill = learn(poses, outliers="keep")
     near = reproduction(skill, poses)
     family = type(skill.model).__name__
     text = f"Learned by {family}, within {1e3 * near.position:.3g} mm of every demonstration."

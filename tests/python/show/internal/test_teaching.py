@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import leadthrough as lt
 from leadthrough.show.leading import LedArm, first_configuration
+from leadthrough.show.lesson import learned
 from leadthrough.show.recordings import Recordings, recording_of
 from leadthrough.show.teaching import Teaching
 
@@ -416,3 +418,16 @@ def test_malformed_messages_change_nothing(teaching, message):
     assert teaching.led.q is q
     assert not teaching.recordings.demonstrations
     assert list(Path(teaching.recordings.folder.parent).iterdir()) == []
+
+
+def test_a_demonstration_that_contradicts_the_others_is_named_with_what_the_page_can_do(panda):
+    turns = np.linspace(0.0, 1.0, 60)[:, None]
+    home = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.7])
+    rows = [home + turns * [0.6 + 0.02 * k, 0.3, 0.0, 0.2, 0.0, 0.0, 0.0] for k in range(3)]
+    rows.append(rows[0][::-1])
+    shown = [
+        lt.Demonstration(lt.JointTrajectory(turns[:, 0], q, joint_names=panda.joint_names), name)
+        for q, name in zip(rows, ("one", "two", "three", "back"), strict=True)
+    ]
+    refused("back: .*; delete it, or trim it", learned, panda, shown, lt.Scene())
+    assert "within" in learned(panda, shown[:3], lt.Scene()).text
