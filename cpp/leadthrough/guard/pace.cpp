@@ -141,7 +141,8 @@ class Pacing {
 
 std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path, Index most_samples) {
   check_states(limits, path, 1);
-  check_argument(most_samples > 0, "most_samples: expected at least one");
+  check_argument(most_samples > 0 && most_samples <= kMaxPaced,
+                 "most_samples: expected 1 to kMaxPaced");
   if (path.rows() == 1) return Paced{path, Eigen::VectorXd::Zero(1)};
   const Pacing pacing(limits, path, most_samples);
   std::optional<Paced> local = pacing.settled(kLocalRounds);

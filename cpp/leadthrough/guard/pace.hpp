@@ -14,6 +14,8 @@ struct Paced {
   Eigen::VectorXd places;
 };
 
+constexpr Eigen::Index kMaxPaced = 100'000'000;  // samples: a day at 1 kHz
+
 // Along a path (n, 3 joints) from its first row to its last, as slowly as the limits demand
 // but in at most `most_samples`; exactly that many if even then a limit is exceeded.
 std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path,

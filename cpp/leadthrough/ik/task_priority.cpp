@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/ik/priority_pass.hpp"
 
 namespace leadthrough {
@@ -63,6 +64,8 @@ JointVector reverse(std::vector<Level>& levels, const MotionBox& box, double qui
 
 JointVector resolve(std::vector<Level>& levels, const MotionBox& box, PriorityScheme scheme,
                     double quickness) {
+  check_argument((box.lower.array() <= box.upper.array()).all(),
+                 "box: expected lower bounds up to the upper ones");
   for (Level& level : levels) level.bounded = false;
   return scheme == PriorityScheme::kForward ? forward(levels, box, quickness)
                                             : reverse(levels, box, quickness);

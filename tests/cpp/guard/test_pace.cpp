@@ -121,4 +121,10 @@ TEST(BridgeTest, NoBridgeIsNeededOntoSamplesThatFollow) {
 
 }  // namespace
 
+TEST(Pace, SamplesThatNoMemoryHoldsAreRefused) {
+  for (const Eigen::Index most : {Eigen::Index{0}, guard::kMaxPaced + 1})
+    EXPECT_THROW(guard::slowed(limits_of(1.0, 1.0, 1.0), circle(30.0), most),
+                 std::invalid_argument);
+}
+
 }  // namespace leadthrough::pace_tests

@@ -278,6 +278,19 @@ TEST(TaskPriority, SolvesDoNotAllocate) {
   }
 }
 
+TEST(TaskPriority, ABoxWithoutMotionsThrows) {
+  std::vector<Level> levels(1);
+  levels[0].jacobian = Rows::Identity(2, 2);
+  levels[0].wanted = Eigen::Vector2d::Ones();
+  MotionBox box{JointVector::Zero(2), JointVector::Zero(2)};
+  for (const PriorityScheme scheme : {PriorityScheme::kForward, PriorityScheme::kReverse}) {
+    for (const double lower : {1.0, std::nan("")}) {
+      box.lower[1] = lower;
+      EXPECT_THROW(resolve(levels, box, scheme), std::invalid_argument);
+    }
+  }
+}
+
 TEST(TaskPriority, WrongSizesThrow) {
   const Chain chain = test::crooked_chain();
   TaskStack stack = every_task(chain, PriorityScheme::kForward);
