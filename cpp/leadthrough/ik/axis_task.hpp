@@ -41,6 +41,16 @@ struct AxisTarget {
   int lone_axis = 0;  // the free one of two rotations, the constrained one of a single rotation
 };
 
+// Rows of the task that are not zero, of M.
+template <int M>
+int constrained_rows(const IkTarget& /*target*/) {
+  return M;
+}
+template <int M>
+int constrained_rows(const AxisTarget& target) {
+  return target.rows();
+}
+
 // Lower bound on the tip's distance from `point`, m, by the constrained axes, for any orientation.
 inline double distance_from(const Eigen::Vector3d& point, const IkTarget& target) {
   return (target.position - point).norm();

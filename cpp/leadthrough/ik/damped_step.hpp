@@ -39,10 +39,12 @@ class DampedNormal {
       for (int row = 0; row < M; ++row)
         for (int col = 0; col <= row; ++col) sum[row][col] += column[row] * column[col];
     }
-    // A row of zeros makes no matrix singular.
-    for (int row = task.rows; row < M; ++row) sum[row][row] = sum[0][0];
     for (int row = 0; row < M; ++row)
       for (int col = 0; col <= row; ++col) factor_[row][col] = sum[row][col];
+    // A row of zeros makes no matrix singular.
+#pragma GCC unroll 8
+    for (int row = 1; row < M; ++row)
+      if (row >= task.rows) factor_[row][row] = factor_[0][0];
   }
 
   bool factorize(double smallest) {

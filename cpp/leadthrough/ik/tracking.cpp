@@ -36,11 +36,11 @@ DescentEnd follow_sample(const Chain& chain, const Target& target, const Prefere
   constexpr double kAim = 0.1;
   const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
   const DescentBounds bounds = reachable(chain, q, options.max_step);
+  const bool pulls = preferred.share > 0.0 && chain.joints() > constrained_rows<M>(target);
   DescentEnd end;
   for (const bool pulled : {true, false}) {  // without the pull if it prevents convergence
+    if (pulled && !pulls) continue;
     PoseDescent<M, Target> descent(chain, target, bounds, q);
-    const bool redundant = chain.joints() > descent.task().rows;
-    if (pulled && !(redundant && preferred.share > 0.0)) continue;
     if (pulled) descent.pull(pull_to(preferred.posture, chain.joints(), q, preferred.share));
     end = descent.run(aim, options.max_iterations);
     if (pulled && !reached(end, options.tolerance)) continue;
