@@ -77,7 +77,8 @@ PaddedField<Real, D>::PaddedField(const Grid& grid, const Real* speed) : shape(g
   time = in_huge_pages(cells, kUnreached<Real>);
   step = in_huge_pages(cells, kUnreached<Real>);
 
-  const Real fastest = *std::max_element(speed, speed + grid.size());
+  const Real fastest =
+      Eigen::Map<const Eigen::Array<Real, Eigen::Dynamic, 1>>(speed, grid.size()).maxCoeff();
   unit = smallest / static_cast<double>(fastest);
   for (Index x = 0; x < shape[0]; ++x) {
     check_interrupt();

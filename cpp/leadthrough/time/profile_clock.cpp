@@ -29,7 +29,7 @@ double ProfileClock::length_at(double time, Index& cell) const {
 LawSamples ProfileClock::smoothed(double period, Index first, Index count) const {
   LawSamples result;
   for (std::vector<double>* values : {&result.length, &result.speed, &result.push})
-    values->reserve(static_cast<std::size_t>(count));
+    values->resize(static_cast<std::size_t>(count));
   Index cell = 0, steps = 0;
   double begin = static_cast<double>(first - 1) * period;
   double before = length_at(begin, cell), here = 0.0;
@@ -39,10 +39,11 @@ LawSamples ProfileClock::smoothed(double period, Index first, Index count) const
     begin = static_cast<double>(first + k) * period;
     here = length_at(begin, cell);
     const Step next = step(begin, period, steps);
-    result.length.push_back(0.5 * (before + here) +
-                            (last.moment / period + next.area - next.moment / period) / period);
-    result.speed.push_back((last.rise + (next.area - last.area) / period) / period);
-    result.push.push_back((next.rise - last.rise) / (period * period));
+    const auto at = static_cast<std::size_t>(k);
+    result.length[at] =
+        0.5 * (before + here) + (last.moment / period + next.area - next.moment / period) / period;
+    result.speed[at] = (last.rise + (next.area - last.area) / period) / period;
+    result.push[at] = (next.rise - last.rise) / (period * period);
     last = next;
   }
   return result;
@@ -52,8 +53,9 @@ ProfileClock::Step ProfileClock::step(double begin, double period, Index& cell) 
   const double end = begin + period;
   const Index cells = grid_->points() - 1;
   Step result;
-  for (double from = begin; from < end;) {
-    check_interrupt();
+  Index turn = 1;  // most steps have few
+  for (double from = begin; from < end; ++turn) {
+    check_interrupt(turn);
     double to = end, speed = 0.0, push = 0.0;
     if (from < 0.0) {
       to = std::min(end, 0.0);
