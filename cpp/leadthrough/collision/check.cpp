@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
@@ -22,7 +23,8 @@ constexpr Eigen::Index kBlock = 64;  // rows that one thread takes at a time
 // A scene at one configuration; made once for many.
 class Placement {
  public:
-  explicit Placement(const CollisionScene& scene) : scene_(scene), balls_(scene.pairs.size()) {
+  explicit Placement(const CollisionScene& scene)
+      : scene_(scene), balls_(scene.pairs.size()), order_(scene.pairs.size()) {
     for (const BodyShape& shape : scene.shapes) poses_.push_back(shape.T_frame_shape);
   }
 
@@ -36,19 +38,23 @@ class Placement {
     }
   }
 
-  // The two nearest bodies. The pair that was nearest before is tested first, at the beginning the
-  // one with the nearest balls: they exclude most.
+  // The two nearest bodies. Pairs with near balls are tested first, then the one that was nearest
+  // before: they exclude most.
   Nearest nearest() {
     Nearest best;
-    if (balls_.empty()) return best;
-    const auto balls = std::min_element(balls_.begin(), balls_.end()) - balls_.begin();
-    const std::size_t first = nearest_.value_or(static_cast<std::size_t>(balls));
-    measure(first, kInfinity, best);
-    nearest_ = first;
-    for (std::size_t i = 0; i < balls_.size(); ++i) {
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    const auto nearer = [&](std::size_t a, std::size_t b) { return balls_[a] < balls_[b]; };
+    std::size_t nearest = 0;
+    for (auto next = order_.begin(); next != order_.end(); ++next) {
+      const bool second = next == order_.begin() + 1;
+      const auto last = second ? std::find(next, order_.end(), nearest_) : order_.end();
+      const bool again = last != order_.end() && balls_[nearest_] < best.distance;
+      std::iter_swap(next, again ? last : std::min_element(next, order_.end(), nearer));
       const double least = best.distance;
-      if (balls_[i] < least && i != first && measure(i, least, best) < least) nearest_ = i;
+      if (balls_[*next] >= least) break;
+      if (measure(*next, least, best) < least) nearest = *next;
     }
+    nearest_ = nearest;
     return best;
   }
 
@@ -72,7 +78,8 @@ class Placement {
   Frames frames_;
   std::vector<Transform> poses_;
   std::vector<double> balls_;
-  std::optional<std::size_t> nearest_;  // pair at the last configuration
+  std::vector<std::size_t> order_;
+  std::size_t nearest_ = 0;  // pair at the last configuration
 };
 
 // Between two samples: the nearest approach and the first hit, if it is not at the first sample.
