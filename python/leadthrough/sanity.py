@@ -71,6 +71,10 @@ def stretched(given: Float64Array, demonstrated: Float64Array, name: str) -> Non
 
     A rhythm, which ends where it begins, may go on anywhere.
     """
+    first, last, wanted = demonstrated[0].tolist(), demonstrated[-1].tolist(), given.tolist()
+    chord = max(abs(b - a) for a, b in zip(first, last, strict=True))
+    if all(abs(b - a) <= _STRETCHED * chord for a, b in zip(last, wanted, strict=True)):
+        return  # quick answer for most queries
     extent = float(np.ptp(demonstrated, axis=0).max())
     away = float(np.abs(demonstrated - given).max(axis=1).min())
     leads_on = np.abs(demonstrated[-1] - demonstrated[0]).max() > _RETURNS * extent

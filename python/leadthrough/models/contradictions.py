@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+import leadthrough._core as core
 from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.motion import Motion, PoseTrajectory
@@ -56,31 +57,57 @@ def contradictions(motions: Sequence[Motion]) -> list[Contradiction]:
 def _others(count: int, index: int) -> Indices:
     """Indices of the other motions; of many, evenly chosen ones."""
     rest = np.delete(np.arange(count), index)
-    some = np.linspace(0, len(rest) - 1, min(len(rest), _MAX_OTHERS)).round().astype(int)
-    return np.asarray(rest[some])
+    return np.asarray(rest[_evenly(len(rest))])
+
+
+def _evenly(count: int) -> Indices:
+    """Indices of all motions; of many, evenly chosen ones."""
+    return np.linspace(0, count - 1, min(count, _MAX_OTHERS)).round().astype(int)
+
+
+def _to_nearest(rows: Float64Array, others: Float64Array, same: Indices) -> Float64Array:
+    """Distances (n,) of rows (n, d) from the nearest of others; others[i] is row same[i]."""
+    squares, across = (rows**2).sum(axis=1), np.ascontiguousarray(others.T)
+    apart = squares[:, None] + (others**2).sum(axis=1) - 2.0 * core.product(rows, across)
+    apart[same, np.arange(len(same))] = np.inf
+    return np.asarray(np.sqrt(np.maximum(apart.min(axis=1), 0.0)))
+
+
+def _at_most(paths: Float64Array) -> Float64Array:
+    """Upper bounds (n,) of the mean distances of paths (n, m, d) from the nearest other one."""
+    rows, some = paths.reshape(len(paths), -1), _evenly(len(paths))
+    return np.asarray(_to_nearest(rows, rows[some], some) / np.sqrt(paths.shape[1]))
 
 
 def _reversed(paths: Float64Array) -> Iterator[tuple[int, str]]:
-    for i, path in enumerate(paths):
+    ahead_at_most = _at_most(paths)
+    halves = np.where(np.arange(_ALONG) < _ALONG / 2, 1.0, -1.0) / _ALONG
+    lopsided = np.einsum("n,knd->kd", halves, paths)  # changes sign on the way back
+    some = _evenly(len(paths))
+    back_at_least = _to_nearest(lopsided, -lopsided[some], some)
+    suspect = (ahead_at_most > _FAR) & (back_at_least < _REVERSED * ahead_at_most)
+    for i in np.flatnonzero(suspect).tolist():
         if len(paths) < 3 and i == 0:
             continue  # of two, the second
         others = paths[_others(len(paths), i)]
         ahead, back = (
             float(np.linalg.norm(others - own, axis=2).mean(axis=1).min())
-            for own in (path, path[::-1])
+            for own in (paths[i], paths[i, ::-1])
         )
         if ahead > _FAR and back < _REVERSED * ahead:
             yield i, "runs backwards, from the goal of the others to their start"
 
 
 def _of_other_paths(paths: Float64Array, size: int) -> Iterator[tuple[int, str]]:
+    positions = paths[:, :, :size]
+    # Paths with the same offsets from their chords differ in their ends alone.
+    offsets = with_ends(positions, np.zeros((1, size)), np.zeros((1, size)))
+
     def apart(i: int, others: Indices) -> Float64Array:
         """Distances (others, n) once both ends are carried to those of the others."""
-        there = paths[others, :, :size]
-        carried = with_ends(paths[i, :, :size], there[:, :1], there[:, -1:])
-        return np.asarray(np.linalg.norm(carried - there, axis=2))
+        return np.asarray(np.linalg.norm(offsets[others] - offsets[i], axis=2))
 
-    for i, distances in _lone(len(paths), apart, _FAR):
+    for i, distances in _lone(len(paths), apart, _FAR, _at_most(offsets)):
         at = int(np.argmax(distances))
         yield (
             i,
@@ -107,7 +134,9 @@ def _rotated(motions: Sequence[Motion]) -> Iterator[tuple[int, str]]:
         own = np.tile(turned[i], (len(others), 1))
         return rotations.distance(own, turned[others].reshape(-1, 4)).reshape(-1, _ALONG)
 
-    for i, angles in _lone(len(turned), apart, _ROTATED):
+    following = np.roll(turned, -1, axis=0).reshape(-1, 4)
+    beside = rotations.distance(turned.reshape(-1, 4), following).reshape(-1, _ALONG)
+    for i, angles in _lone(len(turned), apart, _ROTATED, beside.mean(axis=1)):
         at = int(np.argmax(angles))
         yield (
             i,
@@ -138,10 +167,16 @@ def _of_other_pace(motions: Sequence[Motion]) -> Iterator[tuple[int, str]]:
 
 
 def _lone(
-    count: int, apart: Callable[[int, Indices], Float64Array], far: float
+    count: int,
+    apart: Callable[[int, Indices], Float64Array],
+    far: float,
+    at_most: Float64Array,
 ) -> Iterator[tuple[int, Float64Array]]:
-    """Those far from all others, with the distances from the nearest along the path."""
-    if count < 3:
+    """Those far from all others, with the distances from the nearest along the path.
+
+    `at_most` are upper bounds of the mean distances from the nearest one, quicker to compute.
+    """
+    if count < 3 or at_most.max() <= far:
         return
     distances_of = (apart(i, _others(count, i)) for i in range(count))
     rows = [each[int(np.argmin(each.mean(axis=1)))] for each in distances_of]

@@ -363,8 +363,14 @@ def _refuse_unfit(motion: Motion, name: str) -> None:
         raise FitError(f"{name}: does not move; leave it out")
     if np.abs(motion.positions).max() > MAX_NUMBER:
         raise FitError(f"{name}: has numbers beyond {MAX_NUMBER:.0e}; use another unit")
-    if not turns and np.ptp(motion.positions, axis=0).max() < 1.0 / MAX_NUMBER:
+    if not turns and _extent_is_below(motion.positions, 1.0 / MAX_NUMBER):
         raise FitError(f"{name}: moves by less than {1.0 / MAX_NUMBER:.0e}; use another unit")
+
+
+def _extent_is_below(rows: Float64Array, least: float) -> bool:
+    if np.abs(rows[-1] - rows[0]).max() >= least:
+        return False  # quick answer for most motions
+    return bool(np.ptp(rows, axis=0).max() < least)
 
 
 def _is_still(rows: Float64Array) -> bool:

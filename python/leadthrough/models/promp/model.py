@@ -166,9 +166,9 @@ class ProMP(Unfitted):
                 u[0] + (u[-1] - u[0]) * normalised_times(each.times)
                 for each, u in zip(motions, at, strict=True)
             ]
-            timed = _samples_of(coordinates, motions, own)
             curves = fit.curves
-            if self.estimator == "least_squares":
+            if self.estimator == "least_squares" and not all(map(np.array_equal, own, at)):
+                timed = _samples_of(coordinates, motions, own)
                 curves, _ = fitted_curves(basis, timed, self.regularization)
             paces = np.log(np.divide(whole, duration))
             experience = Experience(basis, curves, paces, fit.noise, samples.scale)
