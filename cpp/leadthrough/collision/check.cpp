@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <tuple>
+#include <utility>
 
 #include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
@@ -38,23 +39,28 @@ class Placement {
     }
   }
 
-  // The two nearest bodies. Pairs with near balls are tested first, then the one that was nearest
-  // before: they exclude most.
+  // The two nearest bodies. The pair with the nearest balls is tested first, or the one that was
+  // nearest before, if its balls overlap about as far; then the others by their balls: most are
+  // excluded.
   Nearest nearest() {
+    constexpr double kAsFar = 0.7;
     Nearest best;
-    std::iota(order_.begin(), order_.end(), std::size_t{0});
-    const auto nearer = [&](std::size_t a, std::size_t b) { return balls_[a] < balls_[b]; };
-    std::size_t nearest = 0;
-    for (auto next = order_.begin(); next != order_.end(); ++next) {
-      const bool second = next == order_.begin() + 1;
-      const auto last = second ? std::find(next, order_.end(), nearest_) : order_.end();
-      const bool again = last != order_.end() && balls_[nearest_] < best.distance;
-      std::iter_swap(next, again ? last : std::min_element(next, order_.end(), nearer));
+    if (balls_.empty()) return best;
+    auto first =
+        static_cast<std::size_t>(std::min_element(balls_.begin(), balls_.end()) - balls_.begin());
+    if (balls_[nearest_] < kAsFar * balls_[first]) first = nearest_;
+    const std::size_t before = std::exchange(nearest_, first);
+    measure(first, kInfinity, best);
+    order_.clear();
+    for (std::size_t i = 0; i < balls_.size(); ++i)
+      if (i != first && balls_[i] < best.distance) order_.push_back(i);
+    std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+      return std::tuple(a != before, balls_[a], a) < std::tuple(b != before, balls_[b], b);
+    });
+    for (const std::size_t i : order_) {
       const double least = best.distance;
-      if (balls_[*next] >= least) break;
-      if (measure(*next, least, best) < least) nearest = *next;
+      if (balls_[i] < least && measure(i, least, best) < least) nearest_ = i;
     }
-    nearest_ = nearest;
     return best;
   }
 

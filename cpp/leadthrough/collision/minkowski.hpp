@@ -26,7 +26,7 @@ struct Difference {
   Eigen::Matrix3d R_a_b;
   Vector3d p_a_b;
 
-  Vertex farthest(const Vector3d& along) const {
+  [[gnu::flatten]] Vertex farthest(const Vector3d& along) const {
     const Vector3d on_a = support(a, along);
     const Vector3d on_b = R_a_b * support(b, -(R_a_b.transpose() * along)) + p_a_b;
     return {on_a - on_b, on_a, on_b};

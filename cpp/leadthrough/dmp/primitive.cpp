@@ -91,11 +91,28 @@ class Motion {
 
   // From one phase to a later one.
   void advance(double from, double to, State& error) const {
+    const double place = at_node(intervals_ * from), target = at_node(intervals_ * to);
+    if (target - place > kIntervalsPerCheck)
+      advance_far(place, target, error);
+    else
+      pass(place, target, target, error);
+  }
+
+ private:
+  static constexpr double kIntervalsPerCheck = 256.0;
+
+  // Over many periods.
+  [[gnu::noinline, gnu::cold]] void advance_far(double place, double target, State& error) const {
+    while (place < target) {
+      check_interrupt();
+      place = pass(place, std::min(floored(place) + kIntervalsPerCheck, target), target, error);
+    }
+  }
+
+  // Interval by interval until `stop` is reached; the place, at most the target.
+  double pass(double place, double stop, double target, State& error) const {
     const bool ends = forces_.canonical == Canonical::kDiscrete;
-    const double target = at_node(intervals_ * to);
-    double place = at_node(intervals_ * from);
-    for (unsigned turn = 1; place < target; ++turn) {
-      check_interrupt(turn);
+    while (place < stop) {
       const double node = floored(place);
       const bool free = ends && node >= intervals_;
       const double next = free ? target : std::min(node + 1.0, target);
@@ -106,9 +123,9 @@ class Motion {
         follow_forces(current, node, place - node, error);
       place = next;
     }
+    return place;
   }
 
- private:
   static double at_node(double place) {
     const double nearest = floored(place + 0.5);
     return std::abs(place - nearest) < kAtNode ? nearest : place;

@@ -228,14 +228,17 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
             UnsupportedQuery: for obstacles or limits that are not among `supports`, and where the
                 orientation "lifted" would spin on the way to a new goal, or from a new pose.
         """
-        check_state(state)
         changed = goal is not None or measured is not None or coupling is not None
-        constrained = bool(obstacles) or limits is not None
+        constrained = limits is not None or bool(obstacles)
         if not (changed or constrained) and type(dt) is float and lag == 0.0:
             # The quick path: control loops step a thousand times a second.
-            after = state.tick(self.system.forces, dt)
+            try:
+                after = state.tick(self.system.forces, dt)
+            except AttributeError:  # no state
+                after = None
             if after is not None:
                 return after
+        check_state(state)
         span = check_step(dt, lag, state.duration)
         if goal is not None:
             state = self._channels.redirected(state, goal)
