@@ -26,6 +26,7 @@ MISSED = (1e-4, 1e-3)  # m, rad
 MISSED_SHARE = 0.002
 DEVIATION = (0.1, 0.5)  # m, rad: wide, because the fraction of missed samples is what counts
 SAMPLES = 200
+ALLOWED = 1e-6  # beyond a limit, rad or relative
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
@@ -92,13 +93,25 @@ def _missed_share(arm: lt.Arm, motions: Sequence[Any], answers: Sequence[Any]) -
         if isinstance(answer, lt.errors.IkFailure):
             missed += len(motion.times)
             continue
-        limits = lt.check_limits(answer, arm.limits)
-        if not (limits.position.ok and limits.velocity.ok and limits.acceleration.ok):
+        if not _in_limits(answer, arm.limits):
             return np.inf
         report = arm.path_report(answer, motion)
         away = (report.position_error > MISSED[0]) | (report.orientation_error > MISSED[1])
         missed += int(away.sum())
     return missed / sum(len(motion.times) for motion in motions)
+
+
+def _in_limits(joints: lt.JointTrajectory, limits: lt.arm.JointLimits) -> bool:
+    """Whether positions and their first and second differences are in the limits at all samples."""
+    q, steps = joints.positions, np.diff(joints.times)[:, None]
+    speeds = np.diff(q, axis=0) / steps
+    accelerations = np.diff(speeds, axis=0) / (0.5 * (steps[1:] + steps[:-1]))
+    return bool(
+        (q >= limits.lower - ALLOWED).all()
+        and (q <= limits.upper + ALLOWED).all()
+        and (np.abs(speeds) <= (1.0 + ALLOWED) * limits.velocity).all()
+        and (np.abs(accelerations) <= (1.0 + ALLOWED) * limits.acceleration).all()
+    )
 
 
 def _posed(judge: Judge, times: Any, q: Any) -> tuple[lt.PoseTrajectory, list[Any]]:
