@@ -25,6 +25,7 @@ from leadthrough.arm.dual_demonstration import (
     tips_of as tips_of,
 )
 from leadthrough.arm.following import FollowOptions as FollowOptions
+from leadthrough.arm.held_object import HeldObject as HeldObject
 from leadthrough.arm.inverse_kinematics import (
     Axis as Axis,
     IkBatch as IkBatch,

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm.arm import Arm, check_arm
-from leadthrough.arm.dual_following import SIDES, Carry, shape_seen_from, tips_of
+from leadthrough.arm.dual_following import SIDES, Carry, Grasp, shape_seen_from, tips_of
 from leadthrough.arm.dual_recordings import DualRecordings
 from leadthrough.arm.following import FollowOptions, checked_options, timed
 from leadthrough.arm.inverse_kinematics import IkOptions, IkResult
@@ -29,7 +29,7 @@ from leadthrough.motion import (
 from leadthrough.shapes import SceneLike, Solid, as_scene, names_of
 
 # m and rad, of the tips' relative pose between samples.
-_TOLERANCE = (1e-4, 3.5e-4)
+TOLERANCE = (1e-4, 3.5e-4)
 _MAX_JOINTS = 16  # of the core
 _COLUMNS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 
@@ -205,11 +205,11 @@ class DualArm(DualRecordings, ShortRepr):
     def follow(
         self,
         motion: PoseTrajectory,
-        grasps: tuple[Pose, Pose],
+        grasps: tuple[Pose | PoseTrajectory, Pose | PoseTrajectory],
         *,
         scene: SceneLike | None = None,
         q0: ArrayLike | None = None,
-        tolerance: tuple[float, float] = _TOLERANCE,
+        tolerance: tuple[float, float] = TOLERANCE,
         options: FollowOptions | None = None,
     ) -> JointTrajectory:
         """Joints that carry an object along its motion, held by both arms.
@@ -219,7 +219,8 @@ class DualArm(DualRecordings, ShortRepr):
 
         Args:
             motion: poses of the object. Its `joints`, if they are the pair's, are preferred.
-            grasps: poses of the left and of the right tip in the object's frame.
+            grasps: poses of the left and of the right tip in the object's frame; of one that moves
+                there, as a tip that wipes what the other holds, its motion, on the object's clock.
             scene: obstacles that both arms keep clear of, and they of each other, between samples
                 too. None checks nothing.
             q0: configuration (joints,) where the searches for the first sample start.
@@ -242,11 +243,11 @@ class DualArm(DualRecordings, ShortRepr):
             (self.left, self.right),
             self._placement,
             None if around is None else self._collision,
-            checked_grasps(grasps),
+            _grasps(grasps, motion),
             (None, None) if q0 is None else self.split(q0),
             self._options(checked_options(options)),
             around,
-            _tolerance(tolerance),
+            checked_tolerance(tolerance),
         )
         path, q = carry.along(replace(motion, joints=self._own(motion.joints)))
         return timed(self.limits, path, q, "slow")
@@ -286,7 +287,27 @@ def check_arms(arm: object) -> None:
         check_arm(arm)
 
 
-def _tolerance(tolerance: tuple[float, float]) -> tuple[float, float]:
+def _grasps(
+    grasps: tuple[Pose | PoseTrajectory, Pose | PoseTrajectory], motion: PoseTrajectory
+) -> tuple[Grasp, Grasp]:
+    """Poses of the tips in the object's frame, or their motions there."""
+    if not isinstance(grasps, tuple | list) or len(grasps) != 2:
+        raise check.refused("grasps", "the poses of the left and the right tip", repr(grasps))
+    found: list[Grasp] = []
+    for i, grasp in enumerate(grasps):
+        if not isinstance(grasp, PoseTrajectory):
+            found.append(Transforms.of(grasp, f"grasps[{i}]"))
+            continue
+        begin, end = motion.times[[0, -1]]
+        if grasp.times[0] > begin or grasp.times[-1] < end:
+            raise check.refused(
+                f"grasps[{i}]", f"a motion from {begin:g} to {end:g} s", repr(grasp)
+            )
+        found.append(grasp)
+    return found[0], found[1]
+
+
+def checked_tolerance(tolerance: tuple[float, float]) -> tuple[float, float]:
     if not isinstance(tolerance, tuple | list) or len(tolerance) != 2:
         raise check.refused("tolerance", "(m, rad)", repr(tolerance))
     return (

@@ -41,6 +41,7 @@ _ALLOWED = 0.8  # of the tolerance, at the middle between two samples
 _CHECKED = 1e-3  # m, to which the motion of a refusal is checked
 
 ShapeT = TypeVar("ShapeT", bound=Shape)
+Grasp = Transforms | PoseTrajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +113,7 @@ class Carry:
         arms: the left and the right arm.
         placement: of the right base.
         model: the shapes of both arms.
-        grasps: poses of the tips in the object's frame.
+        grasps: poses of the tips in the object's frame, or their motions there.
         starts: configurations of the arms where the searches start.
         options: of each arm.
         scene: obstacles that both keep clear of, and of each other; None checks nothing.
@@ -122,22 +123,29 @@ class Carry:
     arms: tuple[Arm, Arm]
     placement: Transforms
     model: core.CollisionModel | None
-    grasps: tuple[Transforms, Transforms]
+    grasps: tuple[Grasp, Grasp]
     starts: tuple[Float64Array | None, Float64Array | None]
     options: tuple[FollowOptions, FollowOptions]
     scene: Scene | None
     tolerance: tuple[float, float]
 
     def along(self, motion: PoseTrajectory) -> tuple[PoseTrajectory, Float64Array]:
-        """The motion with the samples that the tolerance takes, and joints (n, joints) along it."""
-        sides = self._sides(motion)
+        """The motion with the samples that the tolerance takes, and joints (n, joints) along it.
+
+        The index of a failure is of the motion as given.
+        """
+        given, sides = motion.times, self._sides(motion)
         q = _stacked([side.first for side in sides])
         for _ in range(_MAX_ROUNDS):
-            if (parts := self._parts(q)).max(initial=1) > 1:
+            if (parts := self._parts(motion.times, q)).max(initial=1) > 1:
                 motion = divided(motion, parts)
                 sides = self._sides(motion)
-            q = self._clear(motion, sides)
-            if (parts := self._parts(q)).max(initial=1) == 1:
+            try:
+                q = self._clear(motion, sides)
+            except IkFailure as error:
+                error.index = int(np.searchsorted(given, motion.times[error.index], "right")) - 1
+                raise
+            if (parts := self._parts(motion.times, q)).max(initial=1) == 1:
                 return motion, q
         why = "the tips cannot keep their relative pose from there"
         raise _missed(motion, int(np.argmax(parts)), "jump", why, q)
@@ -147,7 +155,7 @@ class Carry:
         to_bases = Transforms.identity(), self.placement.inverse()
         sides = []
         for k, to_base in enumerate(to_bases):
-            tip = to_base @ at @ self.grasps[k]
+            tip = to_base @ at @ _at(self.grasps[k], motion.times)
             joints = self._own(motion.joints, k)
             path = PoseTrajectory(motion.times, tip.positions, tip.orientations, joints=joints)
             scene = None if self.scene is None else seen_from(self.scene, to_base)
@@ -161,11 +169,12 @@ class Carry:
         left, own = len(self.arms[0].joint_names), self.arms[k].joint_names
         return columns_of(joints, range(k * left, k * left + len(own)), own)
 
-    def _parts(self, q: Float64Array) -> NDArray[np.int_]:
+    def _parts(self, times: Float64Array, q: Float64Array) -> NDArray[np.int_]:
         """Number of parts (n - 1,) to cut each step into, by the error at its middle."""
+        middles = 0.5 * (times[1:] + times[:-1])
+        held = [_at(grasp, middles) for grasp in self.grasps]
         left, right = tips_of(self.arms, self.placement, 0.5 * (q[1:] + q[:-1]))
-        wanted = self.grasps[0].inverse() @ self.grasps[1]
-        errors = (left.inverse() @ right).distances(wanted)
+        errors = (left.inverse() @ right).distances(held[0].inverse() @ held[1])
         ratio = np.max([e / t for e, t in zip(errors, self.tolerance, strict=True)], axis=0)
         return np.asarray(np.clip(np.ceil(np.sqrt(ratio / _ALLOWED)), 1, _MAX_PARTS), dtype=int)
 
@@ -185,6 +194,11 @@ class Carry:
         a, b = found.first.bodies
         why = f"{a} and {b} come {1e3 * found.first.distance:.1f} mm near, in other postures too"
         raise _missed(motion, int(found.first.sample), "blocked", why, tried[0])
+
+
+def _at(grasp: Grasp, times: Float64Array) -> Transforms:
+    """Poses of a tip in the object's frame at times (n,); one of a tip that does not move there."""
+    return Transforms(*grasp.at(times)) if isinstance(grasp, PoseTrajectory) else grasp
 
 
 def _paired(left: Iterator[Float64Array], right: Iterator[Float64Array]) -> Iterator[Float64Array]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough.arm import Arm, Axis, IkOptions
+from leadthrough.arm import Arm, Axis, HeldObject, IkOptions
 from leadthrough.check import Float64Array
 from leadthrough.motion import PoseTrajectory, Trajectory
 from leadthrough.shapes import Scene
@@ -24,11 +24,17 @@ _SPACING = 0.02
 
 @dataclass(frozen=True, eq=False)
 class CollisionFreeIk:
-    """Inverse kinematics of an arm in a scene, by random restarts."""
+    """Inverse kinematics of an arm, or of two that hold an object, in a scene: random restarts."""
 
-    arm: Arm
+    arm: Arm | HeldObject
     scene: Scene  # with the margins to keep
     free: Collection[Axis] | None  # axes of the tip's poses left free, as `Arm.follow` takes them
+
+    @property
+    def single(self) -> Arm:
+        """The arm: an object in two hands is not taken through joint space."""
+        assert isinstance(self.arm, Arm)
+        return self.arm
 
     def exists(
         self,

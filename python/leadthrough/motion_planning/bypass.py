@@ -90,7 +90,7 @@ def _part(
 ) -> JointTrajectory | None:
     """From the end of one motion to the start of another; None if no way was found."""
     way = connect_configurations(
-        ik.arm,
+        ik.single,
         before.positions[-1],
         after.positions[0],
         ik.scene.for_planning(),

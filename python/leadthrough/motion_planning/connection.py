@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.arm import Arm, check_arm
+from leadthrough.arm import Arm, DualArm, check_arms
 from leadthrough.arm.tip_path import CollisionTest
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.shapes import SceneLike, as_scene
@@ -26,7 +26,7 @@ _SEARCHES = ((0.0, 0.1), (1e-4, 0.1), (0.0, 0.8))
 
 
 def connect_configurations(
-    arm: Arm,
+    arm: Arm | DualArm,
     start: ArrayLike,
     goals: ArrayLike,
     scene: SceneLike = (),
@@ -39,6 +39,7 @@ def connect_configurations(
     The path has been shortened, and is clear all along.
 
     Args:
+        arm: an arm, or two that hold nothing together.
         start: configuration (joints,).
         goals: configurations (k, joints), or (joints,) for one.
         scene: to keep clear of by its margins.
@@ -48,7 +49,7 @@ def connect_configurations(
     Returns:
         The path; None if none was found.
     """
-    check_arm(arm)
+    check_arms(arm)
     joints = len(arm.joint_names)
     around = CollisionTest(arm._collision, as_scene(scene))
     begin = check.array(start, "start", shape=(joints,))

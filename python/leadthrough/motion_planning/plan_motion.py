@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.arm import Arm, FollowOptions, check_arm
+from leadthrough.arm import Arm, FollowOptions, HeldObject, check_arm
 from leadthrough.check import IkFailure, InvalidInput, ShortRepr
 from leadthrough.models.protocol import Distributed, Skill, check_skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times
@@ -27,7 +27,7 @@ _NO_ROOM = ("blocked", "jump")
 
 def plan_motion(
     skill: Skill[Motion],
-    arm: Arm,
+    arm: Arm | HeldObject,
     scene: SceneLike | None = None,
     query: Query | None = None,
     *,
@@ -48,6 +48,8 @@ def plan_motion(
 
     Args:
         skill: any skill of poses, of points in 3-D, or of the arm's joints.
+        arm: an arm, or an object that two arms hold, `lt.arm.HeldObject(pair, grasps)`: then the
+            object is the tip.
         scene: to keep clear of, by its margins and 0.2 mm more, so that the answer passes
             `arm.check` with the same scene. A skill that supports obstacles takes the tip around
             them. Without a scene nothing is kept clear of.
@@ -72,7 +74,9 @@ def plan_motion(
         IkFailure: if the arm cannot follow, also after the path was changed; with the place, the
             reason and, if obstacles block it, the bodies.
     """
-    check_arm(arm)
+    single = _single(
+        arm, deviation=deviation, standard_deviations=standard_deviations, last_resort=last_resort
+    )
     check_skill(skill)
     around = None if scene is None else as_scene(scene)
     if not isinstance(query, Query | None):
@@ -96,10 +100,10 @@ def plan_motion(
             if around is None or failure.status not in _NO_ROOM:
                 raise
             failures.append(failure)
-        if (beside := allowed(path)) is not None:
+        if single is not None and (beside := allowed(path)) is not None:
             try:
-                joints = arm.follow(path, deviation=beside, **following)
-                path = tip_motion(arm, path, joints)
+                joints = single.follow(path, deviation=beside, **following)
+                path = tip_motion(single, path, joints)
                 break
             except IkFailure as failure:
                 failures[-1] = failure
@@ -117,6 +121,17 @@ def plan_motion(
         clearance = arm.check(joints, ik.scene).obstacles.minimum_distance
     reasons = tuple(str(failure) for failure in failures)
     return PlannedMotion(joints, path, _farthest(path, learned), clearance, reasons, connected)
+
+
+def _single(arm: Arm | HeldObject, **leaving: object) -> Arm | None:
+    """The arm; None for two with an object, which refuse what lets it leave its path."""
+    if not isinstance(arm, HeldObject):
+        check_arm(arm)
+        return arm
+    for name, value in leaving.items():
+        if value is not None:
+            raise check.refused(name, "None for an object that two arms hold", repr(value))
+    return None
 
 
 def _farthest(path: TipMotion, learned: TipMotion) -> float:

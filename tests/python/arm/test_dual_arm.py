@@ -46,11 +46,16 @@ def carry(samples=101, rise=0.25):
 
 def relative_errors(dual, q, grasps=GRASPS, base=FACING):
     """Of the tips' relative pose, m and rad, by Pinocchio."""
+    wanted = transform(*grasps[0]).actInv(transform(*grasps[1]))
+    return errors_from(dual, q, [wanted] * len(q), base)
+
+
+def errors_from(dual, q, relative, base=FACING):
+    """Of the tips' poses in one another's frame, m and rad, by Pinocchio."""
     path = urdf("panda")
     peer = Peer(dual.left, path, {})
-    wanted = transform(*grasps[0]).actInv(transform(*grasps[1]))
     errors = []
-    for row in q:
+    for row, wanted in zip(q, relative, strict=True):
         right = transform(*base) * peer.pose(row[7:])
         error = wanted.actInv(peer.pose(row[:7]).actInv(right))
         errors.append((np.linalg.norm(error.translation), np.linalg.norm(pin.log3(error.rotation))))
@@ -278,6 +283,28 @@ def test_samples_are_added_until_the_tolerance_holds(facing):
         assert len(joints) > len(coarse)
         at = joints.times[-1]
         assert at >= coarse.times[-1]
+
+
+def test_a_tip_may_move_on_the_object_that_the_other_holds(facing):
+    """As one that wipes; between samples too, where both motions are straight."""
+    motion = carry(41)
+    motion = lt.PoseTrajectory(3.0 * motion.times, motion.positions, motion.orientations)
+    u = np.linspace(0.0, 1.0, len(motion))
+    angle = 4 * np.pi * u**3 * (10 - 15 * u + 6 * u**2)
+    wiping = np.column_stack([0.04 * np.cos(angle), 0.03 * np.sin(angle) - 0.15, 0.002 * angle])
+    over = lt.PoseTrajectory(motion.times, wiping, np.tile(DOWN, (41, 1)))
+    joints = facing.follow(motion, (GRASPS[0], over), scene=[])
+    assert len(joints) > len(motion)
+    q = np.vstack([joints.positions, 0.5 * (joints.positions[1:] + joints.positions[:-1])])
+    at = np.interp(joints.times, [0.0, joints.duration], motion.times[[0, -1]])
+    np.testing.assert_allclose(at, joints.times)  # nothing had to be slowed
+    at = np.concatenate([at, 0.5 * (at[1:] + at[:-1])])
+    wanted = [transform(*GRASPS[0]).actInv(transform(*over.at(time))) for time in at]
+    assert np.all(errors_from(facing, q, wanted) < (1e-4, np.radians(0.02)))
+    short = lt.PoseTrajectory(motion.times[:9], wiping[:9], np.tile(DOWN, (9, 1)))
+    refused(
+        r"grasps\[1\]: expected a motion from 0 to 12 s", facing.follow, motion, (GRASPS[0], short)
+    )
 
 
 def test_both_arms_are_slowed_alike(facing):

@@ -27,6 +27,7 @@ from leadthrough.guard.ros import message_of, trajectory_of
 
 ARM = arm("ur3")
 PAIR = lt.DualArm(ARM, arm("panda"), ((0.0, -0.9, 0.0), (1.0, 0.0, 0.0, 0.0)))
+HELD = lt.arm.HeldObject(PAIR, 2 * (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)),))
 PANDA_REST = [0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8]
 NAMES = ARM.joint_names
 FOREIGN = tuple("abcdef")
@@ -154,6 +155,11 @@ ENTRIES = {
     "arm.Arm.path_report": lambda joints: [ARM.path_report(joints, TIP).position_error],
     "arm.DualArm.check": checked_pair,
     "arm.DualArm.is_clear": lambda joints: [PAIR.is_clear(paired(joints), [BOX])],
+    "arm.HeldObject.check": lambda joints: [
+        len(HELD.check(paired(joints), [BOX]).itself.distances)
+    ],
+    "arm.HeldObject.is_clear": lambda joints: [HELD.is_clear(paired(joints), [BOX])],
+    "arm.HeldObject.poses": lambda joints: [HELD.poses(paired(joints)).positions],
     "arm.DualArm.joints_of": lambda joints: PAIR.motions(PAIR.joints_of(paired(joints)))[0],
     "arm.DualArm.demonstration": lambda joints: [
         PAIR.demonstration(paired(joints)).right.positions,

@@ -53,6 +53,9 @@ VALUES = {
     ),
     "arm.Wait": lambda: WAIT,
     "arm.DualArm": lambda: lt.DualArm(UR3, UR3, ((0.0, -0.6, 0.0), TURNS[1])),
+    "arm.HeldObject": lambda: arms.HeldObject(
+        lt.DualArm(UR3, UR3, ((0.0, -0.6, 0.0), TURNS[1])), ((POINTS[0], TURNS[0]),) * 2
+    ),
     "arm.DifferentialIk": lambda: lt.DifferentialIk(UR3, posture=REST),
     "arm.DirectionTask": lambda: arms.DirectionTask((0.0, 0.0, 1.0), (0.0, 0.6, 0.8)),
     "arm.ElbowTask": lambda: arms.ElbowTask("forearm_link", 0.3),

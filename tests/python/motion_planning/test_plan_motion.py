@@ -92,6 +92,31 @@ def test_a_skill_of_joints_goes_around_in_the_shown_posture(panda, shown, box):
     assert np.abs(planned.joints.positions[0] - alone.positions[0]).max() < 0.05
 
 
+def test_an_object_in_two_hands_gives_way_and_stays_in_both(panda):
+    pair = lt.DualArm(panda, panda, ((0.0, -0.8, 0.0), (1.0, 0.0, 0.0, 0.0)))
+    grasps = (((0.0, 0.2, 0.0), DOWN), ((0.0, -0.2, 0.0), DOWN))
+    pair = pair.with_object(lt.Box((0.08, 0.3, 0.02), (0.0, 0.0, -0.02)), grasps)
+    held = lt.arm.HeldObject(pair, grasps)
+    times = np.linspace(0.0, 4.0, 101)
+    s = lt.trajectories.minimum_jerk_time_scaling(times / 4.0)
+    path = np.column_stack([0.3 + 0.4 * s, np.full(101, -0.4), np.full(101, 0.3)])
+    shown = lt.PoseTrajectory(times, path, np.tile([1.0, 0.0, 0.0, 0.0], (101, 1)))
+    wall = lt.Box((0.04, 0.1, 0.3), (0.5, -0.4, 0.15))
+    skill = lt.DMP().fit([shown])
+    assert not held.check(held.follow(skill.generate(dt=0.04)), [wall]).ok
+    planned = lt.plan_motion(skill, held, [wall], lt.Query(dt=0.04))
+    assert held.check(planned.joints, [wall]).ok
+    assert 0.01 < planned.deviation < 0.25
+    position, _ = held.pair.relative_pose(planned.joints.positions)
+    assert np.linalg.norm(position - position[0], axis=1).max() < 1e-5
+    for option in ({"last_resort": "joint_space"}, {"deviation": (0.1, 0.1)}):
+        with pytest.raises(InvalidInput, match="expected None for an object that two arms hold"):
+            lt.plan_motion(skill, held, [wall], **option)
+    joints = lt.DMP().fit([held.follow(shown)])
+    again = lt.plan_motion(joints, held, query=lt.Query(dt=0.04))
+    assert np.abs(again.tip.positions[-1] - path[-1]).max() < 1e-3
+
+
 def test_the_answer_has_the_same_bits_each_time(panda, skill, box):
     once, again = (lt.plan_motion(skill, panda, [box], QUERY) for _ in range(2))
     np.testing.assert_array_equal(once.joints.positions, again.joints.positions)
