@@ -88,3 +88,9 @@ def reach(kind, seed, *, pace=1.0):
         return lt.Trajectory(times, points[:, :2])
     axis = np.array([0.2, 0.6, 0.8]) + rng.normal(0.0, 0.02, 3)
     return motion_of(kind, times, points, np.outer(1.5 * s, axis))
+
+
+def two_pandas():
+    """Two arms side by side that look the same way."""
+    panda = lt.Arm.load("panda")
+    return lt.DualArm(panda, panda, ((0.0, -0.8, 0.0), (1.0, 0.0, 0.0, 0.0)))

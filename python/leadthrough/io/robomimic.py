@@ -24,6 +24,7 @@ _ROLES = {
     "positions": "robot0_eef_pos",
     "orientations": "robot0_eef_quat",
 }
+_SECOND = "robot1_"  # arm
 
 
 def labels(path: Path) -> list[str]:
@@ -62,6 +63,8 @@ def _tables(file: Any, part: tuple[int, int] | None) -> list[ArrayTable]:
             ReadLimits().numbers(math.prod(each.chunks or ()), f"{name}/obs: a chunk")
         arrays = {own: np.asarray(each[()]) for own, each in sets.items()}
         roles = {role: (own,) for role, own in _ROLES.items() if own in arrays}
+        if any(name.startswith(_SECOND) for name in arrays):
+            roles = {}  # whether the first is the left one is not said
         found.append(
             ArrayTable(
                 arrays, roles=roles, label=name, rate=rate, quaternions="xyzw", angles="radians"

@@ -4,6 +4,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 import so101
+from motions import two_pandas
 from pyarrow import parquet
 from refusals import refused
 
@@ -196,3 +197,17 @@ def test_an_arms_joints_are_found_by_its_names_in_any_table(tmp_path):
     (found,) = lt.read_demonstrations(path, joints={"pan": (-1.0, 1.0), "lift": (-1.0, 1.0)})
     assert found.motion.joint_names == ("pan", "lift")
     np.testing.assert_allclose(found.motion.positions, rows[:, [2, 1]])
+
+
+def test_a_data_set_of_two_arms_is_a_demonstration_of_both(tmp_path):
+    """The right arm's joints come first, and its gripper among them."""
+    pair = two_pandas()
+    names = ["right_gripper", *pair.joint_names[7:], *pair.joint_names[:7]]
+    state = np.linspace(-0.1, -0.2, 6)[:, None] * np.arange(15.0) / 5.0
+    state[:, 0] = 0.0
+    save(tmp_path / "data" / "chunk-000" / "file-000.parquet", state.tolist())
+    describe(tmp_path, [f"{name}.pos" for name in names])
+    shown = pair.demonstration(lt.read_demonstrations(tmp_path, angles="radians")[1])
+    wanted = np.hstack([state[3:, 8:], state[3:, 1:8]])
+    np.testing.assert_allclose(shown.joints.positions, wanted, atol=1e-6)
+    assert (shown.name, len(shown.right)) == ("episode_5", 3)

@@ -3,6 +3,7 @@ import json
 import h5py
 import numpy as np
 import pytest
+from motions import two_pandas
 from refusals import refused
 
 import leadthrough as lt
@@ -69,3 +70,18 @@ def test_a_claim_of_ten_gigabytes_is_refused_before_it_takes_memory(tmp_path):
             "data/demo_0/obs/robot0_joint_pos", (200_000_000, 7), "f4", chunks=(1000, 7)
         )
     refused("it claims 1,400,000,000", lt.read_demonstrations, tmp_path / "huge.h5", rate=20)
+
+
+def test_the_joints_of_two_arms_are_named_by_the_user_the_left_ones_first(dataset):
+    """A data set does not say which arm is the left one: none is chosen or left out unasked."""
+    with h5py.File(dataset, "a") as file:
+        for name, own in file["data"].items():
+            own["obs/robot1_joint_pos"] = np.full((6, 7), -int(name[5:]), np.float32)
+    refused(
+        "name the columns to read, there are .*robot1_joint_pos", lt.read_demonstrations, dataset
+    )
+    columns = {"joints": ["robot1_joint_pos", "robot0_joint_pos"]}
+    demonstrations = lt.read_demonstrations(dataset, columns=columns)
+    left, right = two_pandas().motions(demonstrations[1].motion)
+    np.testing.assert_array_equal(left.positions, np.full((6, 7), -1.0))
+    np.testing.assert_array_equal(right.positions, np.full((6, 7), 1.0))

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from motions import two_pandas
 from refusals import refused
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer
@@ -203,3 +204,14 @@ def test_a_bag_is_whole_or_not_there(tmp_path, ur_motion, poses):
     refused("no such folder", rosbag.write_poses, poses, tmp_path / "missing" / "bag")
     assert list(tmp_path.iterdir()) == [standing]
     assert [path.name for path in standing.iterdir()] == ["precious"]
+
+
+def test_joint_states_of_two_arms_are_a_demonstration_of_both(record):
+    """In the order of one driver: by name, as they come."""
+    pair = two_pandas()
+    names = sorted(pair.joint_names, reverse=True)
+    rows = [{name: -0.01 * i - 0.05 * k for k, name in enumerate(names)} for i in range(5)]
+    bag = record({"/joint_states": [joint_state(t, q) for t, q in zip(STAMPS, rows, strict=True)]})
+    shown = pair.demonstration(lt.read_demonstrations(bag)[0])
+    wanted = [[row[name] for name in pair.joint_names] for row in rows]
+    np.testing.assert_allclose(shown.joints.positions, wanted)
