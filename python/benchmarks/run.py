@@ -47,6 +47,7 @@ FILES = [
     "bench_paths",
     "bench_replan",
     "bench_time_law",
+    "bench_two_arms",
     "bench_way_points",
 ]
 SPEED = Path(__file__).parents[2] / "docs" / "speed.md"
