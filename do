@@ -24,6 +24,8 @@ usage: ./do COMMAND [OPTIONS]
   bench      benchmarks against other libraries; options go to python/benchmarks/run.py
   arms       arms of other packages, each from its URDF to a simulated motion, and their table in the
              documentation; words are parts of their names, such as UR5
+  lerobot    a small policy's inference loop in the real lerobot package, in an environment of its own;
+             figures in lerobot-results/
   docs       the documentation, build/docs/index.html
   wheel      the sources and a wheel that runs without the Debian packages, for each Python named,
              in dist/; with --aarch64 first, wheels for that processor too
@@ -197,6 +199,26 @@ build_wheel() (
     "${settings[@]/#/--config-settings=}" --wheel-dir build/wheel ./build/sdist
 )
 
+# The package in an environment of its own, as LeRobot needs other versions of NumPy and PyTorch. Its
+# core is not compiled again.
+install_with_lerobot() {
+  install_core
+  local digest
+  digest=$(sources_digest)
+  [ -x build/lerobot/bin/pip ] || .venv/bin/python -m venv build/lerobot
+  [ "$(cat build/lerobot/installed 2>/dev/null)" = "$digest" ] && return
+  echo "installing lerobot and leadthrough[lerobot,simulation] beside it"
+  pip_install 'wheel>=0.45'
+  .venv/bin/pip wheel -q --no-build-isolation --no-deps --config-settings=build-dir=build/core \
+    --config-settings=cmake.define.LEADTHROUGH_WERROR=ON --wheel-dir build/lerobot/wheel .
+  build/lerobot/bin/pip install -q --disable-pip-version-check 'lerobot>=0.4.4,<0.5'
+  build/lerobot/bin/pip install -q --disable-pip-version-check --force-reinstall --no-deps \
+    build/lerobot/wheel/leadthrough-*.whl
+  build/lerobot/bin/pip install -q --disable-pip-version-check 'leadthrough[lerobot,simulation]' \
+    --find-links build/lerobot/wheel
+  echo "$digest" >build/lerobot/installed
+}
+
 cpp_files() { find cpp tests/cpp -name '*.[ch]pp'; }
 
 main() {
@@ -236,6 +258,11 @@ main() {
     arms)
       install_package test
       PYTHONPATH=tests/python .venv/bin/python tests/python/robots/every_arm.py "$@"
+      ;;
+    lerobot)
+      install_with_lerobot
+      mkdir -p lerobot-results
+      build/lerobot/bin/python python/with_lerobot/inference_loop.py lerobot-results
       ;;
     docs)
       install_package docs

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import time
 from collections.abc import Callable, Mapping
 from typing import Any, Literal
@@ -23,11 +24,11 @@ class GuardStep:
 
         pipeline.steps.append(GuardStep(lt.Guard(arm, rate=30.0)))
 
-    It has the methods of LeRobot's `ProcessorStep`, and needs no LeRobot to be imported. Actions
-    are mappings with a number for each joint, such as "shoulder_pan.pos"; other entries, such as a
-    gripper's, stay as they are. The first action of an episode is led to from the observation in
-    the same transition, at which the arm has to rest. An action that is not finite makes the arm
-    brake.
+    It has the methods of LeRobot's `ProcessorStep`, and counts as one where LeRobot is installed.
+    Actions are mappings with a number for each joint, such as "shoulder_pan.pos"; other entries,
+    such as a gripper's, stay as they are. The first action of an episode is led to from the
+    observation in the same transition, at which the arm has to rest. An action that is not finite
+    makes the arm brake.
 
     Attributes:
         guard: of the arm; its joints are named as the motors, with or without ".pos".
@@ -128,3 +129,15 @@ class ChunkStep(GuardStep):
         q = self.chunks.next(now).q
         self.answer = self.chunks.answer
         return self._sent(transition, q)
+
+
+def _register() -> None:
+    """Makes the steps count as LeRobot's own: its pipelines take no others."""
+    try:
+        pipeline = importlib.import_module("lerobot.processor.pipeline")
+    except ImportError:
+        return  # not installed
+    pipeline.ProcessorStep.register(GuardStep)
+
+
+_register()

@@ -1,5 +1,8 @@
 """A guard between messages of ROS 2, and in a pipeline of LeRobot."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from guard.adversary import HOMES
@@ -96,3 +99,18 @@ def test_what_is_missing_is_named(panda, guard):
     refused(r"action: expected a mapping with 'panda_joint1.pos'", step, {"action": [1.0]})
     refused("observation: expected a mapping", step, {"action": action(panda, Q)})
     refused(r"action: expected 'panda_joint1.pos', got gripper", step, {"action": {"gripper": 1.0}})
+
+
+def test_the_steps_count_as_those_of_a_lerobot_that_is_installed(tmp_path):
+    """Its pipelines check each step's class; here it is a package with that class alone."""
+    package = tmp_path / "lerobot" / "processor"
+    package.mkdir(parents=True)
+    for folder in (package.parent, package):
+        (folder / "__init__.py").touch()
+    (package / "pipeline.py").write_text("import abc\nclass ProcessorStep(abc.ABC):\n    pass\n")
+    program = (
+        "from lerobot.processor.pipeline import ProcessorStep\n"
+        "from leadthrough.guard.lerobot import ChunkStep, GuardStep\n"
+        "assert issubclass(GuardStep, ProcessorStep) and issubclass(ChunkStep, ProcessorStep)\n"
+    )
+    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True)
