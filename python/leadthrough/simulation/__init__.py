@@ -8,6 +8,10 @@ from leadthrough.simulation.controllers import (
     PositionServo as PositionServo,
 )
 from leadthrough.simulation.drives import Disturbances as Disturbances, Push as Push
+from leadthrough.simulation.held_object import (
+    HeldSimulation as HeldSimulation,
+    simulate_held as simulate_held,
+)
 from leadthrough.simulation.report import (
     Contact as Contact,
     Finding as Finding,

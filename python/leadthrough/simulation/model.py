@@ -55,18 +55,12 @@ def plant(
     period: float,
 ) -> Plant:
     """The model of an arm among obstacles."""
-    mujoco = check.package("mujoco", extra="simulation")
-    if arm._chain.mass == 0.0:
-        raise InvalidRobot("robot", "no link that the arm moves has a mass, so nothing resists")
-    spec = mujoco.MjSpec()
-    _set_options(mujoco, spec, gravity, period)
-    _add_links(mujoco, spec, arm, link_inertias(arm, payload=motors.payload))
+    spec, drives = specified(
+        arm, motors=motors, drive_damping=drive_damping, gravity=gravity, period=period
+    )
     for i, shape in enumerate(obstacles):
-        _add_parts(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
-    for a, b in _unchecked_pairs(arm):
-        spec.add_exclude(bodyname1=_body_name(a), bodyname2=_body_name(b))
+        add_parts(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
     own = core.Chain(arm._robot, arm.base, arm.tip)
-    drives = _add_joints(mujoco, spec, arm, motors, drive_damping)
     try:
         model = spec.compile()
     except ValueError as error:
@@ -82,6 +76,26 @@ def plant(
         stricter(own.velocity, arm.limits.velocity),
         stricter(own.velocity, None),
     )
+
+
+def specified(
+    arm: Arm,
+    *,
+    motors: Drives,
+    drive_damping: Float64Array,
+    gravity: Float64Array,
+    period: float,
+) -> tuple[Any, dict[str, tuple[int, float, float]]]:
+    """A model of an arm that is not compiled yet, and what drives each of its joints."""
+    mujoco = check.package("mujoco", extra="simulation")
+    if arm._chain.mass == 0.0:
+        raise InvalidRobot("robot", "no link that the arm moves has a mass, so nothing resists")
+    spec = mujoco.MjSpec()
+    _set_options(mujoco, spec, gravity, period)
+    _add_links(mujoco, spec, arm, link_inertias(arm, payload=motors.payload))
+    for a, b in _unchecked_pairs(arm):
+        spec.add_exclude(bodyname1=_body_name(a), bodyname2=_body_name(b))
+    return spec, _add_joints(mujoco, spec, arm, motors, drive_damping)
 
 
 def _set_options(mujoco: Any, spec: Any, gravity: Float64Array, period: float) -> None:
@@ -113,7 +127,7 @@ def _add_links(mujoco: Any, spec: Any, arm: Arm, bodies: Mapping[str, Load]) -> 
                 turned, placed = (part[0] for part in still[robot.links[joint.parent]])
                 at = (placed + turned @ at[0], turned @ at[1])
             made[i] = body = parent.add_body(name=LINK + name, pos=at[0], quat=_quaternion(at[1]))
-            _set_inertia(body, name, bodies.get(name), joint.name in driven)
+            set_inertia(body, name, bodies.get(name), joint.name in driven)
             if joint.name in driven:
                 slides = joint.kind == "prismatic"
                 kind = mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE
@@ -121,11 +135,11 @@ def _add_links(mujoco: Any, spec: Any, arm: Arm, bodies: Mapping[str, Load]) -> 
         else:
             turned, placed = (part[0] for part in still[name])
             body = spec.worldbody.add_body(name=LINK + name, pos=placed, quat=_quaternion(turned))
-        _add_parts(spec, body, solids.get(name, ()))
+        add_parts(spec, body, solids.get(name, ()))
         if name == arm.tip and arm.attached:
             held = body.add_body(name=ATTACHED)
             for shape in arm.attached:
-                _add_parts(spec, held, shape.convex_parts())
+                add_parts(spec, held, shape.convex_parts())
 
 
 def _at_rest(arm: Arm, joint: core.Joint, driven: set[str]) -> tuple[Float64Array, Float64Array]:
@@ -140,7 +154,8 @@ def _at_rest(arm: Arm, joint: core.Joint, driven: set[str]) -> tuple[Float64Arra
     return turned.T @ (at - placed), turned.T @ here
 
 
-def _set_inertia(body: Any, name: str, load: Load | None, driven: bool) -> None:
+def set_inertia(body: Any, name: str, load: Load | None, driven: bool) -> None:
+    """Gives a body the inertia of a load, or the least where it has to have one."""
     if load is None and not driven:
         return
     body.explicitinertial = True
@@ -168,7 +183,7 @@ def _balanced(inertia: Float64Array, link: str) -> Float64Array:
     return np.asarray((axes * nearest) @ axes.T)
 
 
-def _add_parts(spec: Any, body: Any, parts: Iterable[ConvexPart]) -> None:
+def add_parts(spec: Any, body: Any, parts: Iterable[ConvexPart]) -> None:
     """Adds convex parts to a body of a MuJoCo model that is being specified."""
     mujoco = check.package("mujoco", extra="simulation")
     for part in parts:

@@ -24,6 +24,7 @@ from leadthrough.arm import FollowOptions
 from leadthrough.augmentation import write_data_set
 from leadthrough.errors import InvalidInput
 from leadthrough.guard.ros import message_of, trajectory_of
+from leadthrough.simulation import simulate_held
 
 ARM = arm("ur3")
 PAIR = lt.DualArm(ARM, arm("panda"), ((0.0, -0.9, 0.0), (1.0, 0.0, 0.0, 0.0)))
@@ -104,6 +105,14 @@ def checked_pair(joints):
     return [found.obstacles.minimum_distance, found.itself.minimum_distance]
 
 
+def carried(joints):
+    relative = PAIR.relative_pose(paired(MOTION).positions[0])
+    grasps = (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)), relative)
+    pair = PAIR.with_object(lt.Box((0.1, 0.1, 0.1), (0.0, 0.0, 0.1)), grasps, mass=1.0)
+    found = simulate_held(lt.arm.HeldObject(pair, grasps), paired(joints), rate=100.0)
+    return PAIR.motions(found.planned)[0]
+
+
 def coordinated(joints):
     rest = np.tile(PANDA_REST, (len(joints), 1))
     right = lt.JointTrajectory(joints.times, rest, joint_names=PAIR.right.joint_names)
@@ -176,6 +185,7 @@ ENTRIES = {
     "show.inline": embedded,
     "show.teach": taught,
     "show.view": pictured,
+    "simulation.simulate_held": carried,
     "simulation.simulate": lambda joints: lt.simulate(ARM, joints, rate=100.0).planned,
     "timing.binding_limits": lambda joints: [
         [each.ratio for each in lt.timing.binding_limits(joints, ARM.limits)]
@@ -328,6 +338,7 @@ OTHERS = {
     "guard.Admission": "holds", "io.Episode": "holds", "io.Recording": "holds",
     "motion_planning.PlannedMotion": "holds", "reachability.Placement": "holds",
     "simulation.SimulationReport": "holds",
+    "simulation.HeldSimulation": "holds",
 }  # fmt: skip
 TAKES = re.compile(r"JointTrajectory|\bMotion|Demonstration|Recording|Skill|Generator\[|Posture")
 
