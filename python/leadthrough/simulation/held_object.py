@@ -171,7 +171,7 @@ def _half(body: Load, frame: Transforms) -> Load:
 
 
 class _Side:
-    """The controller of one arm, and what it sees."""
+    """The controller of one arm, and its measurements."""
 
     def __init__(
         self,
@@ -197,7 +197,7 @@ class _Side:
         self._seen = deque([self.drives.encoded(q[0])] * (late + 2), maxlen=late + 2)
 
     def control(self, k: int, q: Float64Array) -> Float64Array:
-        """What the motors are asked for in period k, at joints as they are."""
+        """Torques (joints,) that the motors are asked for in period k, at given joints."""
         self._seen.append(self.drives.encoded(q))
         seen = self._seen[1]
         speed = (seen - self._seen[0]) / self._period
