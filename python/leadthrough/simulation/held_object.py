@@ -38,8 +38,8 @@ class HeldSimulation(ShortRepr):
         relative_errors: distances (n,) in m of the right tip from where it belongs to the left one.
         relative_angles: the same of its orientation, rad.
         forces: of the left and of the right hand on the object, (n, 2, 3) N in the pair's frame.
-        inner_forces: what of them does not move the object but presses or pulls it, (n,) N: half
-            the difference of both along the line through the tips.
+        inner_forces: the part of them that presses or pulls the object without moving it, (n,) N:
+            half the difference of both along the line through the tips.
     """
 
     planned: JointTrajectory
