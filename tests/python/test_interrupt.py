@@ -40,7 +40,7 @@ def calls() -> Iterator[tuple[str, Callable[[], object]]]:
     yield "damped_inverse_kinematics", lambda: damped_inverse_kinematics(arm, *far, q0=HOME)
     poses = arm.forward_kinematics(wave)
     tip = lt.PoseTrajectory(np.linspace(0.0, 9000.0, len(wave)), *poses)
-    yield "Arm.follow", lambda: arm.follow(tip, q0=wave[0])
+    yield "Arm.follow", lambda: [arm.follow(tip, q0=wave[0]) for _ in range(20)]
 
     speed = rng.uniform(0.1, 1.0, (200, 200, 200))
     yield "arrival_times", lambda: lt.arrival_times(speed, [(2, 2, 2)])
