@@ -16,10 +16,11 @@ from leadthrough.arm.model import GRAVITY
 from leadthrough.arm.rigid_transforms import Transforms
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard.admission import CommandedState, chunk_of
-from leadthrough.motion import JointTrajectory
+from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.simulation.controllers import ComputedTorque, Controller, Law, Moment
 from leadthrough.simulation.drives import Disturbances, Drives, drives_of
 from leadthrough.simulation.model import LINK, add_parts, set_inertia, specified
+from leadthrough.simulation.simulated_arm import RUNAWAY, RunawayError
 
 _RIGHT = "right "  # before the names of the right arm's bodies and joints
 _OBJECT = "object"
@@ -84,13 +85,15 @@ def simulate_held(
     Raises:
         InvalidInput: if the pair holds no object with a mass, or is one robot.
         MissingDependency: if the extra `simulation` is not installed.
+        FloatingPointError: if a joint runs away: the gains are too high for the rate, or the hands'
+            motions do not fit the grasps.
     """
     mujoco = check.package("mujoco", extra="simulation")
     if not isinstance(held, HeldObject):
         raise check.refused("held", "a HeldObject", type(held).__name__)
     period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
     pull = check.array(gravity, "gravity", shape=(3,))
-    rows = chunk_of(trajectory, held.pair, period).rows
+    rows = chunk_of(in_order(trajectory, held.joint_names, "trajectory"), held.pair, period).rows
     q = np.concatenate([rows, np.repeat(rows[-1:], round(_SETTLING / period), axis=0)])
     carried = _Carried.of(held)
     sides = [
@@ -251,6 +254,7 @@ class _Run:
             for prefix, side in zip(("", _RIGHT), sides, strict=True)
         ]
         self._places = [[model.joint(name).qposadr[0] for name in own] for own in names]
+        self._speeds = [[model.joint(name).dofadr[0] for name in own] for own in names]
         self._motors = [[model.actuator(name).id for name in own] for own in names]
         self._welds = [i for i in range(model.neq) if model.eq_type[i] == mujoco.mjtEq.mjEQ_WELD]
         for place, side in zip(self._places, sides, strict=True):
@@ -269,8 +273,17 @@ class _Run:
         for place, motors, side in zip(self._places, self._motors, self._sides, strict=True):
             data.ctrl[motors] = side.control(k, np.array(data.qpos[place]))
         self._mujoco.mj_step(self._model, data)
+        self._stop_runaway(k)
         torques = np.concatenate([data.actuator_force[motors] for motors in self._motors])
         return before, torques, np.array([self._force(weld) for weld in self._welds])
+
+    def _stop_runaway(self, k: int) -> None:
+        for speeds, side in zip(self._speeds, self._sides, strict=True):
+            fast = np.abs(self._data.qvel[speeds])
+            if not fast.max() < RUNAWAY:
+                joint = int(fast.argmax())
+                time = (k + 1) * self._model.opt.timestep
+                raise RunawayError(side.arm.joint_names[joint], time, joint)
 
     def _force(self, weld: int) -> Float64Array:
         """Of a hand on the object, (3,) N in the frame of the pair."""

@@ -21,7 +21,7 @@ from leadthrough.simulation.model import LINK, plant
 
 # No arm moves so fast, rad/s (m/s), or has such motors, N m (N); MuJoCo would soon give up and
 # write a file about it.
-_RUNAWAY, _STRONGEST = 1e3, 1e6
+RUNAWAY, _STRONGEST = 1e3, 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +181,7 @@ class SimulatedArm(ShortRepr):
         asked_most = np.minimum(np.abs(self.demanded), self.drives.effort)
         self._stop_runaway(asked_most, _STRONGEST)
         self._mujoco.mj_step(self.plant.model, self.data)
-        self._stop_runaway(np.abs(self.data.qvel[self.plant.joints]), _RUNAWAY)
+        self._stop_runaway(np.abs(self.data.qvel[self.plant.joints]), RUNAWAY)
         self.torques = self._given(before, spin)
         self._target = command
         self._ticks += 1
