@@ -24,6 +24,22 @@ _MAX_DELAY = 1.0  # s
 _LIGHTEST = 0.05  # of the heaviest joint's inertia, of turning and of sliding joints apart
 
 
+# No arm moves so fast, rad/s (m/s); MuJoCo would soon give up and write a file about it.
+RUNAWAY = 1e3
+
+
+class RunawayError(FloatingPointError):
+    """A simulated arm that runs away.
+
+    Attributes:
+        joint: number of the joint that did first.
+    """
+
+    def __init__(self, name: str, time: float, joint: int) -> None:
+        super().__init__(f"{name} runs away after {time:.3f} s; lower the gains or raise the rate")
+        self.joint = joint
+
+
 @dataclass(frozen=True, eq=False)
 class Push(ShortRepr):
     """A force on the tip, unknown to the controller.

@@ -18,9 +18,14 @@ from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard.admission import CommandedState, chunk_of
 from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.simulation.controllers import ComputedTorque, Controller, Law, Moment
-from leadthrough.simulation.drives import Disturbances, Drives, drives_of
+from leadthrough.simulation.drives import (
+    RUNAWAY,
+    Disturbances,
+    Drives,
+    RunawayError,
+    drives_of,
+)
 from leadthrough.simulation.model import LINK, add_parts, set_inertia, specified
-from leadthrough.simulation.simulated_arm import RUNAWAY, RunawayError
 
 _RIGHT = "right "  # before the names of the right arm's bodies and joints
 _OBJECT = "object"

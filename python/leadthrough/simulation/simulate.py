@@ -18,7 +18,7 @@ from leadthrough.guard.connect import connect
 from leadthrough.motion import Event, JointTrajectory, in_order, lerp
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import Controller, Motion
-from leadthrough.simulation.drives import Disturbances
+from leadthrough.simulation.drives import Disturbances, RunawayError
 from leadthrough.simulation.report import (
     Kind,
     Plan,
@@ -27,7 +27,7 @@ from leadthrough.simulation.report import (
     findings,
     summed_contacts,
 )
-from leadthrough.simulation.simulated_arm import RunawayError, SimulatedArm
+from leadthrough.simulation.simulated_arm import SimulatedArm
 
 _SETTLING = 0.2  # s that the arm is held after the end
 _AFTER_TOUCH = 0.1  # s after the first contact, by when real controllers have stopped

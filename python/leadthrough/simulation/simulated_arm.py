@@ -16,12 +16,11 @@ from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.guard import CommandedState
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment
-from leadthrough.simulation.drives import Disturbances, drives_of
+from leadthrough.simulation.drives import RUNAWAY, Disturbances, RunawayError, drives_of
 from leadthrough.simulation.model import LINK, plant
 
-# No arm moves so fast, rad/s (m/s), or has such motors, N m (N); MuJoCo would soon give up and
-# write a file about it.
-RUNAWAY, _STRONGEST = 1e3, 1e6
+# No arm has such motors, N m (N); MuJoCo would soon give up and write a file about it.
+_STRONGEST = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,18 +34,6 @@ class Touch(ShortRepr):
 
     bodies: tuple[str, str]
     force: float
-
-
-class RunawayError(FloatingPointError):
-    """A simulated arm that runs away.
-
-    Attributes:
-        joint: number of the joint that did first.
-    """
-
-    def __init__(self, name: str, time: float, joint: int) -> None:
-        super().__init__(f"{name} runs away after {time:.3f} s; lower the gains or raise the rate")
-        self.joint = joint
 
 
 class SimulatedArm(ShortRepr):
