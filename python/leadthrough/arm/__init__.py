@@ -34,7 +34,7 @@ from leadthrough.arm.inverse_kinematics import (
     IkSolutions as IkSolutions,
 )
 from leadthrough.arm.limits import JointLimits as JointLimits, read_limits as read_limits
-from leadthrough.arm.model import ArmModel as ArmModel
+from leadthrough.arm.model import GRAVITY as GRAVITY, ArmModel as ArmModel
 from leadthrough.arm.path_report import PathReport as PathReport
 from leadthrough.arm.task_stack import (
     StackRun as StackRun,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -11,18 +12,23 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
+from leadthrough.arm import recorded_joints
 from leadthrough.arm.arm import Arm, check_arm
+from leadthrough.arm.base_location import BaseLocation, Carried, located
+from leadthrough.arm.collision_queries import CollisionQueries
+from leadthrough.arm.dual_demonstration import DualDemonstration
 from leadthrough.arm.dual_following import SIDES, Carry, Grasp, shape_seen_from, tips_of
-from leadthrough.arm.dual_recordings import DualRecordings
 from leadthrough.arm.following import FollowOptions, checked_options, timed
 from leadthrough.arm.inverse_kinematics import IkOptions, IkResult
 from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.rigid_transforms import Pose, Transforms, checked_grasps
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr, numbers_text, one_line
 from leadthrough.motion import (
+    Demonstration,
     JointTrajectory,
     Motion,
     PoseTrajectory,
+    as_demonstration,
     columns_of,
     in_order,
 )
@@ -35,7 +41,7 @@ _COLUMNS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 
 
 @dataclass(frozen=True, eq=False)
-class DualArm(DualRecordings, ShortRepr):
+class DualArm(CollisionQueries, ShortRepr):
     """Two arms in one frame, the base frame of the left one.
 
     A configuration is (joints,), the joints of the left arm first; a batch is (m, joints). The
@@ -80,12 +86,9 @@ class DualArm(DualRecordings, ShortRepr):
     def _repr_parts(self) -> list[str]:
         names = f"{len(self.joint_names)} joints {self.joint_names[0]} ... {self.joint_names[-1]}"
         parts = [f"left={one_line(self.left)}", f"right={one_line(self.right)}", names]
-        where = "" if self.base is None else f"right base at {numbers_text(self.base[0])} m"
-        return [
-            *parts,
-            *filter(None, [where]),
-            *(["one shared object"] if self.shared_object else []),
-        ]
+        if self.base is not None:
+            parts.append(f"right base at {numbers_text(self.base[0])} m")
+        return [*parts, "one shared object"] if self.shared_object else parts
 
     @cached_property
     def _placement(self) -> Transforms:
@@ -117,7 +120,7 @@ class DualArm(DualRecordings, ShortRepr):
         """
         if not isinstance(shape, Solid):
             raise check.refused("shape", names_of(Solid), repr(shape))
-        in_tip = shape_seen_from(shape, checked_grasps(grasps)[0].inverse())
+        in_tip = shape_seen_from(shape, checked_grasps(grasps, Transforms.of)[0].inverse())
         return replace(self, left=self.left.with_attached(in_tip, mass), shared_object=True)
 
     def split(self, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
@@ -138,15 +141,65 @@ class DualArm(DualRecordings, ShortRepr):
             columns_of(own, range(left, joints), self.right.joint_names),
         )
 
+    def joints_of(self, trajectory: Motion) -> JointTrajectory:
+        """The joints of both arms in a recording, selected by name, in the pair's order.
+
+        Args:
+            trajectory: joints, as `Arm.joints_of` takes them.
+
+        Raises:
+            InvalidInput: for another kind of motion, or if a joint is missing.
+        """
+        return recorded_joints.joints_of(self.limits, trajectory)
+
+    def demonstration(self, recording: Demonstration | JointTrajectory) -> DualDemonstration:
+        """Motions of both tips in a recording of joints, with the joints.
+
+        Args:
+            recording: as `joints_of` takes it.
+        """
+        given = as_demonstration(recording, "recording")
+        own = self.joints_of(given.motion)
+        positions, orientations = self.forward_kinematics(own.positions)
+        left, right = (
+            PoseTrajectory(own.times, positions[:, k], orientations[:, k], own.events)
+            for k in range(2)
+        )
+        return DualDemonstration(left, right, own, given.name)
+
+    def located(self, demonstrations: Sequence[Demonstration | JointTrajectory]) -> BaseLocation:
+        """The right base, from joints recorded while both arms hold one object.
+
+        The search starts at the pair's own `base`, which need not be nearer than some 0.3 m and
+        0.5 rad. In every demonstration the arms may hold the object at other places.
+
+        Args:
+            demonstrations: as `joints_of` takes them, at least one.
+
+        Raises:
+            FitError: if a standard deviation of the base would exceed 1 mm or 0.1 degrees, as it
+                does if the object only turns about one axis.
+
+        Source: Strobl and Hirzinger 2006.
+        """
+        joints = [
+            self.joints_of(as_demonstration(each, f"demonstrations[{i}]").motion).positions
+            for i, each in enumerate(demonstrations)
+        ]
+        if not joints:
+            raise check.refused("demonstrations", "at least one", "none")
+        arms = self.left, self.right
+        return located([Carried.of(arms, self.split(rows)) for rows in joints], self._placement)
+
     def forward_kinematics(self, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
         """Positions (2, 3) in m and orientations (2, 4) w, x, y, z of the left and the right tip.
 
         Of a batch they are (m, 2, 3) and (m, 2, 4).
         """
         rows = self._checked(q)
-        tips = self._tips(np.atleast_2d(rows))
-        positions = np.stack([tip.positions for tip in tips], axis=1)
-        orientations = np.stack([tip.orientations for tip in tips], axis=1)
+        left, right = self._tips(np.atleast_2d(rows))
+        positions = np.stack([left.positions, right.positions], axis=1)
+        orientations = np.stack([left.orientations, right.orientations], axis=1)
         return (positions[0], orientations[0]) if rows.ndim == 1 else (positions, orientations)
 
     def relative_pose(self, q: ArrayLike) -> tuple[Float64Array, Float64Array]:
@@ -190,17 +243,12 @@ class DualArm(DualRecordings, ShortRepr):
             options: of both arms.
         """
         starts = (None, None) if q0 is None else self.split(q0)
-        poses = (
-            Transforms.of(left, "left"),
-            self._placement.inverse() @ Transforms.of(right, "right"),
+        at_left = Transforms.of(left, "left").single()
+        at_right = (self._placement.inverse() @ Transforms.of(right, "right")).single()
+        return (
+            self.left.inverse_kinematics(*at_left, q0=starts[0], seed=seed, options=options),
+            self.right.inverse_kinematics(*at_right, q0=starts[1], seed=seed, options=options),
         )
-        first, second = (
-            arm.inverse_kinematics(
-                pose.positions[0], pose.orientations[0], q0=start, seed=seed, options=options
-            )
-            for arm, pose, start in zip((self.left, self.right), poses, starts, strict=True)
-        )
-        return first, second
 
     def follow(
         self,
@@ -243,7 +291,7 @@ class DualArm(DualRecordings, ShortRepr):
             (self.left, self.right),
             self._placement,
             None if around is None else self._collision,
-            _grasps(grasps, motion),
+            checked_grasps(grasps, partial(_grasp, motion)),
             (None, None) if q0 is None else self.split(q0),
             self._options(checked_options(options)),
             around,
@@ -260,10 +308,9 @@ class DualArm(DualRecordings, ShortRepr):
         if posture is None:
             return options, options
         if isinstance(posture, Motion):
-            first, second = self.motions(in_order(posture, self.joint_names, "posture"))
-            return replace(options, posture=first), replace(options, posture=second)
-        left, right = self.split(posture)
-        return replace(options, posture=left), replace(options, posture=right)
+            posture = in_order(posture, self.joint_names, "posture")
+        own = self.motions(posture) if isinstance(posture, Motion) else self.split(posture)
+        return replace(options, posture=own[0]), replace(options, posture=own[1])
 
     def _own(self, joints: JointTrajectory | None) -> JointTrajectory | None:
         """Recorded joints, if they are the pair's."""
@@ -287,24 +334,14 @@ def check_arms(arm: object) -> None:
         check_arm(arm)
 
 
-def _grasps(
-    grasps: tuple[Pose | PoseTrajectory, Pose | PoseTrajectory], motion: PoseTrajectory
-) -> tuple[Grasp, Grasp]:
-    """Poses of the tips in the object's frame, or their motions there."""
-    if not isinstance(grasps, tuple | list) or len(grasps) != 2:
-        raise check.refused("grasps", "the poses of the left and the right tip", repr(grasps))
-    found: list[Grasp] = []
-    for i, grasp in enumerate(grasps):
-        if not isinstance(grasp, PoseTrajectory):
-            found.append(Transforms.of(grasp, f"grasps[{i}]"))
-            continue
-        begin, end = motion.times[[0, -1]]
-        if grasp.times[0] > begin or grasp.times[-1] < end:
-            raise check.refused(
-                f"grasps[{i}]", f"a motion from {begin:g} to {end:g} s", repr(grasp)
-            )
-        found.append(grasp)
-    return found[0], found[1]
+def _grasp(motion: PoseTrajectory, grasp: Pose | PoseTrajectory, name: str) -> Grasp:
+    """The pose of a tip in the object's frame, or its motion there as long as the object's."""
+    if not isinstance(grasp, PoseTrajectory):
+        return Transforms.of(grasp, name)
+    begin, end = motion.times[[0, -1]]
+    if grasp.times[0] > begin or grasp.times[-1] < end:
+        raise check.refused(name, f"a motion from {begin:g} to {end:g} s", repr(grasp))
+    return grasp
 
 
 def checked_tolerance(tolerance: tuple[float, float]) -> tuple[float, float]:

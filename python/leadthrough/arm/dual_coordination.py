@@ -17,9 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-import leadthrough._core as core
 from leadthrough import check
-from leadthrough.arm.collision import ClosestPair, check_motion
+from leadthrough.arm.collision import ClosestPair
 from leadthrough.arm.dual_arm import DualArm
 from leadthrough.arm.dual_following import SIDES
 from leadthrough.arm.following import timed
@@ -123,10 +122,6 @@ class _Coordination:
     scene: Scene
 
     @cached_property
-    def _model(self) -> core.CollisionModel:
-        return self.pair._collision
-
-    @cached_property
     def _own_times(self) -> list[Float64Array]:
         """Times (n,) of either motion from its own beginning, s."""
         return [motion.times - motion.times[0] for motion in self.motions]
@@ -155,7 +150,7 @@ class _Coordination:
 
     @cached_property
     def _test(self) -> CollisionTest:
-        return CollisionTest.of(self._model, self.scene)
+        return CollisionTest.of(self.pair._collision, self.scene)
 
     def found(self) -> CoordinatedMotion:
         """The quickest motion; NoPath if there is none."""
@@ -164,9 +159,7 @@ class _Coordination:
             if (schedule := self._schedule(open_)) is None:
                 break
             clock, progress = self._progress(schedule)
-            q = self._joined(progress)
-            margins = self._test.scene.margin, self._test.scene.self_collision_margin
-            clear = core.clear_edges(self._model, self._test.shapes, q[:-1], q[1:], *margins, 1)
+            clear = self._test.clear_edges(self._joined(progress))
             if all(clear):
                 return self._timed(schedule, clock, progress)
             for step in np.unique(np.flatnonzero(~np.array(clear)) // self._rows_in_step):
@@ -220,15 +213,13 @@ class _Coordination:
             )
         return rows
 
-    def _clock(self, schedule: Knots) -> Float64Array:
-        """Times (m,) of a schedule's pairs, s."""
-        return np.linspace(0.0, (len(schedule) - 1) * float(self._knots[1]), len(schedule))
-
     def _progress(self, schedule: Knots) -> tuple[Float64Array, Float64Array]:
         """Evenly spaced times (r,), and what time (r, 2) of its motion either arm has got to."""
-        at, clock = self._knots[schedule], self._clock(schedule)
-        rows = np.linspace(0.0, clock[-1], (len(schedule) - 1) * self._rows_in_step + 1)
-        return rows, np.column_stack([np.interp(rows, clock, times) for times in at.T])
+        steps = len(schedule) - 1
+        end = steps * float(self._knots[1])
+        rows = np.linspace(0.0, end, steps * self._rows_in_step + 1)
+        at = np.linspace(0.0, end, steps + 1)
+        return rows, np.column_stack([np.interp(rows, at, self._knots[k]) for k in schedule.T])
 
     def _joined(self, progress: Float64Array) -> Float64Array:
         """Joints (r, joints) of both arms at times (r, 2) of their motions."""
@@ -249,8 +240,7 @@ class _Coordination:
         events.sort(key=lambda event: event.time)
         q = self._joined(progress)
         joints = timed(self.pair.limits, JointTrajectory(clock, q, events=events), q, "slow")
-        at_knots = np.interp(self._clock(schedule), clock, joints.times)
-        return CoordinatedMotion(joints, self._waits(schedule, at_knots))
+        return CoordinatedMotion(joints, self._waits(schedule, joints.times[:: self._rows_in_step]))
 
     def _waits(self, schedule: Knots, times: Float64Array) -> tuple[Wait, ...]:
         """The stops of arms that have not ended."""
@@ -269,9 +259,8 @@ class _Coordination:
         """The first bodies too near if both arms went on from times (2,) of their motions."""
         ahead = [times - at for times, at in zip(self._own_times, begin, strict=True)]
         clock = np.unique(np.concatenate([[0.0], *ahead]).clip(0.0))
-        q, scene = self._joined(begin + clock[:, None]), self._test.scene
-        chain = self._model.chain
-        report = check_motion(self._model, chain, q, scene, tolerance=_CHECKED, threads=1)
+        q = self._joined(begin + clock[:, None])
+        report = self.pair.check(q, self._test.scene, tolerance=_CHECKED)
         pair = report.first or report.closest
         assert pair is not None
         return pair

@@ -62,7 +62,7 @@ class DualDemonstration(ShortRepr):
         Args:
             grasps: poses of the left and of the right tip in the object's frame.
         """
-        held = checked_grasps(grasps)
+        held = checked_grasps(grasps, Transforms.of)
         by_left, by_right = (
             _transforms(motion) @ grasp.inverse()
             for motion, grasp in zip((self.left, self.right), held, strict=True)

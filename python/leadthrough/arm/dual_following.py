@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import count, islice
-from typing import TypeVar
+from typing import NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +62,7 @@ class Side:
             q0 = reachable_start(self.arm, self.tip, self.q0, self.options)
             return self._follow(q0, self.options, None)
         except IkFailure as error:
-            raise _of_side(self.name, error) from None
+            self._fail(error)
 
     def tracks(self) -> Iterator[Float64Array]:
         """Joints (n, joints) clear of the scene at some samples, the least effort first.
@@ -79,7 +79,7 @@ class Side:
             yield self._follow(self.q0, self.options, test)
         except IkFailure as error:
             if none:
-                raise _of_side(self.name, error) from None
+                self._fail(error)
 
     def _near_postures(self, test: CollisionTest) -> Iterator[Float64Array]:
         """The first joints, then those that keep near to other postures of the first sample."""
@@ -97,6 +97,11 @@ class Side:
         others = (solve(count=1, q0=q0).q for q0 in guesses(self.arm._chain)[:_RANDOM_POSTURES])
         return np.vstack([solve(count=_POSTURES, q0=self.first[0]).q, *others])
 
+    def _fail(self, error: IkFailure) -> NoReturn:
+        """Raises the error with the arm's name in front."""
+        error.args = (f"{self.name} arm: {error}",)
+        raise error from None
+
     def _follow(
         self, q0: Float64Array | None, options: FollowOptions, around: CollisionTest | None
     ) -> Float64Array:
@@ -107,27 +112,16 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Carry:
-    """Two arms that carry an object, in the base frame of the left one.
-
-    Attributes:
-        arms: the left and the right arm.
-        placement: of the right base.
-        model: the shapes of both arms.
-        grasps: poses of the tips in the object's frame, or their motions there.
-        starts: configurations of the arms where the searches start.
-        options: of each arm.
-        scene: obstacles that both keep clear of, and of each other; None checks nothing.
-        tolerance: of the tips' relative pose between samples, m and rad.
-    """
+    """Two arms that carry an object, in the base frame of the left one."""
 
     arms: tuple[Arm, Arm]
-    placement: Transforms
-    model: core.CollisionModel | None
+    placement: Transforms  # of the right base
+    model: core.CollisionModel | None  # of both arms
     grasps: tuple[Grasp, Grasp]
-    starts: tuple[Float64Array | None, Float64Array | None]
+    starts: tuple[Float64Array | None, Float64Array | None]  # of the searches
     options: tuple[FollowOptions, FollowOptions]
-    scene: Scene | None
-    tolerance: tuple[float, float]
+    scene: Scene | None  # None checks nothing
+    tolerance: tuple[float, float]  # of the tips' relative pose between samples, m and rad
 
     def along(self, motion: PoseTrajectory) -> tuple[PoseTrajectory, Float64Array]:
         """The motion with the samples that the tolerance takes, and joints (n, joints) along it.
@@ -258,15 +252,3 @@ def _stacked(rows: list[Float64Array]) -> Float64Array:
 def _missed(motion: PoseTrajectory, i: int, status: str, why: str, q: Float64Array) -> IkFailure:
     message = f"both arms: sample {i} at {motion.times[i]:.6g} s: {status}, {why}"
     return IkFailure(message, index=i, status=status, residual=(0.0, 0.0), q=q[i])
-
-
-def _of_side(name: str, error: IkFailure) -> IkFailure:
-    """The error with the arm's name in front."""
-    return IkFailure(
-        f"{name} arm: {error}",
-        index=error.index,
-        status=error.status,
-        residual=error.residual,
-        q=error.q,
-        limiting_joints=error.limiting_joints,
-    )

@@ -37,7 +37,7 @@ class HeldObject(CollisionQueries, ShortRepr):
     def __post_init__(self) -> None:
         if not isinstance(self.pair, DualArm):
             raise check.refused("pair", "a DualArm", repr(self.pair))
-        left, right = checked_grasps(self.grasps)
+        left, right = checked_grasps(self.grasps, Transforms.of)
         object.__setattr__(self, "grasps", (left.single(), right.single()))
         checked_tolerance(self.tolerance)
 
@@ -72,9 +72,8 @@ class HeldObject(CollisionQueries, ShortRepr):
             )
         except IkFailure as error:
             if len(error.q) != len(self.joint_names):  # of one arm alone: the other is anywhere
-                error.q = np.hstack(
-                    [arm._chain.middle for arm in (self.pair.left, self.pair.right)]
-                )
+                arms = self.pair.left, self.pair.right
+                error.q = np.hstack([arm._chain.middle for arm in arms])
             raise
 
     def inverse_kinematics_batch(
@@ -90,15 +89,12 @@ class HeldObject(CollisionQueries, ShortRepr):
         The status, and the joints that limit, are of the first arm that fails.
         """
         assert orientations is not None  # the object's motion has them
-        at = Transforms(positions, orientations)
-        arms, starts = (self.pair.left, self.pair.right), self.pair.split(q0)
-        to_bases = Transforms.identity(), self.pair._placement.inverse()
-        held = [Transforms.of(grasp, "grasps") for grasp in self.grasps]
+        at, arms = Transforms(positions, orientations), (self.pair.left, self.pair.right)
+        by_left, by_right = (at @ grasp for grasp in checked_grasps(self.grasps, Transforms.of))
+        tips = by_left, self.pair._placement.inverse() @ by_right
         left, right = (
             arm.inverse_kinematics_batch(tip.positions, tip.orientations, q0=start, options=options)
-            for arm, start, tip in zip(
-                arms, starts, (b @ at @ g for b, g in zip(to_bases, held, strict=True)), strict=True
-            )
+            for arm, start, tip in zip(arms, self.pair.split(q0), tips, strict=True)
         )
         return IkBatch(
             q=np.hstack([left.q, right.q]),

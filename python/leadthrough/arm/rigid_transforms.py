@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Self
+from typing import Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,8 @@ from leadthrough.check import Float64Array, InvalidInput
 
 # Position (3,) in m and orientation (4,) w, x, y, z.
 Pose = tuple[ArrayLike, ArrayLike]
+GivenT = TypeVar("GivenT")
+MadeT = TypeVar("MadeT")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +74,10 @@ class Transforms:
         return away, rotations.distance(first, second)
 
 
-def checked_grasps(grasps: tuple[Pose, Pose]) -> tuple[Transforms, Transforms]:
-    """Poses of the left and the right tip in an object's frame."""
+def checked_grasps(
+    grasps: tuple[GivenT, GivenT], of: Callable[[GivenT, str], MadeT]
+) -> tuple[MadeT, MadeT]:
+    """Poses of the left and the right tip in an object's frame, each made by `of`."""
     if not isinstance(grasps, tuple | list) or len(grasps) != 2:
         raise check.refused("grasps", "the poses of the left and the right tip", repr(grasps))
-    return Transforms.of(grasps[0], "grasps[0]"), Transforms.of(grasps[1], "grasps[1]")
+    return of(grasps[0], "grasps[0]"), of(grasps[1], "grasps[1]")

@@ -189,9 +189,13 @@ class CollisionTest:
 
     def clear_between(self, q: Float64Array) -> bool:
         """The same without the closest approach; within 0.1 mm of a margin it may fail."""
+        return all(self.clear_edges(q))
+
+    def clear_edges(self, q: Float64Array) -> list[bool]:
+        """That of each straight motion from row to row of q (n, joints), or of a single row."""
         margins = self.scene.margin, self.scene.self_collision_margin
         starts, ends = q[: max(len(q) - 1, 1)], q[min(1, len(q) - 1) :]
-        return all(core.clear_edges(self.model, self.shapes, starts, ends, *margins, 1))
+        return core.clear_edges(self.model, self.shapes, starts, ends, *margins, 1)
 
     def clear_rows(self, q: Float64Array) -> list[bool]:
         """Whether the arm keeps the margins, for each row of q (n, joints)."""

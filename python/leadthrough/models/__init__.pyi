@@ -5,6 +5,7 @@ from .certificate import (
     ConfidenceInterval as ConfidenceInterval,
     Target as Target,
     TargetRegion as TargetRegion,
+    ValidatedScene as ValidatedScene,
 )
 from .corrected import CorrectedSkill as CorrectedSkill, Correction as Correction
 from .dmp.discrete import DMP as DMP, DMPSkill as DMPSkill

@@ -169,11 +169,17 @@ class ValidatedObstacle:
 
 @dataclass(frozen=True, eq=False)
 class ValidatedScene(ShortRepr):
-    """An arm and its scene, as the certificate knows them."""
+    """An arm and its scene, as the certificate knows them.
 
-    robot: str  # the arm: its name, base and tip
-    obstacles: tuple[ValidatedObstacle, ...]  # of every query
-    margin: float  # distance that the arm kept from obstacles, m
+    Attributes:
+        robot: the arm: its name, base and tip.
+        obstacles: of every query, with their kind, size and place.
+        margin: distance that the arm kept from obstacles, m.
+    """
+
+    robot: str
+    obstacles: tuple[ValidatedObstacle, ...]
+    margin: float
 
     @staticmethod
     def of(scene: Scene, robot: str) -> ValidatedScene:

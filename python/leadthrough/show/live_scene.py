@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array
-from leadthrough.io.files import StrPath
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene
@@ -61,7 +61,7 @@ class LiveScene:
         """The page of a kind, "teach" or "view"."""
         return page.live_document(self._whole(), self.arm.robot.name, kind)
 
-    def write(self, path: StrPath) -> None:
+    def write(self, path: str | Path) -> None:
         """Writes a page that needs no server."""
         page.write_page(path, self.arm.robot.name, page.scene(self._whole()), whole=True)
 

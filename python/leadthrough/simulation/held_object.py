@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.arm import Arm, HeldObject
+from leadthrough.arm import GRAVITY, Arm, HeldObject
 from leadthrough.arm.attachment import Load
-from leadthrough.arm.model import GRAVITY
 from leadthrough.arm.rigid_transforms import Transforms
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard.admission import CommandedState, chunk_of

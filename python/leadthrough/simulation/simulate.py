@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
-from leadthrough.arm import Arm, check_arm
+from leadthrough.arm import GRAVITY, Arm, check_arm
 from leadthrough.arm.attachment import Load
 from leadthrough.arm.limits import known_acceleration
-from leadthrough.arm.model import GRAVITY
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath
 from leadthrough.guard.admission import CommandedState, chunk_of
 from leadthrough.guard.connect import connect

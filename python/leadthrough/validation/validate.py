@@ -21,8 +21,15 @@ from leadthrough.check import (
     NoPath,
     ShortRepr,
 )
-from leadthrough.models import Skill, Target, TargetRegion, load_skill
-from leadthrough.models.certificate import Certificate, ConfidenceInterval, ValidatedScene
+from leadthrough.models import (
+    Certificate,
+    ConfidenceInterval,
+    Skill,
+    Target,
+    TargetRegion,
+    ValidatedScene,
+    load_skill,
+)
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.tasks import Execution, Outcome, Row, Store, Task, pickled
