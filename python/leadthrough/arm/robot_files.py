@@ -160,15 +160,18 @@ def _own(name: str) -> RobotFiles | None:
 
 
 def _folders() -> list[Path]:
-    # An editable install has two places: the sources, and the folder of the built module.
-    package = find_spec("leadthrough")
-    places = package.submodule_search_locations if package else None
     return [
         folder
-        for place in places or ()
-        for folder in sorted((Path(place) / "robots").glob("*"))
+        for place in _places()
+        for folder in sorted((place / "robots").glob("*"))
         if (folder / f"{folder.name}.urdf").is_file()
     ]
+
+
+def _places() -> list[Path]:
+    """The package's folders: of an editable install the sources and that of the built module."""
+    package = find_spec("leadthrough")
+    return [Path(each) for each in (package.submodule_search_locations if package else None) or ()]
 
 
 def _of_example_robot_data(name: str) -> RobotFiles | None:
@@ -283,6 +286,8 @@ def _candidates(file: str, folders: Sequence[str]) -> Iterator[tuple[Path, Path]
         name, rest = address.netloc, unquote(address.path).lstrip("/")
         if not name:  # package:///name/rest, as some exporters write it
             name, _, rest = rest.partition("/")
+        if name == "leadthrough":  # its own robots, also in a copy of their URDF
+            yield from ((own / rest, own) for own in _places())
         starts = [Path(folder).resolve() for folder in folders if name.strip(".")]
         for start in starts:
             for place in (start, *start.parents):

@@ -7,9 +7,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import leadthrough as lt
+from leadthrough.arm.link_geometry import surfaces
+from leadthrough.io.mesh import read_triangles
 
 COVERED_WITHIN = 0.008  # m that the maker's surface may stand out of our shapes
 TIGHT_WITHIN = 0.03  # m that our shapes may reach beyond the maker's surface along an axis
+DRAWN_WITHIN = 0.001  # m of the outlines of the makers' visual models
 
 UR = "ur_description/meshes/ur3/collision"
 FRANKA = "panda_description/meshes/collision"
@@ -57,11 +60,11 @@ def uncovered(shapes, points):
 
 
 @pytest.mark.parametrize("robot", ["ur3", "panda", "tiago"])
-def test_every_link_with_a_mass_has_a_shape_and_no_link_a_mesh(robots, robot):
+def test_every_link_with_a_mass_has_a_shape_and_none_is_a_mesh(robots, robot):
     root = ElementTree.parse(robots / robot / f"{robot}.urdf").getroot()
     for link in root.findall("link[inertial]"):
         assert shapes_of(robots, robot, link.get("name")), link.get("name")
-    assert not list(root.iter("mesh"))
+    assert not root.findall("link/collision/geometry/mesh")
 
 
 @pytest.mark.parametrize(("robot", "link", "surface"), SURFACES)
@@ -73,6 +76,33 @@ def test_shapes_fit_the_makers_surface_tightly(robots, published, robot, link, s
     highest = np.max([shape.middle + shape.half_extents for shape in shapes], axis=0)
     assert (lowest > points.min(axis=0) - TIGHT_WITHIN).all()
     assert (highest < points.max(axis=0) + TIGHT_WITHIN).all()
+
+
+@pytest.mark.parametrize(
+    ("robot", "link", "surface"), [each for each in SURFACES if each[0] != "tiago"]
+)
+def test_visual_meshes_are_the_makers(published, robot, link, surface):
+    arm = lt.Arm.load(robot)
+    parts, remarks = surfaces(arm.robot, arm.mesh_folders)
+    assert remarks == ()
+    drawn = np.vstack([part.surface.vertices for part in parts[link]])
+    path = (published / surface.replace("collision", "visual")).with_suffix(".dae")
+    makers, _ = read_triangles(path)
+    np.testing.assert_allclose(drawn.min(axis=0), makers.min(axis=0), atol=DRAWN_WITHIN)
+    np.testing.assert_allclose(drawn.max(axis=0), makers.max(axis=0), atol=DRAWN_WITHIN)
+
+
+@pytest.mark.parametrize("robot", ["ur3", "panda"])
+def test_visual_meshes_are_small_and_found_in_a_copy_of_the_urdf_too(robots, robot, tmp_path):
+    folder = robots / robot / "visual"
+    assert (folder / "LICENSE").is_file()
+    assert sum(file.stat().st_size for file in folder.iterdir()) < 1.5e6
+    copy = tmp_path / "mine.urdf"
+    copy.write_text((robots / robot / f"{robot}.urdf").read_text())
+    arm = lt.Arm.from_urdf(copy)
+    parts, remarks = surfaces(arm.robot, arm.mesh_folders)
+    assert remarks == ()
+    assert sum(len(part.surface.faces) for own in parts.values() for part in own) > 5000
 
 
 @pytest.mark.parametrize("opening", [0.0, 0.02, 0.04])

@@ -56,7 +56,7 @@ def test_each_kind_of_thing_has_its_layer(panda, shown):
     )
     layers = [item.layer for item in made.items]
     counts = {layer: layers.count(layer) for layer in dict.fromkeys(layers)}
-    assert counts.pop("arm") == 9
+    assert counts.pop("arm") == 16  # nine links, seven of them in two colours
     assert counts == {
         "demonstrations": 5, "path": 1, "start": 1, "uncertainty": 1, "obstacles": 2, "goal": 1,
     }  # fmt: skip
