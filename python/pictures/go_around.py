@@ -73,7 +73,7 @@ def main(out: Path) -> None:
 
     def drawn(box: lt.Box | None) -> Animation:
         obstacles = [] if box is None else [box]
-        planned = lt.plan_motion(skill, arm, obstacles=obstacles, margin=0.02)
+        planned = lt.plan_motion(skill, arm, scene=lt.Scene(obstacles, margin=0.02))
         joints = lt.retime(planned.joints, arm.limits, path_tolerance=1e-3)
         assert arm.check(joints, obstacles).ok
         return arm_scene(arm, joints, demonstrations=shown, obstacles=obstacles)
