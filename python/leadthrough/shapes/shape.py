@@ -158,6 +158,13 @@ class Primitive(Solid):
     def _moments(self) -> Float64Array:
         """Principal moments (3,) about its middle, for a mass of one."""
 
+    def option(self) -> str:
+        """Its text on the command line, to 0.01 mm: box:0.1,0.1,0.4@0.5,0,0.2/1,0,0,0."""
+        sizes, position, orientation = map(
+            option_numbers, (self.sizes, self.position, self.orientation)
+        )
+        return f"{self.kind()}:{sizes}@{position}/{orientation}"
+
     def unit_inertia(self) -> tuple[Float64Array, Float64Array]:
         return self.position, (self._rotation * self._moments()) @ self._rotation.T
 
@@ -225,3 +232,8 @@ def checked_points(value: ArrayLike, name: str) -> Float64Array:
 def length(vectors: Float64Array) -> Float64Array:
     """Lengths (n,) of vectors (n, 3), many times faster than NumPy's reduction over three."""
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
+
+
+def option_numbers(values: Float64Array) -> str:
+    """Numbers as the command line has them, to the fifth decimal."""
+    return ",".join(f"{x + 0.0:g}" for x in np.round(values, 5))

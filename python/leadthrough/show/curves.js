@@ -22,7 +22,7 @@ function read(told, sample) {
   const i = Math.min(sample, told.times.length - 1);
   const clear = told.pairs.map((pair) => `${(1000 * pair.distance[i]).toFixed(0)} mm ${pair.bodies[i]}; `);
   return `${clear.join("")}${told.names[told.joint[i]]} at ${(100 * told.share[i]).toFixed(0)} % of its speed; ` +
-    `tip ${told.speed[i].toFixed(2)} m/s`;
+    `tip ${told.speed[i].toFixed(2)} m/s` + (told.error ? `, ${(1000 * told.error[i]).toFixed(1)} mm off its path` : "");
 }
 
 function drawn(kind, parent, attributes) {

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from leadthrough.arm import Arm
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.models.learn import learn, reproduction
 from leadthrough.models.protocol import contradicting
 from leadthrough.motion import Demonstration, PoseTrajectory
 from leadthrough.shapes import Scene
-from leadthrough.shapes.primitives import PRIMITIVES
+from leadthrough.shapes.shape import Primitive, option_numbers
 from leadthrough.show.replanner import Replanner
 
 
@@ -43,30 +41,11 @@ def learned(arm: Arm, demonstrations: Sequence[Demonstration[Any]], scene: Scene
 
 
 def plan_command(planner: Replanner, skill_path: Path, scene: Scene) -> str:
-    """The command that plans with a saved skill as the page does now."""
+    """The command that plans with a saved skill as the page does now, without meshes and clouds."""
     words = ["leadthrough plan", str(skill_path)]
     if planner.has_moved_goal:
         goal = [planner.goal_position, planner.goal_orientation]
-        texts = [numbers(np.asarray(part)) for part in goal if part is not None]
+        texts = [option_numbers(part) for part in goal if part is not None]
         words.append(f"--goal={'/'.join(texts)}")
-    return " ".join([*words, *obstacle_words(scene), "-o", "motion.json"])
-
-
-def obstacle_words(scene: Scene) -> list[str]:
-    """The solids of a scene as options of the command line; meshes and clouds are left out."""
-    texts = map(_written, scene.shapes)
-    return [f"--obstacle {text}" for text in texts if text]
-
-
-def _written(shape: Any) -> str:  # Any: only solids have sizes
-    """A solid as the command line has it; empty for meshes and clouds."""
-    kind = next((name for name, each in PRIMITIVES.items() if type(shape) is each), None)
-    if kind is None:
-        return ""
-    parts = ((shape.sizes, "@"), (shape.position, "/"), (shape.orientation, ""))
-    return f"{kind}:" + "".join(numbers(part) + end for part, end in parts)
-
-
-def numbers(values: Float64Array) -> str:
-    """Numbers as the command line has them, to 0.01 mm."""
-    return ",".join(f"{x + 0.0:g}" for x in np.round(values, 5))
+    words += (f"--obstacle {s.option()}" for s in scene.shapes if isinstance(s, Primitive))
+    return " ".join([*words, "-o", "motion.json"])

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -56,6 +57,7 @@ class LiveScene:
     goal: Float64Array | None = None  # (3,)
     skill: Skill | None = None  # whose spread is drawn
     via: Sequence[Float64Array] = ()  # points (3,) that the path was moved to
+    wanted: Float64Array | None = None  # path of the tip (m, 3) by the skill alone
 
     def document(self, kind: str) -> str:
         """The page of a kind, "teach" or "view"."""
@@ -72,7 +74,7 @@ class LiveScene:
         items = tuple(item for name in layers for item in self._items(name))
         motion = arm_motion(self.arm, self.motion) if moves else _MOTIONLESS
         drawn = replace(motion, items=items)
-        told = readouts(self.arm, self.motion, self.scene) if detailed else None
+        told = self._readouts() if detailed else None
         data = page.packed(drawn, level=1, layers=list(layers), readouts=told)
         return json.dumps({"kind": "scene", "data": data, "moves": moves})
 
@@ -80,8 +82,10 @@ class LiveScene:
         drawn = arm_scene(self.arm, self.motion)
         items = [item for item in drawn.items if item.layer not in LAYERS]
         items += [item for name in LAYERS for item in self._items(name)]
-        told = readouts(self.arm, self.motion, self.scene)
-        return replace(drawn, items=tuple(items), readouts=told)
+        return replace(drawn, items=tuple(items), readouts=self._readouts())
+
+    def _readouts(self) -> dict[str, Any] | None:
+        return readouts(self.arm, self.motion, self.scene, self.wanted)
 
     def _items(self, layer: str) -> Iterable[Item]:
         if layer == DEMONSTRATIONS:

@@ -124,9 +124,11 @@ class LiveSession:
         """All that the page draws."""
         planner = self.planner
         skill, via = (None, ()) if planner is None else (planner.asked_skill(), planner.via)
+        planned = self.answer if self.answer and self.answer.joints is self.motion else None
         return LiveScene(
             *(self.arm, self._shown(), self.scene, self.demonstrations),
             *(self._path, self._goal_position, skill, via),
+            wanted=None if planned is None else planned.wanted,
         )
 
     def greeting(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""Figures along a motion that a page states and draws: joints, tip speed, and nearest pairs."""
+"""Figures along a motion that a page states and draws: joints, the tip, and nearest pairs."""
 
 from __future__ import annotations
 
@@ -10,14 +10,21 @@ from leadthrough.arm import Arm
 from leadthrough.arm.collision import nearest_pairs
 from leadthrough.check import Float64Array, InvalidRobot, MissingDependency
 from leadthrough.motion import JointTrajectory
-from leadthrough.shapes import Scene
+from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.show.animation import sampled
+from leadthrough.show.surfaces import thinned
 
+_POINTS = 2000  # of a path that the tip is compared with
 _LEAST = 1e-9  # rad/s (m/s), for limits of zero
 
 
-def readouts(arm: Arm, motion: JointTrajectory | None, scene: Scene) -> dict[str, Any] | None:
-    """Figures at the samples that a page draws, as values that JSON knows; lengths in m."""
+def readouts(
+    arm: Arm, motion: JointTrajectory | None, scene: SceneLike, wanted: Float64Array | None = None
+) -> dict[str, Any] | None:
+    """Figures at the samples that a page draws, as values that JSON knows; lengths in m.
+
+    The tip's errors are its distances from the path (m, 3) that is `wanted` of it.
+    """
     if motion is None or len(motion.times) < 2:
         return None
     drawn = sampled(arm, motion)
@@ -31,6 +38,9 @@ def readouts(arm: Arm, motion: JointTrajectory | None, scene: Scene) -> dict[str
         "joint": shares.argmax(axis=1).tolist(),
         "share": shares.max(axis=1).round(3).tolist(),
         "speed": np.linalg.norm(np.gradient(tips, times, axis=0), axis=1).round(3).tolist(),
+        "error": None
+        if wanted is None
+        else _distances(tips, thinned(wanted, _POINTS)).round(6).tolist(),
         "names": list(arm.joint_names),
         "positions": q.T.round(3).tolist(),
         "velocities": rates.T.round(3).tolist(),
@@ -39,10 +49,19 @@ def readouts(arm: Arm, motion: JointTrajectory | None, scene: Scene) -> dict[str
     }
 
 
-def _pairs(arm: Arm, q: Float64Array, scene: Scene) -> list[dict[str, Any]]:
+def _distances(points: Float64Array, path: Float64Array) -> Float64Array:
+    """Distances (n,) of points (n, 3) from the straight pieces of a path (m, 3)."""
+    along = np.diff(path, axis=0, append=path[-1:])
+    squares = np.maximum((along**2).sum(axis=1), np.finfo(np.float64).tiny)
+    away = points[:, None] - path
+    parts = np.clip(np.einsum("nmi,mi->nm", away, along) / squares, 0.0, 1.0)
+    return np.asarray(np.linalg.norm(away - parts[..., None] * along, axis=2).min(axis=1))
+
+
+def _pairs(arm: Arm, q: Float64Array, scene: SceneLike) -> list[dict[str, Any]]:
     """The nearest obstacle and link, and the nearest links, at configurations (n, joints)."""
     try:
-        found = nearest_pairs(arm._collision, q, scene.shapes)
+        found = nearest_pairs(arm._collision, q, as_scene(scene).shapes)
     except (InvalidRobot, MissingDependency):  # there is no geometry to compare
         return []
     return [

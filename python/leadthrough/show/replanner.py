@@ -48,6 +48,7 @@ class Answer(ShortRepr):
     trouble: str  # the reason for a missing motion, in one line; empty if there is none
     verdict: str  # of a collision check of the whole arm; empty for a preview
     seconds: float  # of computation
+    wanted: Float64Array | None = None  # the tip's path (m, 3) by the skill alone
 
 
 class Replanner:
@@ -176,21 +177,22 @@ class Replanner:
 
     def _answer(self, dt: float, *, preview: bool) -> Answer:
         begin = time.perf_counter()
-        path, joints, trouble, verdict = None, None, "", ""
+        path, joints, wanted, trouble, verdict = None, None, None, "", ""
         try:
             if self.obstacles and not preview:
                 path, joints = self._planned(dt)
+                wanted = self._path_of_the_tip_alone(dt, preview=False)
             else:
                 motion = self._motion(dt, preview=preview)
-                path = tip_path(self.arm, motion)
+                path = wanted = tip_path(self.arm, motion)
                 joints = self._followed(motion)
             if not preview:
                 verdict = str(self.arm.check(joints, self.scene))
         except LeadthroughError as error:
             trouble = str(error)
             if path is None:
-                path = self._path_of_the_tip_alone()
-        return Answer(path, joints, trouble, verdict, time.perf_counter() - begin)
+                path = self._path_of_the_tip_alone(_PREVIEW_STEP, preview=True)
+        return Answer(path, joints, trouble, verdict, time.perf_counter() - begin, wanted)
 
     def _planned(self, dt: float) -> tuple[Float64Array, JointTrajectory]:
         """The path of the tip and the joints, the whole arm clear of the obstacles."""
@@ -207,10 +209,10 @@ class Replanner:
         self._may_search = True
         return planned.tip.positions, planned.joints
 
-    def _path_of_the_tip_alone(self) -> Float64Array | None:
-        """The path that the arm cannot follow, to draw it; None if there is no path either."""
+    def _path_of_the_tip_alone(self, dt: float, *, preview: bool) -> Float64Array | None:
+        """The path that the skill means, whether the arm can follow it or not; None if none."""
         try:
-            return tip_path(self.arm, self._motion(_PREVIEW_STEP, preview=True))
+            return tip_path(self.arm, self._motion(dt, preview=preview))
         except LeadthroughError:
             return None
 

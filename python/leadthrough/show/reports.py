@@ -7,17 +7,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from leadthrough.check import Float64Array
 from leadthrough.drawing import palette
-from leadthrough.drawing.figure import styled
 from leadthrough.io.files import StrPath, replacing
 from leadthrough.show import page
 from leadthrough.show.animation import ARM, Animation
 from leadthrough.show.arm_scene import arm_scene
+from leadthrough.show.readouts import readouts
 from leadthrough.simulation import SimulationReport
 from leadthrough.validation import Validation
+from leadthrough.validation.figures import success_map
 
 PLANNED = "planned arm"
 _OPACITY = 0.3
@@ -83,11 +82,8 @@ def simulation_scene(report: SimulationReport) -> Animation:
         positions=np.concatenate([real.positions, plan.positions], axis=1),
         orientations=np.concatenate([real.orientations, plan.orientations], axis=1),
         items=(*real.items, *ghosts),
+        readouts=readouts(report.arm, report.simulated, report.obstacles, tip),
     )
-
-
-_CELLS = 12  # of the map along each axis
-_AXES = "xyz"
 
 
 def write_validation(folder: Path, validation: Validation) -> None:
@@ -128,43 +124,6 @@ def write_validation(folder: Path, validation: Validation) -> None:
     page.write_page(folder / "report.html", "Validation", parts)
 
 
-def success_map(validation: Validation) -> Figure:
-    """The success rate over the region of goals, seen along its shortest side."""
-    goals = validation.certificate.goals
-    sides = goals.upper - goals.lower
-    wide = sorted(np.argsort(-sides, kind="stable")[:2].tolist())
-    with styled():
-        figure = Figure(figsize=(5.5, 4.5))
-        _draw(figure, validation, wide, sides)
-    return figure
-
-
-def _draw(figure: Figure, validation: Validation, wide: list[int], sides: Float64Array) -> None:
-    goals, axes = validation.certificate.goals, figure.add_subplot()
-    names = [_AXES[i] if len(sides) == len(_AXES) else f"coordinate {i + 1}" for i in wide]
-    axes.set(xlabel=f"{names[0]} / m", ylabel=f"{names[-1]} / m")
-    at = validation.goals[:, wide] if validation.goals.size else np.empty((0, len(wide)))
-    known = np.isfinite(at).all(axis=1)
-    if len(wide) == 2 and sides[wide].min() > 0.0:
-        edges = [np.linspace(goals.lower[i], goals.upper[i], _CELLS + 1) for i in wide]
-        every = _counted(at[known], edges)
-        good = _counted(at[known & validation.succeeded], edges)
-        rate = np.divide(good, every, out=np.full_like(every, np.nan), where=every > 0)
-        drawn = axes.pcolormesh(edges[0], edges[1], rate.T, vmin=0.0, vmax=1.0, cmap="viridis")
-        figure.colorbar(drawn, ax=axes, label="success rate")
-    failed = at[known & ~validation.succeeded]
-    if len(failed):
-        axes.plot(failed[:, 0], failed[:, -1], ".", color="black", markersize=3)
-
-
-def _counted(at: Float64Array, edges: list[Float64Array]) -> Float64Array:
-    """The number of positions (n, 2) in each cell between the edges."""
-    cells = [np.searchsorted(edge, column) - 1 for edge, column in zip(edges, at.T, strict=True)]
-    counts = np.zeros((_CELLS, _CELLS))
-    np.add.at(counts, tuple(np.clip(each, 0, _CELLS - 1) for each in cells), 1.0)
-    return counts
-
-
 def _holding(validation: Validation) -> str:
     certificate = validation.certificate
     if certificate.holds is None:
@@ -184,12 +143,8 @@ def _document(validation: Validation) -> dict[str, object]:
             {
                 "query": int(i),
                 "cause": str(validation.causes[i]),
-                "goal": _listed(validation.goals[i]),
+                "goal": goal.tolist() if np.isfinite(goal := validation.goals[i]).all() else None,
             }
             for i in failed
         ],
     }
-
-
-def _listed(position: Float64Array) -> list[float] | None:
-    return position.tolist() if np.isfinite(position).all() else None

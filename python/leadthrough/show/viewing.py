@@ -15,7 +15,7 @@ from leadthrough.motion import Demonstration, JointTrajectory, Motion, Target
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show import page
 from leadthrough.show.animation import Animation
-from leadthrough.show.arm_scene import arm_scene
+from leadthrough.show.arm_scene import arm_scene, tip_path
 from leadthrough.show.live_session import LiveSession
 from leadthrough.show.readouts import readouts
 from leadthrough.show.replanner import Replanner, parted
@@ -155,7 +155,7 @@ class _Content:
         answer = planner.plan()
         if answer.joints is None:
             raise InvalidInput(f"skill: no motion that the arm can follow: {answer.trouble}")
-        return self.drawn(answer.joints)
+        return self.drawn(answer.joints, wanted=answer.wanted)
 
     def joints(self, motion: Motion | None) -> JointTrajectory | None:
         """The arm's joints along a motion, which it follows if it is one of the tip."""
@@ -163,9 +163,11 @@ class _Content:
             return motion
         return self.arm.follow(motion)
 
-    def drawn(self, motion: Motion | None, path: Float64Array | None = None) -> Animation:
+    def drawn(self, motion: Motion | None, wanted: Float64Array | None = None) -> Animation:
         """The arm on a motion, which it follows if it is one of the tip."""
         joints = self.joints(motion)
+        if wanted is None and motion is not None and motion is not joints:
+            wanted = tip_path(self.arm, motion)
         position = None if self.goal is None else parted(self.goal)[0]
         if position is None and self.skill is not None and joints is not None:
             position = self.arm.forward_kinematics(joints.positions[-1])[0]
@@ -173,9 +175,8 @@ class _Content:
             self.arm,
             joints,
             demonstrations=self.demonstrations,
-            path=path,
             skill=self.skill,
             obstacles=self.scene.shapes,
             goal=position,
         )
-        return replace(drawn, readouts=readouts(self.arm, joints, self.scene))
+        return replace(drawn, readouts=readouts(self.arm, joints, self.scene, wanted))

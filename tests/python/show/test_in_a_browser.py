@@ -18,6 +18,7 @@ from leadthrough.show import open_view, page
 from leadthrough.show.arm_scene import arm_scene
 from leadthrough.show.readouts import readouts
 
+OFF = 0.002  # m that a wanted path lies above
 BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))
 SIZE = {"width": 640, "height": 400}
 PATIENCE = 60.0  # s, for software rendering on a busy machine
@@ -74,7 +75,8 @@ def moving(panda, shown):
     drawn = arm_scene(
         panda, joints, demonstrations=shown, obstacles=[BOX], goal=motion.positions[-1]
     )
-    return replace(drawn, readouts=readouts(panda, joints, lt.Scene([BOX])))
+    beside = motion.positions + np.array([0.0, 0.0, OFF])
+    return replace(drawn, readouts=readouts(panda, joints, lt.Scene([BOX]), beside))
 
 
 @pytest.fixture(scope="module")
@@ -275,7 +277,11 @@ def test_curves_and_the_nearest_pair_are_those_of_the_time_shown(html, moving):
     ends = [float(html.locator(".pairs line").first.get_attribute(name)) for name in ("x1", "y1")]
     point = html.evaluate(f"leadthrough.scenes[0].onCanvas({near['points'][i][:3]})")
     np.testing.assert_allclose(ends, point[:2], atol=0.2)
-    assert near["bodies"][i] in html.locator(".reading").inner_text()
+    reading = html.locator(".reading").inner_text()
+    assert near["bodies"][i] in reading
+    off = float(re.search(r"m/s, ([\d.]+) mm off its path", reading)[1])
+    assert off == pytest.approx(1e3 * told["error"][i], abs=0.051)
+    assert 0.0 < off <= 1e3 * OFF + 0.1
     for name, rows, lines in (
         ("positions, rad", told["positions"], 0),
         ("velocities, share of limits", np.array(told["velocities"]) / np.c_[told["limits"][2]], 2),

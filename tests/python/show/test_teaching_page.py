@@ -263,7 +263,9 @@ def test_the_scene_that_was_saved_is_the_same_from_disk(browser, taught, width, 
     tab.goto(Path("skill.html").absolute().as_uri())
     tab.wait_for_function(f"leadthrough.scenes.length && {SCENE}.frames > 0")
     assert drawn(tab) == live
-    assert live["lengths"] == [f"{text} mm" for text in re.findall(r"(-?\d+) mm", live["reading"])]
+    clear = re.findall(r"-?\d+ mm (?!off)", live["reading"])
+    assert live["lengths"] == [text.strip() for text in clear]
+    assert re.search(r"m/s, 0\.\d mm off its path", live["reading"])
     assert tab.evaluate("document.documentElement.scrollWidth") <= width
     assert tab.problems == []
     tab.context.close()

@@ -162,3 +162,14 @@ def test_figures_of_a_joint_whose_velocity_limit_is_zero_are_numbers(panda):
     for q in (motion.positions, still):
         told = readouts(held, replace(motion, positions=q), lt.Scene())
         json.dumps(told, allow_nan=False)
+
+
+def test_errors_of_the_tip_are_distances_from_the_wanted_path():
+    """A tip on an arc of 0.5 m, beside a straight path 0.6 m away that ends half-way."""
+    arm = lt.Arm.from_urdf(STICKS)
+    joints = swing(arm)
+    found = readouts(arm, joints, lt.Scene(), np.array([(0.6, -1.0, 0.0), (0.6, 0.0, 0.0)]))
+    tip = 0.5 * np.exp(1j * joints.positions[:, 0])
+    off = np.where(tip.imag < 0.0, 0.6 - tip.real, np.abs(tip - 0.6))
+    np.testing.assert_allclose(found["error"], off, atol=1e-6)
+    assert readouts(arm, joints, lt.Scene())["error"] is None
