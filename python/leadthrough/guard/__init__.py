@@ -8,4 +8,4 @@ from leadthrough.guard.admission import (
 from leadthrough.guard.chunks import Chunks as Chunks
 from leadthrough.guard.connect import connect as connect
 from leadthrough.guard.guard import Guard as Guard
-from leadthrough.guard.playback import Playback as Playback
+from leadthrough.guard.playback import Playback as Playback, Push as Push

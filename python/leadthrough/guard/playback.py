@@ -10,7 +10,10 @@ keep the acceleration q'' s'^2 + q' s'' and the jerk q''' s'^3 + 3 q'' s' s'' + 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import JointLimits
@@ -21,6 +24,29 @@ from leadthrough.trajectories.filters import FilterState, JerkFilter
 _MIN_ROOM = 0.01  # fraction of a limit that a motion has to leave
 _MIN_RATE, _MAX_RATE = 1.0, 1e4  # Hz
 _EASIEST = 100.0  # 1/s^2: a motion that hardly moves may stop within some periods
+
+
+@dataclass(frozen=True, eq=False)
+class Push(ShortRepr):
+    """A person's hand on a compliant arm, where it was the farthest off its path.
+
+    With the tip's positions, or the joints of a skill of joints, it is a correction of the skill:
+    `skill.corrected(tip(push.commanded), tip(push.measured))`.
+
+    Attributes:
+        time: of the motion, s.
+        commanded: joint positions (joints,), rad (m).
+        measured: joint positions (joints,), rad (m).
+    """
+
+    time: float
+    commanded: Float64Array
+    measured: Float64Array
+
+    @property
+    def size(self) -> float:
+        """The largest difference of a joint, rad (m)."""
+        return float(np.abs(self.measured - self.commanded).max())
 
 
 class Playback(ShortRepr):
@@ -34,6 +60,10 @@ class Playback(ShortRepr):
     It stays on its path, and inside the limits of acceleration and jerk while its speed changes:
     the more room a motion leaves below them, the sooner it pauses. The motion has to begin and end
     at rest; `lt.connect` makes it so.
+
+    Attributes:
+        push: where the measured joints were the farthest from the commanded ones so far; None
+            without any.
 
     Args:
         motion: of an arm's joints, at any rate.
@@ -60,6 +90,7 @@ class Playback(ShortRepr):
         self._phase = float(motion.times[0])
         self._asked = 1.0
         self._paused = False
+        self.push: Push | None = None
 
     @property
     def speed(self) -> float:
@@ -98,8 +129,14 @@ class Playback(ShortRepr):
         """Goes on."""
         self._paused = False
 
-    def next(self) -> Float64Array:
-        """Advances by one period; the joint positions to command (joints,)."""
+    def next(self, measured: ArrayLike | None = None) -> Float64Array:
+        """Advances by one period; the joint positions to command (joints,).
+
+        Args:
+            measured: the present joint positions (joints,), rad (m); see `push`.
+        """
+        if measured is not None:
+            self._measure(check.array(measured, "measured", shape=self._curve.c.shape[2:]))
         target = np.array([0.0 if self._paused else self._asked])
         # The motion begins at rest, where any speed will do.
         before = FilterState.at_rest(target) if self._now is None else self._now
@@ -107,6 +144,11 @@ class Playback(ShortRepr):
         gone = max(self.speed_now, 0.0) * self._period
         self._phase = min(self._phase + gone, float(self._times[-1]))
         return np.asarray(self._curve(self._phase))
+
+    def _measure(self, q: Float64Array) -> None:
+        found = Push(self._phase, np.asarray(self._curve(self._phase)), q)
+        if self.push is None or found.size > self.push.size:
+            self.push = found
 
 
 def _phase_limits(motion: JointTrajectory, limits: JointLimits) -> tuple[float, float]:

@@ -143,7 +143,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
 
     def corrected(
         self,
-        time: float,
+        at: float | ArrayLike,
         position: Target,
         *,
         start: Target | None = None,
@@ -152,7 +152,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         obstacles: Sequence[Shape] = (),
         mode: int | None = None,
     ) -> Corrected[MotionT_co]:
-        """A skill whose motion passes a position at a time; call it again for more.
+        """A skill whose motion passes a position; call it again for more.
 
         The motion changes within a fifth of the path's length and is the same elsewhere; start and
         goal stay. A new start or goal moves the correction along with the path, and saved skills
@@ -160,8 +160,8 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         replaced; `undone` takes the last one back.
 
         Args:
-            time: of the point that is moved, s, on the motion that `generate` returns for the
-                arguments below.
+            at: the point that is moved, of the motion that `generate` returns for the arguments
+                below: its time, s, or a position (d,), which the nearest point stands for.
             position: its new position (d,); of poses (3,), which keeps the orientation, or
                 (position (3,), orientation (4,)).
             start: of the motion that is corrected, as for `generate`, and so are those that follow.
@@ -173,7 +173,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         query = CheckedQuery(start, goal, duration, obstacles=obstacles)
         whole: Any = entry_of_skill("corrected").load().around(self)  # its module builds upon this
         made: Corrected[MotionT_co] = whole.with_correction(
-            time, position, query, whole.mode_of(query, mode)
+            at, position, query, whole.mode_of(query, mode)
         )
         return made
 

@@ -15,6 +15,7 @@ from functools import cached_property, partial
 from typing import Any, ClassVar, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
@@ -109,12 +110,14 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         return CorrectedSkill(self.skill, self.corrections[:-1])
 
     def with_correction(
-        self, at: float, place: Target, query: CheckedQuery, mode: int
+        self, at: float | ArrayLike, place: Target, query: CheckedQuery, mode: int
     ) -> CorrectedSkill[MotionT_co]:
-        """The skill that passes a place at a time, s, of the answer to a query."""
+        """The skill that passes a place instead of a point of the answer to a query."""
         inside = _modes_of(self.skill)[mode]
         motion = _answer_of(inside, query)
-        when = check.number(at, "time", at_least=0.0, at_most=motion.duration)
+        if not isinstance(at, float | int):
+            at = _nearest_time(self.modes[mode].generate(**query.given()), at)
+        when = check.number(at, "at", at_least=0.0, at_most=motion.duration)
         fraction = float(np.interp(when, motion.times - motion.times[0], self._progress(motion)))
         self._check_inside(fraction)
         offset = _offset(motion, when + float(motion.times[0]), place)
@@ -192,7 +195,7 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         if not self._rhythmic and not _NEAR <= fraction <= 1.0 - _NEAR:
             end = "start" if fraction < 0.5 else "goal"
             raise InvalidInput(
-                f"time: expected a time along the path, got one within {_NEAR:.0%} of its "
+                f"at: expected a point along the path, got one within {_NEAR:.0%} of its "
                 f"{end}; give another {end} to generate"
             )
 
@@ -246,6 +249,13 @@ def _answer_of(skill: Any, query: CheckedQuery) -> Motion:
     own = getattr(skill, "_own_motion", None) if given == {"dt": CheckedQuery.dt} else None
     motion: Motion = skill.generate(**given) if own is None else own
     return motion
+
+
+def _nearest_time(motion: Motion, at: Any) -> float:  # Any: checked here
+    """The time, s, at which a motion is nearest to a position."""
+    point = check.array(at, "at", shape=motion.positions.shape[1:])
+    nearest = int(np.linalg.norm(motion.positions - point, axis=1).argmin())
+    return float(motion.times[nearest] - motion.times[0])
 
 
 def _offset(motion: Motion, time: float, place: Any) -> Float64Array:  # Any: checked here

@@ -153,9 +153,21 @@ def test_a_corrected_skill_is_planned_with_an_arm():
     assert np.linalg.norm(planned.tip.at(time)[0] - place[0]) < NEAR
 
 
+def test_a_point_may_be_named_by_its_position(skill):
+    before = skill.generate()
+    time, place = moved_point(before, 0.4)
+    nearest = skill.corrected(before.positions[np.searchsorted(before.times, time)], place)
+    position = place[0] if isinstance(place, tuple) else place
+    gaps = np.linalg.norm(nearest.generate().positions - position, axis=1)
+    assert gaps.min() < NEAR
+    assert nearest.corrections[0].at == pytest.approx(
+        skill.corrected(time, place).corrections[0].at, abs=0.02
+    )
+
+
 @pytest.mark.parametrize("time", [-0.1, 99.0, float("nan")])
 def test_a_time_outside_the_motion_is_refused(time):
-    refused("time", kinds.learned("GMR").corrected, time, (0.1, 0.1))
+    refused("at", kinds.learned("GMR").corrected, time, (0.1, 0.1))
 
 
 def test_the_ends_are_left_to_start_and_goal():

@@ -173,3 +173,48 @@ def test_wrong_ends_of_a_connection_are_named(panda):
     with pytest.raises(InvalidInput, match="trajectory: expected at least two samples"):
         lt.connect(Q, motion_of(MOVING[:1]), panda)
     refused("state: expected shape", lt.connect, Q[:2], motion_of(MOVING), panda)
+
+
+def test_a_push_on_a_compliant_arm_corrects_its_skill(panda):
+    """A hand lifts the tip for 0.4 s: the corrected skill goes there, and elsewhere as before."""
+    way = lt.trajectories.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 101))
+    rows = HOMES["panda"] + np.outer(way, AWAY)
+    times = np.linspace(0.0, 3.0, 101)
+    shown = lt.JointTrajectory(times, rows, joint_names=panda.joint_names)
+    skill = lt.DMP().fit([panda.poses(shown)])
+    motion = lt.keep_timing(panda.follow(skill.generate()), panda.limits, rate=RATE)
+    play = Playback(motion, panda.limits, rate=RATE)
+    hand = lt.simulation.Push(1.4, (0.0, 0.0, 40.0), 0.4)
+    real = lt.simulation.SimulatedArm(
+        panda,
+        motion.positions[0],
+        controller=lt.simulation.JointImpedance(),
+        disturbances=lt.simulation.Disturbances(pushes=[hand]),
+    )
+    guard = lt.Guard(panda, rate=RATE)
+    guard.admit(real.q[None], state=real.q)
+    assert play.push is None
+    while not play.done:
+        guard.admit(play.next(measured=real.q)[None])
+        real.step(guard.next())
+
+    assert hand.time < play.push.time < hand.time + hand.duration + 0.2
+    commanded, measured = (
+        panda.forward_kinematics(q)[0] for q in (play.push.commanded, play.push.measured)
+    )
+    assert measured[2] - commanded[2] > 0.02
+    before, after = skill.generate(), skill.corrected(commanded, measured).generate()
+    gaps = [np.linalg.norm(each.positions - measured, axis=1).min() for each in (before, after)]
+    assert gaps[1] < 0.1 * gaps[0]
+    covered = lt.preprocess.arc_length(before.positions) / np.sum(
+        np.linalg.norm(np.diff(before.positions, axis=0), axis=1)
+    )
+    at = covered[np.linalg.norm(before.positions - commanded, axis=1).argmin()]
+    far = np.abs(covered - at) > 0.21
+    assert np.linalg.norm(after.positions - before.positions, axis=1)[far].max() < 0.002
+
+
+def test_measured_joints_that_do_not_fit_are_refused(panda, motion):
+    play = Playback(motion, panda.limits, rate=RATE)
+    refused("measured", play.next, [0.0, 0.0])
+    refused("measured", play.next, np.full(7, np.nan))
