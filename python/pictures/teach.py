@@ -10,11 +10,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-from demos import SOFTWARE_RENDERING
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 import leadthrough as lt
+from demos import SOFTWARE_RENDERING
 from leadthrough.show.teaching import teach
 
 WIDE, PHONE = {"width": 960, "height": 640}, {"width": 390, "height": 844}

@@ -62,8 +62,8 @@ class Playback(ShortRepr):
     at rest; `lt.connect` makes it so.
 
     Attributes:
-        push: where the measured joints were the farthest from the commanded ones so far; None
-            without any.
+        push: the place where the measured joints were the farthest from the commanded ones so
+            far; None without any.
 
     Args:
         motion: of an arm's joints, at any rate.
