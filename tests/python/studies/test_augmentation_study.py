@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from leadthrough.motion import PoseTrajectory
+from leadthrough.simulation import SimulatedArm
 from leadthrough_studies.augmentation.episodes import (
     CHUNK,
     DATA_SETS,
@@ -124,8 +125,32 @@ def test_a_reach_is_judged_by_its_end(panda, off, success):
     assert (row["distance_m"] < 0.02) == bool(success)
 
 
-def test_a_table_in_the_way_is_a_contact_and_no_success(panda):
-    assert reach(panda, ToGoal(panda, 0.0), np.array([0.55, 0.0, -0.09]))["success"] == 0
+def test_the_guard_stops_a_reach_into_the_table(panda):
+    row = reach(panda, ToGoal(panda, 0.0), np.array([0.55, 0.0, -0.09]))
+    assert (row["success"], row["contacts"]) == (0, 0)
+
+
+def test_a_reach_with_a_contact_has_failed(panda, monkeypatch):
+    monkeypatch.setattr(SimulatedArm, "touches", ["a body"])
+    row = reach(panda, ToGoal(panda, 0.0), GOAL)
+    assert row["distance_m"] < 0.02
+    assert row["contacts"] > 0
+    assert row["success"] == 0
+
+
+class Restless(ToGoal):
+    """The same with an oscillation of all joints at 3 Hz."""
+
+    def chunk(self, q, goal):
+        shaking = 0.01 * np.sin(0.2 * np.pi * np.arange(1, CHUNK + 1))[:, None]
+        return super().chunk(q, goal) + shaking
+
+
+def test_a_reach_that_does_not_come_to_rest_has_failed(panda):
+    row = reach(panda, Restless(panda, 0.0), GOAL)
+    assert row["distance_m"] < 0.02
+    assert row["speed"] > 0.05
+    assert row["success"] == 0
 
 
 def rows_of(data, training, hits):
