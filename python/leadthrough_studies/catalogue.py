@@ -2,6 +2,7 @@
 
 from leadthrough_studies import (
     agriculture,
+    augmentation,
     chunks,
     comparison,
     connection,
@@ -18,6 +19,7 @@ from leadthrough_studies.study import Study
 
 STUDIES: dict[str, Study] = {
     "agriculture": agriculture.STUDY,
+    "augmentation": augmentation.STUDY,
     "chunks": chunks.STUDY,
     "comparison": comparison.STUDY,
     "connection": connection.STUDY,

@@ -79,6 +79,10 @@ def augment(
     counted. Joints, the tip's poses, the gripper by the skill's events, such as "close gripper" and
     "gripper opened", and the goal and the obstacles' positions are written; images are not made.
 
+    Demonstrations with joints, as `Arm.poses` makes them, keep all motions near the demonstrated
+    posture. With poses alone every motion takes the posture that suits its own path: equal starts
+    of the tip then have different joints, and a policy trained on them averages over postures.
+
     Args:
         skill: of poses, of points in 3-D, or of the arm's joints, fitted or loaded.
         scene: of every motion; the position of each `RandomObstacle` is drawn too.

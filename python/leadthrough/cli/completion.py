@@ -17,6 +17,7 @@ from leadthrough.cli.command import read_profile
 
 STUDIES = (
     "agriculture",
+    "augmentation",
     "chunks",
     "comparison",
     "connection",

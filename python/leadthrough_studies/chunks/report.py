@@ -14,15 +14,28 @@ _USES = ("velocity_use", "acceleration_use", "jerk_use")
 
 
 def report(config: Any, rows: list[Row]) -> Report:
-    """Per fault and method: streams beyond limits and with contacts, lag, jerk and ends reached."""
+    """Per fault and method: streams beyond limits and with contacts, lag, jerk and ends reached.
+
+    The table `arms` has the same for each arm.
+    """
     methods = list(dict.fromkeys(row["method"] for row in rows))
-    table = [
+    table = _table(config.faults, methods, rows)
+    arms = [
+        {"arm": arm} | row
+        for arm in config.arms
+        for row in _table(config.faults, methods, selected(rows, arm=arm))
+    ]
+    figures = {"chunks": _figure(table, config.faults, methods)} if rows else {}
+    return Report(table, figures, tables={"arms": arms})
+
+
+def _table(faults: tuple[str, ...], methods: list[str], rows: list[Row]) -> list[Row]:
+    return [
         _row(fault, method, part)
-        for fault in (*config.faults, "all")
+        for fault in (*faults, "all")
         for method in methods
         if (part := [r for r in selected(rows, method=method) if fault in (r["fault"], "all")])
     ]
-    return Report(table, {"chunks": _figure(table, config.faults, methods)} if rows else {})
 
 
 def _row(fault: str, method: str, rows: list[Row]) -> Row:

@@ -77,7 +77,7 @@ REACHES = [f"recorded/reach{i}.csv" for i in (1, 2, 3)]
         ("leadthrough check x.json --obstacle me", ["mesh:"]),
         ("leadthrough check x.json --obstacle cloud:rec", [f"cloud:{each}" for each in REACHES]),
         ("leadthrough view x.json --html p", ["page.html"]),
-        ("leadthrough experiment a", ["agriculture"]),
+        ("leadthrough experiment a", ["agriculture", "augmentation"]),
         ("leadthrough example ", ["reach"]),
     ],
 )  # fmt: skip

@@ -5,6 +5,7 @@ import pytest
 
 from leadthrough.arm import JointLimits
 from leadthrough_studies.chunks.peers import PEERS, followed
+from leadthrough_studies.chunks.report import report
 from leadthrough_studies.chunks.streams import Arrival, Stream
 from leadthrough_studies.chunks.study import STUDY, ChunksConfig
 from leadthrough_studies.study import run, selected
@@ -33,6 +34,20 @@ def test_ours_is_on_time_and_smooth(outcome):
     assert abs(ours["max_lag_ms"]) <= 1.0
     assert ours["reached"] == 1
     assert jerk["ours"] < min(jerk[method] for method in PEERS) / 20.0
+
+
+def test_each_arm_has_its_lags_and_uses_of_limits():
+    uses = dict.fromkeys(("velocity_use", "acceleration_use", "jerk_use"), 0.5)
+    rows = [
+        {"arm": arm, "fault": "none", "method": "ours", "lag_ms": lag, "error_rad": 0.0}
+        | uses | {"velocity_use": use, "contacts": 0, "jerk_rms": 0.1, "reached": 1}
+        for arm, lag, use in (("panda", 1.0, 0.5), ("ur3", 9.0, 1.5), ("ur3", 7.0, 0.5))
+    ]  # fmt: skip
+    found = report(ChunksConfig(("panda", "ur3"), ("none",)), rows)
+    arms = {row["arm"]: row for row in selected(found.tables["arms"], fault="none")}
+    assert [arms[arm]["median_lag_ms"] for arm in ("panda", "ur3")] == [1.0, 8.0]
+    assert [arms[arm]["beyond_limits"] for arm in ("panda", "ur3")] == [0, 1]
+    assert selected(found.table, fault="none")[0]["median_lag_ms"] == 7.0
 
 
 def test_peers_do_what_they_are_known_for():
