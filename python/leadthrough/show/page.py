@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.drawing import palette
 from leadthrough.io.files import StrPath, replacing
+from leadthrough.shapes.surface import Surface
 from leadthrough.show.animation import Animation
 
 if TYPE_CHECKING:
@@ -172,9 +173,18 @@ def packed(animation: Animation, *, level: int = 9, **told: Any) -> str:
         arrays.append(np.ascontiguousarray(values, dtype=kind).ravel())
         return len(arrays) - 1
 
+    # Both arms of a robot have the same surfaces: these are shaded and written once.
+    known: dict[tuple[Surface, str], dict[str, int]] = {}
     items = []
     for item in animation.items:
-        mesh, normals = item.shaded()
+        key = (item.mesh, item.layer)
+        if key not in known:
+            mesh, normals = item.shaded()
+            known[key] = {
+                "vertices": stored(_rounded(mesh.vertices), np.float32),
+                "normals": stored(np.round(127.0 * normals), np.int8),
+                "faces": stored(mesh.faces, np.uint32),
+            }
         items.append(
             {
                 "name": item.name,
@@ -182,9 +192,7 @@ def packed(animation: Animation, *, level: int = 9, **told: Any) -> str:
                 "colour": [round(part, 4) for part in item.colour],
                 "opacity": item.opacity,
                 "link": -1 if item.link is None else item.link,
-                "vertices": stored(_rounded(mesh.vertices), np.float32),
-                "normals": stored(np.round(127.0 * normals), np.int8),
-                "faces": stored(mesh.faces, np.uint32),
+                **known[key],
             }
         )
     poses = np.concatenate([animation.positions, animation.orientations], axis=2)
