@@ -28,6 +28,7 @@ _SCRIPTS = ("vectors.js", "shaders.js", "painter.js", "pace.js", "curves.js", "s
 _LIVE_SCRIPTS = (*_SCRIPTS, "handles.js", "live.js", "teach.js")
 _STYLES = ("page.css",)
 _LIVE_STYLES = (*_STYLES, "live.css")
+_LEVEL = 5  # of zlib: scenes are no smaller at higher ones, which take up to four times as long
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +163,7 @@ def _resource(name: str) -> str:
     return (files("leadthrough.show") / name).read_text(encoding="utf-8")
 
 
-def packed(animation: Animation, *, level: int = 9, **told: Any) -> str:
+def packed(animation: Animation, *, level: int = _LEVEL, **told: Any) -> str:
     """The scene as base64 of deflated bytes: the head's length, the head as JSON, arrays.
 
     The head also says what is `told` by name.
