@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+
+#include "leadthrough/collision/convex_distance.hpp"
 
 namespace leadthrough {
 
@@ -22,6 +25,9 @@ constexpr int kBallSteps = 60;
 // Corners that stand out by less do not count, m2; balls are larger by more, m.
 constexpr double kSameLine = 1e-14;
 constexpr double kRounding = 1e-6;
+// A cut joins all corners of one side to all of the other: of hulls with more corners some are cut.
+constexpr int kMaxCorners = 200;
+constexpr double kGoldenAngle = 2.399963229728653;  // rad
 
 Ball around(const Points& points) {
   Vector3d centre = Vector3d::Zero();
@@ -97,6 +103,34 @@ std::vector<Ball> halved(Points corners) {
   return balls;
 }
 
+// The farthest corners along directions that are evenly spread over a sphere (Gonzalez 2010).
+Points spread_corners(const cores::Hull& core) {
+  const auto less = [](const Vector3d& a, const Vector3d& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  std::set<Vector3d, decltype(less)> found(less);
+  for (int i = 0; i < kMaxCorners; ++i) {
+    const double z = (2.0 * i + 1.0) / kMaxCorners - 1.0, across = std::sqrt(1.0 - z * z);
+    found.insert(core.support(
+        {across * std::cos(i * kGoldenAngle), across * std::sin(i * kGoldenAngle), z}));
+  }
+  return {found.begin(), found.end()};
+}
+
+// The largest distance of corners from the hull of some of them, m.
+double most_outside(const Eigen::Matrix3Xd& corners, const Points& some) {
+  Eigen::Matrix3Xd kept(3, static_cast<Eigen::Index>(some.size()));
+  for (std::size_t i = 0; i < some.size(); ++i) kept.col(static_cast<Eigen::Index>(i)) = some[i];
+  const Convex body = hull(std::move(kept)), point = sphere(0.0);
+  double most = kRounding;
+  for (const auto& corner : corners.colwise()) {
+    const Transform at{Eigen::Matrix3d::Identity(), corner};
+    Vector3d normal = corner.normalized();
+    if (apart(body, {}, point, at, most, normal)) most = separation(body, {}, point, at).distance;
+  }
+  return most;
+}
+
 // Balls about points on the z axis from -half to half.
 std::vector<Ball> along_axis(double half, int count, double radius) {
   std::vector<Ball> balls;
@@ -149,6 +183,11 @@ std::vector<Ball> parts(const AnyCore& core, double rounding) {
 }
 
 std::vector<Ball> parts(const cores::Hull& core, double rounding) {
+  if (core.vertices->cols() > kMaxCorners) {
+    Points some = spread_corners(core);
+    const double outside = most_outside(*core.vertices, some);
+    return rounded(halved(std::move(some)), rounding + outside);
+  }
   Points corners;
   for (const auto& corner : core.vertices->colwise()) corners.emplace_back(corner);
   return rounded(halved(std::move(corners)), rounding);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/constants.hpp"
@@ -100,18 +101,20 @@ class Pacing {
         curve_(path, limits.period),
         width_(gentle(limits, path)) {}
 
-  // The pace falls where a limit is exceeded for so many rounds, and then everywhere.
-  std::optional<Paced> settled(int local_rounds) const {
+  // The pace falls where a limit is exceeded for so many rounds, and then everywhere. Nothing if
+  // that takes so many samples or more.
+  std::optional<Paced> settled(int local_rounds, Index too_many) const {
     ArrayXd delay = ArrayXd::Zero(path_.rows());
     Rows samples(0, path_.cols());
     for (int round = 0; round < kRounds; ++round) {
       check_interrupt();
       ArrayXd places = places_for(delay, most_samples_);
+      if (places.size() >= too_many) return std::nullopt;  // the pace only falls
       run_along(curve_, places, samples);
       const Eigen::VectorXd needed = slowdowns(limits_, samples);
       const double worst = needed.maxCoeff();
       if (!std::isfinite(worst)) return std::nullopt;
-      if (worst <= 1.0) return Paced{samples, places};
+      if (worst <= 1.0) return Paced{std::move(samples), places.matrix()};
       if (round < local_rounds)
         slow_down(needed, places, delay);
       else
@@ -145,11 +148,10 @@ std::optional<Paced> slowed(const StepLimits& limits, const RowsRef& path, Index
                  "most_samples: expected 1 to kMaxPaced");
   if (path.rows() == 1) return Paced{path, Eigen::VectorXd::Zero(1)};
   const Pacing pacing(limits, path, most_samples);
-  std::optional<Paced> local = pacing.settled(kLocalRounds);
+  std::optional<Paced> local = pacing.settled(kLocalRounds, kMaxPaced + 1);
   if (local && local->places.size() == path.rows()) return local;
-  std::optional<Paced> even = pacing.settled(0);
-  if (!local || (even && even->places.size() < local->places.size())) return even;
-  return local;
+  std::optional<Paced> even = pacing.settled(0, local ? local->places.size() : kMaxPaced + 1);
+  return even ? even : local;
 }
 
 std::optional<Paced> stopped(const StepLimits& limits, const RowsRef& start, const RowsRef& path) {

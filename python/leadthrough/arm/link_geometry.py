@@ -42,8 +42,9 @@ def surfaces(
 ) -> tuple[dict[str, list[LinkSurface]], tuple[str, ...]]:
     """The surfaces of each link, visual or collision geometry, and reasons for missing ones."""
     found, remarks = {}, []
+    read: dict[tuple[str | float, ...], Surface] = {}  # both arms of a robot share their files
     for link in robot.links:
-        parts, trouble = _of_link(robot, link, mesh_folders)
+        parts, trouble = _of_link(robot, link, mesh_folders, read)
         if parts:
             found[link] = parts
         if trouble:
@@ -53,14 +54,19 @@ def surfaces(
 
 
 def _of_link(
-    robot: core.Robot, link: str, mesh_folders: Sequence[str]
+    robot: core.Robot,
+    link: str,
+    mesh_folders: Sequence[str],
+    read: dict[tuple[str | float, ...], Surface],
 ) -> tuple[list[LinkSurface], str]:
     """The link's surfaces, and the reason if the preferred ones cannot be read."""
     trouble = ""
     choices = [robot.geometry(link, role) for role in ("visual", "collision")]
     for pieces in sorted(choices, key=_needs_library):
         try:
-            parts = [LinkSurface(_surface(each, mesh_folders), each.colour) for each in pieces]
+            parts = [
+                LinkSurface(_surface(each, mesh_folders, read), each.colour) for each in pieces
+            ]
         except (InvalidInput, MissingDependency) as error:
             trouble = trouble or str(error)
             continue
@@ -83,9 +89,21 @@ def _convex_parts(
     return [ConvexPart("mesh", (), geometry.position, _orientation(geometry), vertices)]
 
 
-def _surface(geometry: core.Geometry, mesh_folders: Sequence[str]) -> Surface:
+def _surface(
+    geometry: core.Geometry,
+    mesh_folders: Sequence[str],
+    read: dict[tuple[str | float, ...], Surface],
+) -> Surface:
     if geometry.kind != "mesh":
         return _primitive(geometry).placed_surface()
+    key = (geometry.file, *geometry.sizes, *geometry.position, *geometry.angles)
+    if key not in read:
+        read[key] = _read_mesh(geometry, mesh_folders)
+    return read[key]
+
+
+def _read_mesh(geometry: core.Geometry, mesh_folders: Sequence[str]) -> Surface:
+    """The surface of a mesh file, in the frame of its link."""
     from leadthrough.io.mesh import read_triangles  # only robots with meshes need it
 
     path = find_mesh(geometry.file, mesh_folders)

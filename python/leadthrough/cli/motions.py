@@ -188,8 +188,7 @@ def guard(
     import numpy as np
 
     from leadthrough.cli import parse, reading, robot as robots
-    from leadthrough.guard.admission import states_of, trajectory
-    from leadthrough.guard.rules import row_of
+    from leadthrough.guard.admission import begun_at
 
     reading.check_output(out, format)
     arm = robots.load(robot, details)
@@ -204,12 +203,12 @@ def guard(
         here, chunk = joints.positions[0], joints[1:] if len(joints) > 1 else joints
     with output.naming(state="--start"):
         answer = admits.admit(chunk, here)
-    rest = answer.to_rest
-    now = chunk.times[0] - 1.0 / per_second
-    events = tuple(replace(each, time=each.time - now) for each in rest.events)
-    states = np.concatenate([row_of(here, len(arm.joint_names)), states_of(rest)])
-    times = np.arange(len(states)) / per_second
-    written = trajectory(times, states, arm.joint_names, events)
+    duration = joints.duration
+    # Of a long log, each is as large as the log.
+    del admits, joints, chunk
+    rest, answer = answer.to_rest, replace(answer, motion=answer.brake)
+    written = begun_at(rest, np.asarray(here), per_second)
+    del rest
     if answer.safe:
         reading.write_motion(written, out, format)
     found = {
@@ -217,7 +216,7 @@ def guard(
         "verdict": answer.verdict,
         "safe": answer.safe,
         "reasons": [str(each) for each in answer.reasons],
-        "duration_before": joints.duration,
+        "duration_before": duration,
         "duration": written.duration,
         "rate": per_second,
     }

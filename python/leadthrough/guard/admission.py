@@ -121,9 +121,11 @@ class Admission(ShortRepr):
         """The motion followed by the brake."""
         if self.verdict == "braking":
             return self.motion
-        states = np.concatenate([states_of(self.motion), states_of(self.brake)])
-        times = np.concatenate([self.motion.times, self.brake.times])
-        return trajectory(times, states, self.brake.joint_names, self.motion.events)
+        pair = (self.motion, self.brake)
+        times = np.concatenate([each.times for each in pair])
+        parts = [np.concatenate(columns) for columns in zip(*map(_columns, pair), strict=True)]
+        names = self.brake.joint_names
+        return computed_joints(times, *parts, joint_names=names, events=self.motion.events)
 
     def __str__(self) -> str:
         why = "; ".join(str(each) for each in self.reasons)
@@ -211,9 +213,24 @@ def _cubics(own: JointTrajectory) -> Float64Array:
 
 def states_of(motion: JointTrajectory) -> Float64Array:
     """Positions, velocities and accelerations (n, 3 joints) of a motion that has them."""
+    return np.hstack(_columns(motion))
+
+
+def _columns(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """Positions, velocities and accelerations (n, joints) of a motion that has them."""
     assert motion.velocities is not None
     assert motion.accelerations is not None
-    return np.hstack([motion.positions, motion.velocities, motion.accelerations])
+    return motion.positions, motion.velocities, motion.accelerations
+
+
+def begun_at(motion: JointTrajectory, q: Float64Array, rate: float) -> JointTrajectory:
+    """The motion on a clock from 0, a period after rest at positions (joints,)."""
+    now = float(motion.times[0]) - 1.0 / rate
+    events = tuple(replace(each, time=each.time - now) for each in motion.events)
+    rest = (q[None], *np.zeros((2, 1, len(q))))
+    parts = [np.concatenate(both) for both in zip(rest, _columns(motion), strict=True)]
+    times = np.arange(len(motion) + 1) / rate
+    return computed_joints(times, *parts, joint_names=motion.joint_names, events=events)
 
 
 def parts_of(states: Float64Array) -> tuple[Float64Array, Float64Array, Float64Array]:

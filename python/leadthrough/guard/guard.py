@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -177,6 +177,7 @@ class Guard(ShortRepr):
             reasons += _cut_off(given, times)
             stopping, contact = self._looked_at(rows, ALL_WORK)
             if stopping is not None and contact is None:
+                del rows  # of a long log, as large as the log
                 verdict: Verdict = "changed" if reasons else "allowed"
                 return self._admitted(
                     stopping, verdict, reasons, start=given.start, events=given.events
@@ -185,6 +186,7 @@ class Guard(ShortRepr):
             return self._certified(rows, places, given, reasons, stopping=stopping, contact=contact)
         reasons += exceeded(self._rules, now, rows, times, worst)
         given = given.first(self._affordable(now, rows))
+        del rows
         reasons += _cut_off(given, times)
         return self._changed(changed(self._rules, now, given.rows), given, reasons)
 
@@ -360,7 +362,7 @@ class Guard(ShortRepr):
 
     def _stop_reason(self, rows: Float64Array, places: Float64Array, start: float) -> Reason:
         """The limit that the fastest stop after the rows exceeds."""
-        end = np.concatenate([self._now(), rows])[-1:]
+        end = rows[-1:] if len(rows) else self._now()
         wrong = self._rules.stop_excess(end)
         assert wrong is not None
         order, row, joint, ratio = wrong
@@ -451,12 +453,14 @@ def exceeded(
     return tuple(found)
 
 
-def _rate_ratios(rules: Rules, start: Float64Array, rows: Float64Array) -> list[Float64Array]:
+def _rate_ratios(rules: Rules, start: Float64Array, rows: Float64Array) -> Iterator[Float64Array]:
     """Velocities, accelerations and jerks (n, joints) at rows, as fractions of their limits."""
-    q, _, qdd = parts_of(np.concatenate([start, rows]))
-    used = (np.diff(q, axis=0) / rules.period, qdd[1:], np.diff(qdd, axis=0) / rules.period)
-    limits = (getattr(rules.joints, kind) for kind in _RATES)
-    return [np.abs(rates) / limit for rates, limit in zip(used, limits, strict=True)]
+    assert rules.joints.acceleration is not None
+    assert rules.joints.jerk is not None
+    (q, _, qdd), (q0, _, qdd0) = parts_of(rows), parts_of(start)
+    yield np.abs(np.diff(q, axis=0, prepend=q0) / rules.period) / rules.joints.velocity
+    yield np.abs(qdd) / rules.joints.acceleration
+    yield np.abs(np.diff(qdd, axis=0, prepend=qdd0) / rules.period) / rules.joints.jerk
 
 
 def _is_jump(steps: Float64Array, at: tuple[int, int]) -> bool:

@@ -88,7 +88,7 @@ class Rules:
 
     def braked(self, start: Float64Array, rows: Float64Array) -> StoppingTrajectory | None:
         """Rows, then the fastest stop; None if that leaves a limit."""
-        end = np.concatenate([start, rows])[-1:]
+        end = rows[-1:] if len(rows) else start
         stop = core.brake(self.limits, end) if len(rows) else self.stop(end)
         if self.excess(end, stop) is not None:
             return None

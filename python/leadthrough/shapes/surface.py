@@ -30,6 +30,8 @@ class Surface(ShortRepr):
 
 def merged(surfaces: Sequence[Surface]) -> Surface:
     """One surface of all, of which there is at least one."""
+    if len(surfaces) == 1:
+        return surfaces[0]
     offsets = np.cumsum([0, *(len(each.vertices) for each in surfaces[:-1])])
     faces = [each.faces + offset for each, offset in zip(surfaces, offsets, strict=True)]
     return Surface(np.concatenate([each.vertices for each in surfaces]), np.concatenate(faces))

@@ -5,6 +5,7 @@ It knows no renderer: the HTML page, the notebook and the live view draw the sam
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -63,19 +64,18 @@ class Animation(ShortRepr):
         """Centre (3,) and radius, m, of a ball around all surfaces and their motion."""
         still = [item.mesh.vertices for item in self.items if item.link is None]
         frames = {0, len(self.times) // 2, len(self.times) - 1}
-        moving = [self._at(item, frame) for item in self.items for frame in frames]
+        boxes = {item.mesh: _box(item.mesh) for item in self.items if item.link is not None}
+        moving = [self._at(item, boxes, frame) for item in self.items for frame in frames]
         points = np.concatenate([self.positions.reshape(-1, 3), *still, *moving])
         lower, upper = points.min(axis=0), points.max(axis=0)
         return 0.5 * (lower + upper), max(0.5 * float(np.linalg.norm(upper - lower)), 0.1)
 
-    def _at(self, item: Item, frame: int) -> Float64Array:
+    def _at(self, item: Item, boxes: Mapping[Surface, Float64Array], frame: int) -> Float64Array:
         """The corners (8, 3) of the box around a moving surface at one sample."""
         if item.link is None:
             return np.zeros((0, 3))
-        reach = np.stack([item.mesh.vertices.min(axis=0), item.mesh.vertices.max(axis=0)])
-        corners = np.stack(np.meshgrid(*reach.T), axis=-1).reshape(-1, 3)
         rotation = rotations.to_matrix(self.orientations[frame, item.link][None])[0]
-        return np.asarray(corners @ rotation.T + self.positions[frame, item.link])
+        return np.asarray(boxes[item.mesh] @ rotation.T + self.positions[frame, item.link])
 
     def poses_at(self, time: float) -> tuple[Float64Array, Float64Array]:
         """Positions (links, 3) and orientations (links, 4) at a time, s; held beyond the ends."""
@@ -87,6 +87,12 @@ class Animation(ShortRepr):
         position = (1.0 - passed) * self.positions[i] + passed * self.positions[j]
         orientation = (1.0 - passed) * self.orientations[i] + passed * self.orientations[j]
         return position, orientation / np.linalg.norm(orientation, axis=1, keepdims=True)
+
+
+def _box(mesh: Surface) -> Float64Array:
+    """The corners (8, 3) of the box around a surface."""
+    reach = np.stack([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)])
+    return np.stack(np.meshgrid(*reach.T), axis=-1).reshape(-1, 3)
 
 
 def sampled(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.drawing import palette
 from leadthrough.io.files import StrPath, replacing
+from leadthrough.shapes.surface import Surface
 from leadthrough.show.animation import Animation
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ _SCRIPTS = ("vectors.js", "shaders.js", "painter.js", "pace.js", "curves.js", "s
 _LIVE_SCRIPTS = (*_SCRIPTS, "handles.js", "live.js", "teach.js")
 _STYLES = ("page.css",)
 _LIVE_STYLES = (*_STYLES, "live.css")
+_LEVEL = 5  # of zlib: scenes are no smaller at higher ones, which take up to four times as long
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +163,7 @@ def _resource(name: str) -> str:
     return (files("leadthrough.show") / name).read_text(encoding="utf-8")
 
 
-def packed(animation: Animation, *, level: int = 9, **told: Any) -> str:
+def packed(animation: Animation, *, level: int = _LEVEL, **told: Any) -> str:
     """The scene as base64 of deflated bytes: the head's length, the head as JSON, arrays.
 
     The head also says what is `told` by name.
@@ -172,9 +174,18 @@ def packed(animation: Animation, *, level: int = 9, **told: Any) -> str:
         arrays.append(np.ascontiguousarray(values, dtype=kind).ravel())
         return len(arrays) - 1
 
+    # Both arms of a robot have the same surfaces: these are shaded and written once.
+    known: dict[tuple[Surface, str], dict[str, int]] = {}
     items = []
     for item in animation.items:
-        mesh, normals = item.shaded()
+        key = (item.mesh, item.layer)
+        if key not in known:
+            mesh, normals = item.shaded()
+            known[key] = {
+                "vertices": stored(_rounded(mesh.vertices), np.float32),
+                "normals": stored(np.round(127.0 * normals), np.int8),
+                "faces": stored(mesh.faces, np.uint32),
+            }
         items.append(
             {
                 "name": item.name,
@@ -182,9 +193,7 @@ def packed(animation: Animation, *, level: int = 9, **told: Any) -> str:
                 "colour": [round(part, 4) for part in item.colour],
                 "opacity": item.opacity,
                 "link": -1 if item.link is None else item.link,
-                "vertices": stored(_rounded(mesh.vertices), np.float32),
-                "normals": stored(np.round(127.0 * normals), np.int8),
-                "faces": stored(mesh.faces, np.uint32),
+                **known[key],
             }
         )
     poses = np.concatenate([animation.positions, animation.orientations], axis=2)

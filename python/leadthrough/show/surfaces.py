@@ -85,7 +85,7 @@ def creased(mesh: Surface) -> tuple[Surface, Float64Array]:
     face_of = np.repeat(np.arange(len(mesh.faces)), 3)
     normals = _around(points, flat[face_of], areas[face_of])
     keys = np.column_stack([points, np.round(normals * 1e3).astype(np.int64)])
-    _, first, faces = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    _, first, faces = np.unique(_numbered(keys), return_index=True, return_inverse=True)
     vertices = mesh.vertices[mesh.faces.ravel()[first]]
     return Surface(vertices, faces.reshape(-1, 3)), normals[first]
 
@@ -144,7 +144,16 @@ def _welded(mesh: Surface) -> NDArray[np.int64]:
     """A number (n,) for each vertex, the same for vertices at the same position."""
     grain = _WELD * max(float(np.ptp(mesh.vertices, axis=0).max()), 1e-9)
     cells = np.round(mesh.vertices / grain).astype(np.int64)
-    return np.unique(cells, axis=0, return_inverse=True)[1].ravel()
+    return np.unique(_numbered(cells), return_inverse=True)[1].ravel()
+
+
+def _numbered(rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A number (n,) for each row of whole numbers (n, d), in their order; rows sort slowly."""
+    numbers = np.zeros(len(rows), dtype=np.int64)
+    if len(rows):
+        for column, low, high in zip(rows.T, rows.min(axis=0), rows.max(axis=0), strict=True):
+            numbers = numbers * (high - low + 1) + (column - low)
+    return numbers
 
 
 def _around(points: NDArray[np.int64], flat: Float64Array, areas: Float64Array) -> Float64Array:

@@ -22,7 +22,8 @@ from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 
 _MAX_DELAY = 1.0  # s
 _LIGHTEST = 0.05  # of the heaviest joint's inertia, of turning and of sliding joints apart
-
+# Of the heaviest joint's inertia, below which rounding drives a joint; too little to be felt.
+_WEIGHTLESS = 1e-6
 
 # No arm moves so fast, rad/s (m/s); MuJoCo would soon give up and write a file about it.
 RUNAWAY = 1e3
@@ -162,10 +163,19 @@ def drives_of(arm: Arm, given: Disturbances, period: float) -> Drives:
         resisting("damping", given.damping),
         general["delay"] if given.delay is None else round(given.delay / period),
         known("encoder", given.encoder, steps),
-        known("rotor_inertia", given.rotor_inertia, _tabled(arm, "rotor_inertia", scale)),
+        _felt(
+            arm, known("rotor_inertia", given.rotor_inertia, _tabled(arm, "rotor_inertia", scale))
+        ),
         effort,
         tuple(given.pushes),
     )
+
+
+def _felt(arm: Arm, rotors: Float64Array) -> Float64Array:
+    """Rotors (joints,), of joints that turn no mass those of a millionth of the heaviest joint."""
+    inertia = np.diag(arm.mass_matrix(arm._chain.middle)) + rotors
+    least = _WEIGHTLESS * inertia.max()
+    return np.where(inertia > least, rotors, least)
 
 
 def stricter(urdf: Float64Array, limits: Float64Array | None) -> Float64Array:

@@ -24,8 +24,6 @@ LINK = "link "  # before the names of links, of which one may be "world", as MuJ
 # MuJoCo refuses moving bodies without a mass, kg and kg m^2: too little to be felt.
 _MIN_INERTIA = 1e-13
 _TOUCHING = 1e-6  # m: bodies that overlap by less touch, as collision checks count it
-# Of the heaviest joint's inertia, below which rounding drives a joint; too little to be felt.
-_LIGHTEST = 1e-6
 _BALANCED = 1e-9  # of the largest moment, by which the sum of the others exceeds it
 
 
@@ -209,8 +207,6 @@ def _add_joints(
 ) -> dict[str, tuple[int, float, float]]:
     """Limits, friction and motors of the joints; what drives each, by its name."""
     index = {name: i for i, name in enumerate(arm.joint_names)}
-    inertia = np.diag(arm.mass_matrix(arm._chain.middle)) + motors.rotors
-    least = _LIGHTEST * inertia.max()
     drives = {}
     for joint in arm.robot.path(arm.base, arm.tip):
         if joint.kind == "fixed":
@@ -235,7 +231,7 @@ def _add_joints(
             motor.forcerange = -motors.effort[i], motors.effort[i]
         made.frictionloss = motors.friction[i]
         made.damping[0] = motors.damping[i]
-        made.armature = motors.rotors[i] if inertia[i] > least else least
+        made.armature = motors.rotors[i]
         low, high = arm.limits.lower[i], arm.limits.upper[i]
         if np.isfinite(low) and np.isfinite(high):
             made.limited = mujoco.mjtLimited.mjLIMITED_TRUE

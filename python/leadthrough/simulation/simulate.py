@@ -230,6 +230,8 @@ _MIN_ALLOWED = 2e-4  # rad (m)
 _ENCODER_STEPS = 2.0  # that noise of the encoders may move a joint by
 _MOVING = 1e-6  # rad/s (m/s): slower, dry friction is that of the last way
 _DIVERGED = 1e3  # rad (m)
+# Periods after a kick in which a loop shows whether it is stable, and growth that shows it is not.
+_KICKED, _GROWTH = 500, 1.2
 
 
 def expected_errors(
@@ -243,6 +245,8 @@ def expected_errors(
     q, qd = plan.q, plan.qd
     left = drives.damping * qd + _pushed(real, q) + _unknown_load(real, plan)
     torques = law.arm.inverse_dynamics(q, qd, plan.qdd, gravity=law.gravity)
+    if real.steps > 1:
+        left += _later(real, plan) - torques
     torques += drives.rotors * plan.qdd
     weight = law.arm.gravity_torques(q, gravity=law.gravity)
     coarse = slice(None, None, _EVERY)
@@ -250,9 +254,9 @@ def expected_errors(
     gains = law.gains(
         Motion(q[coarse], mass, torques[coarse], weight[coarse], plan.progress[coarse])
     )
-    # Dampers in the joints and their drives act at once, and at the end of a period.
+    # Dampers in the joints and their drives act at once, and at the end of a step.
     dampers = drives.damping + law.drive_damping
-    ease = np.asarray(np.linalg.inv(mass + real.period * np.diag(dampers)))
+    ease = np.asarray(np.linalg.inv(mass + real.period / real.steps * np.diag(dampers)))
     answer = np.concatenate([ease @ gains.stiffness, ease @ gains.damping], axis=2)
     left += _between(gains.unmodelled, len(q))
     eased = _repeated(ease, len(q))
@@ -261,11 +265,14 @@ def expected_errors(
         before = np.maximum(np.arange(len(q)) - late, 0)
         moved = np.concatenate([q - q[before], qd - qd[before]], axis=1)
         pull -= _products(_repeated(answer, len(q)), moved)
-    smooth = _integrated(answer, ease * dampers, pull, real.period, late=late)
+    if (joint := _growing(answer, ease * dampers, real, len(q))) is not None:
+        smooth = _diverged(joint, q)
+        return smooth, smooth, np.zeros(q.shape[1])
+    smooth = _integrated(answer, ease * dampers, pull, _jumps(real, plan.qdd), real)
     if not drives.friction.any():
         return smooth, smooth, np.zeros(q.shape[1])
     pull = _products(eased, drives.friction * _directions(qd))
-    dry = _integrated(answer, ease * dampers, pull, real.period, late=late)
+    dry = _integrated(answer, ease * dampers, pull, np.zeros_like(q), real)
     # A joint may be held either way, and so deflect the others.
     held = np.abs(np.linalg.pinv(gains.stiffness)) @ drives.friction
     return smooth + dry, smooth, np.maximum(np.abs(dry).max(axis=0), held.max(axis=0))
@@ -283,23 +290,65 @@ def allowed_errors(
     return np.asarray(_SLACK * most + second_order + _MIN_ALLOWED + _ENCODER_STEPS * encoder)
 
 
+def _later(real: SimulatedArm, plan: Plan) -> Float64Array:
+    """Torques (n, joints) needed in the mean of each period, not at its beginning."""
+    shift = real.period - real.period / real.steps
+    qd = plan.qd + shift * plan.qdd
+    q = plan.q + 0.5 * shift * qd
+    return real.law.arm.inverse_dynamics(q, qd, plan.qdd, gravity=real.law.gravity)
+
+
+def _jumps(real: SimulatedArm, qdd: Float64Array) -> Float64Array:
+    """Changes (n, joints) of the planned velocity at samples, between which qdd is constant."""
+    before = np.concatenate([np.zeros((1, qdd.shape[1])), qdd[:-1]])
+    return np.asarray(0.5 * (real.period - real.period / real.steps) * (qdd - before))
+
+
 def _integrated(
-    answer: Float64Array, slowing: Float64Array, pull: Float64Array, period: float, *, late: int
+    answer: Float64Array,
+    slowing: Float64Array,
+    pull: Float64Array,
+    jumps: Float64Array,
+    real: SimulatedArm,
 ) -> Float64Array:
+    """Errors (n, joints) by the physics' steps; the controller sees a period's mean velocity."""
     count, joints = pull.shape
-    states = np.zeros((count + 1, 2 * joints))
-    now = states[0]
+    step, late = real.period / real.steps, real.drives.late
+    states, speed = np.zeros((count + 1, 2 * joints)), np.zeros(joints)
     for k in range(count):
-        i, seen = k // _EVERY, states[max(k - late, 0)]
-        change = pull[k] - answer[i] @ seen - slowing[i] @ now[joints:]
-        speed = now[joints:] + period * change
+        i, total = k // _EVERY, np.zeros(joints)
+        held = pull[k] - answer[i] @ states[max(k - late, 0)]
+        speed = speed + jumps[k]
+        for _ in range(real.steps):
+            speed = speed + step * (held - slowing[i] @ speed)
+            total += speed
         now = states[k + 1]
-        now[joints:] = speed
-        now[:joints] = states[k, :joints] + period * speed
+        now[joints:] = total / real.steps
+        now[:joints] = states[k, :joints] + real.period * now[joints:]
         if k % _EVERY == 0 and not np.abs(now).max() < _DIVERGED:
-            first = np.arange(joints) == np.abs(now).argmax() % joints
-            return np.where(first, np.inf, np.full((count, joints), _DIVERGED))
+            return _diverged(int(np.abs(now).argmax()) % joints, pull)
     return np.asarray(states[:count, :joints])
+
+
+def _growing(
+    answer: Float64Array, slowing: Float64Array, real: SimulatedArm, count: int
+) -> int | None:
+    """The joint that moves fastest at last if all were kicked and the errors grow from then on."""
+    still = np.zeros((min(count, _KICKED), answer.shape[2] // 2))
+    kick = still.copy()
+    kick[:1] = 1.0
+    moved = _integrated(answer, slowing, still, kick, real)
+    if not np.isfinite(moved).all():
+        return int(moved[-1].argmax())
+    speeds = np.abs(np.diff(moved, axis=0))
+    last = len(speeds) - len(speeds) // 4
+    before, after = (part.max(initial=0.0) for part in np.split(speeds, [last]))
+    return int(speeds[last:].max(axis=0).argmax()) if after > _GROWTH * before else None
+
+
+def _diverged(joint: int, like: Float64Array) -> Float64Array:
+    """Errors (n, joints) of a loop in which one joint is the first to run away."""
+    return np.where(np.arange(like.shape[1]) == joint, np.inf, np.full(like.shape, _DIVERGED))
 
 
 def _directions(qd: Float64Array) -> Float64Array:

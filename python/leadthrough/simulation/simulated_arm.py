@@ -18,6 +18,7 @@ from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment
 from leadthrough.simulation.drives import RUNAWAY, Disturbances, RunawayError, drives_of
 from leadthrough.simulation.model import LINK, plant
+from leadthrough.simulation.physics_steps import steps_per_period
 
 # No arm has such motors, N m (N); MuJoCo would soon give up and write a file about it.
 _STRONGEST = 1e6
@@ -49,7 +50,8 @@ class SimulatedArm(ShortRepr):
     disturbances. Equal calls have equal answers.
 
     `torques` are those behind the gears during the last period (joints,), N m (N), and `demanded`
-    those that the controller asked for.
+    those that the controller asked for. `steps` is the number of physics steps in a period, from
+    the gains and inertias at the start.
 
     Args:
         arm: the arm.
@@ -96,7 +98,14 @@ class SimulatedArm(ShortRepr):
             gravity=pull,
             period=self.period,
         )
+        self._choose_step(start.q)
         self._begin(start)
+
+    def _choose_step(self, q: Float64Array) -> None:
+        model, joints = self.plant.model, self.plant.joints
+        mass = self.arm.mass_matrix(q) + np.diag(model.dof_armature[joints])
+        self.steps = steps_per_period(self.law, q, mass, self.drives.damping, period=self.period)
+        model.opt.timestep = self.period / self.steps
 
     def _begin(self, start: CommandedState) -> None:
         late = self.drives.late
@@ -110,7 +119,7 @@ class SimulatedArm(ShortRepr):
         self._seen = deque([self.drives.encoded(start.q)] * (late + 1), maxlen=late + 1)
         self._seen_qd = deque([start.qd] * (late + 1), maxlen=late + 1)
         self._last_seen = before
-        self._last_qd = start.qd
+        self._last_qd = self._mean_qd = start.qd
         self.demanded = self.torques = np.zeros(len(start.q))
         self._mujoco.mj_forward(self.plant.model, self.data)
 
@@ -131,7 +140,7 @@ class SimulatedArm(ShortRepr):
 
     @property
     def touches(self) -> list[Touch]:
-        """Contacts at the beginning of the last period, one entry for each pair of bodies."""
+        """Contacts at the beginning of the last step, one entry for each pair of bodies."""
         if self.data.ncon == 0:
             return []
         return _touches(self._mujoco, self.plant.model, self.data)
@@ -155,11 +164,8 @@ class SimulatedArm(ShortRepr):
             CommandedState, q=self._target.q, qd=self._target.qd, qdd=command.qdd
         )
         asked = self.law.torques(Moment(target, q, qd, progress))
-        before = self.qd
-        # The drives subtract what their own dampers give; these compare velocities at the end of
-        # the period, when the target's is another.
-        self.data.ctrl[:] = asked + self.law.drive_damping * (qd + self.period * command.qdd)
         # Torque limits hold behind the gears, where the rotors' own acceleration has no part.
+        before = self.qd
         spin = self._spin(before, command.qdd)
         self.demanded = asked + self.law.drive_damping * (qd - before) - spin
         self._shift_limits(spin)
@@ -167,12 +173,28 @@ class SimulatedArm(ShortRepr):
             self._push()
         asked_most = np.minimum(np.abs(self.demanded), self.drives.effort)
         self._stop_runaway(asked_most, _STRONGEST)
-        self._mujoco.mj_step(self.plant.model, self.data)
-        self._stop_runaway(np.abs(self.data.qvel[self.plant.joints]), RUNAWAY)
-        self.torques = self._given(before, spin)
+        self.torques = self._advance(asked, qd, command.qdd, spin)
         self._target = command
         self._ticks += 1
         return self.q
+
+    def _advance(
+        self, asked: Float64Array, qd: Float64Array, qdd: Float64Array, spin: Float64Array
+    ) -> Float64Array:
+        """Advances by one period in steps; mean torques (joints,) behind the gears."""
+        step, given, speeds = self.period / self.steps, [], []
+        for i in range(self.steps):
+            before = self.qd
+            # The drives subtract what their own dampers give. These compare velocities at the end
+            # of a step, with the target's there: between samples its acceleration is constant.
+            ahead = 0.5 * (self.period - step) + (i + 1) * step
+            self.data.ctrl[:] = asked + self.law.drive_damping * (qd + ahead * qdd)
+            self._mujoco.mj_step(self.plant.model, self.data)
+            self._stop_runaway(np.abs(self.data.qvel[self.plant.joints]), RUNAWAY)
+            given.append(self._given(before, spin))
+            speeds.append(self.qd)
+        self._mean_qd = np.mean(speeds, axis=0)
+        return np.asarray(np.mean(given, axis=0))
 
     def _stop_runaway(self, values: Float64Array, most: float) -> None:
         """Raises an error if a value of a joint (joints,) is too large, or no number."""
@@ -194,7 +216,7 @@ class SimulatedArm(ShortRepr):
         self.plant.model.actuator_forcerange[limited] = ranges[limited]
 
     def _given(self, before: Float64Array, spin: Float64Array) -> Float64Array:
-        """Torques behind the gears during the period; the drives' dampers act at its end."""
+        """Torques behind the gears during a step; the drives' dampers act at its end."""
         force = np.array(self.data.actuator_force) - spin
         limit = self.drives.effort
         free = np.abs(force) < limit
@@ -206,7 +228,7 @@ class SimulatedArm(ShortRepr):
         now = self.drives.encoded(self.q)
         differences = (now - self._last_seen) / self.period
         self._last_seen = now
-        speed = np.where(self.drives.encoder > 0.0, differences, self.qd)
+        speed = np.where(self.drives.encoder > 0.0, differences, self._mean_qd)
         self._seen.append(now)
         self._seen_qd.append(speed)
         return self._seen[0], self._seen_qd[0]

@@ -24,6 +24,18 @@ Convex scattered_hull(std::mt19937& random) {
   return hull(corners);
 }
 
+// An egg of so many corners, as of a mesh from CAD: cut across, all of one side joined to all of
+// the other would fill gigabytes.
+Convex finely_meshed(std::mt19937& random, Eigen::Index count) {
+  std::normal_distribution<double> normal;
+  Eigen::Matrix3Xd corners(3, count);
+  for (auto corner : corners.colwise()) {
+    corner = Vector3d(normal(random), normal(random), normal(random)).normalized();
+    corner = corner.cwiseProduct(Vector3d(0.05, 0.06, 0.15));
+  }
+  return hull(corners);
+}
+
 // Distance of a point from a body, negative inside.
 double depth(const Convex& body, const Vector3d& point) {
   return separation(sphere(0.0), {Eigen::Matrix3d::Identity(), point}, body, {}).distance;
@@ -33,9 +45,13 @@ double depth(const Convex& body, const Vector3d& point) {
 
 TEST(BallCover, EveryPointOfABodyIsInAPart) {
   std::mt19937 random(1);
-  const std::vector<std::pair<Convex, double>> bodies{
-      {sphere(0.1), 1e-5},          {capsule(0.05, 0.4), 0.005}, {cylinder(0.06, 0.3), 0.043},
-      {cylinder(0.1, 0.02), 0.091}, {box({0.1, 0.2, 0.3}), 0.1}, {scattered_hull(random), 0.15}};
+  const std::vector<std::pair<Convex, double>> bodies{{sphere(0.1), 1e-5},
+                                                      {capsule(0.05, 0.4), 0.005},
+                                                      {cylinder(0.06, 0.3), 0.043},
+                                                      {cylinder(0.1, 0.02), 0.091},
+                                                      {box({0.1, 0.2, 0.3}), 0.1},
+                                                      {scattered_hull(random), 0.15},
+                                                      {finely_meshed(random, 20000), 0.05}};
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     SCOPED_TRACE(k);
     const auto& [body, gap] = bodies[k];

@@ -16,7 +16,7 @@ import pytest
 from cli.command_line import run
 from matplotlib.figure import Figure
 from refusals import refused
-from urdfs import one_joint
+from urdfs import CUBE, one_joint
 
 import leadthrough as lt
 from leadthrough.drawing import palette
@@ -173,6 +173,23 @@ def test_page_holds_the_scene(made, tmp_path):
     for item in head["items"]:
         assert arrays[item["faces"]].max() < arrays[item["vertices"]].size / 3
         assert arrays[item["normals"]].size == arrays[item["vertices"]].size
+
+
+def test_links_of_the_same_mesh_file_share_its_arrays_on_the_page(tmp_path):
+    """As the two arms of YuMi, whose page had all of them twice."""
+    (tmp_path / "part.obj").write_text(CUBE + "f 1 2 3\nf 2 4 3\n")
+    mesh = '<geometry><mesh filename="part.obj"/></geometry>'
+    joint = '<joint name="k" type="fixed"><parent link="b"/><child link="c"/></joint>'
+    document = one_joint(link=f"<visual>{mesh}</visual>").replace(
+        "<joint", f'<link name="c"><visual>{mesh}</visual></link>{joint}<joint', 1
+    )
+    arm = lt.Arm.from_urdf(document, tip="c", mesh_folders=[tmp_path])
+    motion = lt.JointTrajectory([0.0, 1.0], [[0.0], [1.0]])
+    head, _ = unpacked(page.packed(arm_scene(arm, motion)))
+    one, other = head["items"][:2]
+    assert (one["name"], other["name"]) == ("b", "c")
+    for name in ("vertices", "normals", "faces"):
+        assert one[name] == other[name]
 
 
 def test_page_asks_for_nothing_from_elsewhere(made, tmp_path):

@@ -11,7 +11,12 @@ from simulation.conftest import HOME, IDEAL, disturbed
 from simulation.test_physics import MIMICKED
 
 import leadthrough as lt
-from leadthrough.simulation import Disturbances, JointImpedance, SimulatedArm
+from leadthrough.simulation import (
+    CartesianImpedance,
+    Disturbances,
+    JointImpedance,
+    SimulatedArm,
+)
 from leadthrough.simulation.drives import drives_of
 
 STARTS = {
@@ -109,6 +114,14 @@ def test_an_arm_of_which_a_joint_turns_no_mass_is_simulated(ideal):
     report = lt.simulate(arm, motion, disturbances=unknown, rate=200.0)
     assert report.ok, str(report)
     assert report.torque_fractions.max() < 0.1
+
+
+def test_an_arm_of_which_a_joint_turns_no_mass_is_unstable_under_a_stiff_tip():
+    """Its mass matrix could not be inverted."""
+    arm = lt.Arm.from_urdf(urdf_in_package("rtb-data", "pincher_arm.urdf"), tip="gripper_link")
+    motion = lt.JointTrajectory([0.0, 1.0], np.full((2, 5), 0.3))
+    report = lt.simulate(arm, motion, controller=CartesianImpedance(), disturbances=IDEAL)
+    assert [each.kind for each in report.findings] == ["unstable"]
 
 
 def test_an_unstable_arm_is_called_that_and_the_joint_named(loaded, swing):

@@ -107,6 +107,15 @@ def test_creases_keep_the_surface():
     assert np.allclose(np.linalg.norm(normals, axis=1), 1.0)
 
 
+def test_rows_are_numbered_in_their_order():
+    rng = np.random.default_rng(0)
+    rows = rng.integers(-1_000_000, -999_990, (500, 3))
+    wanted = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    got = np.unique(surfaces._numbered(rows), return_index=True, return_inverse=True)
+    assert np.array_equal(got[1], wanted[1])
+    assert np.array_equal(got[2], wanted[2].ravel())
+
+
 def test_path_is_thinned_evenly_and_keeps_its_ends():
     path = np.column_stack([np.linspace(0.0, 1.0, 1000) ** 3, np.zeros(1000), np.zeros(1000)])
     thin = surfaces.thinned(path, 11)
