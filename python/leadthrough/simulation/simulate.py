@@ -313,18 +313,18 @@ def _integrated(
 ) -> Float64Array:
     """Errors (n, joints) by the physics' steps; the controller sees a period's mean velocity."""
     count, joints = pull.shape
-    step, late = real.period / real.steps, real.drives.late
+    period, steps, late = real.period, real.steps, real.drives.late
     states, speed = np.zeros((count + 1, 2 * joints)), np.zeros(joints)
     for k in range(count):
-        i, total = k // _EVERY, np.zeros(joints)
+        i, total, step = k // _EVERY, 0.0, period / steps
         held = pull[k] - answer[i] @ states[max(k - late, 0)]
         speed = speed + jumps[k]
-        for _ in range(real.steps):
+        for _ in range(steps):
             speed = speed + step * (held - slowing[i] @ speed)
-            total += speed
-        now = states[k + 1]
-        now[joints:] = total / real.steps
-        now[:joints] = states[k, :joints] + real.period * now[joints:]
+            total = total + speed
+        now, mean = states[k + 1], total / steps
+        now[joints:] = mean
+        now[:joints] = states[k, :joints] + period * mean
         if k % _EVERY == 0 and not np.abs(now).max() < _DIVERGED:
             return _diverged(int(np.abs(now).argmax()) % joints, pull)
     return np.asarray(states[:count, :joints])

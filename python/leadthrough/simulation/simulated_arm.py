@@ -108,6 +108,8 @@ class SimulatedArm(ShortRepr):
         model.opt.timestep = self.period / self.steps
 
     def _begin(self, start: CommandedState) -> None:
+        self._limited = np.isfinite(self.drives.effort)
+        self._ranges = self.drives.effort[self._limited, None] * (-1.0, 1.0)
         late = self.drives.late
         self.data: Any = self._mujoco.MjData(self.plant.model)
         self.data.qpos[:] = self.plant.coordinates(start.q)
@@ -173,28 +175,33 @@ class SimulatedArm(ShortRepr):
             self._push()
         asked_most = np.minimum(np.abs(self.demanded), self.drives.effort)
         self._stop_runaway(asked_most, _STRONGEST)
-        self.torques = self._advance(asked, qd, command.qdd, spin)
+        self.torques = self._advance(before, asked, qd, command.qdd, spin=spin)
         self._target = command
         self._ticks += 1
         return self.q
 
     def _advance(
-        self, asked: Float64Array, qd: Float64Array, qdd: Float64Array, spin: Float64Array
+        self,
+        before: Float64Array,
+        asked: Float64Array,
+        qd: Float64Array,
+        qdd: Float64Array,
+        *,
+        spin: Float64Array,
     ) -> Float64Array:
         """Advances by one period in steps; mean torques (joints,) behind the gears."""
-        step, given, speeds = self.period / self.steps, [], []
+        step, given, speeds = self.period / self.steps, [], [before]
         for i in range(self.steps):
-            before = self.qd
             # The drives subtract what their own dampers give. These compare velocities at the end
             # of a step, with the target's there: between samples its acceleration is constant.
             ahead = 0.5 * (self.period - step) + (i + 1) * step
             self.data.ctrl[:] = asked + self.law.drive_damping * (qd + ahead * qdd)
             self._mujoco.mj_step(self.plant.model, self.data)
-            self._stop_runaway(np.abs(self.data.qvel[self.plant.joints]), RUNAWAY)
-            given.append(self._given(before, spin))
             speeds.append(self.qd)
-        self._mean_qd = np.mean(speeds, axis=0)
-        return np.asarray(np.mean(given, axis=0))
+            self._stop_runaway(np.abs(speeds[-1]), RUNAWAY)
+            given.append(self._given(speeds[-1] - speeds[-2], spin))
+        self._mean_qd = sum(speeds[2:], speeds[1]) / self.steps
+        return np.asarray(sum(given[1:], given[0]) / self.steps)
 
     def _stop_runaway(self, values: Float64Array, most: float) -> None:
         """Raises an error if a value of a joint (joints,) is too large, or no number."""
@@ -211,16 +218,15 @@ class SimulatedArm(ShortRepr):
 
     def _shift_limits(self, spin: Float64Array) -> None:
         """Adds the torques (joints,) of the rotors to the motors' limits for a period."""
-        limited = np.isfinite(self.drives.effort)
-        ranges = spin[:, None] + self.drives.effort[:, None] * (-1.0, 1.0)
-        self.plant.model.actuator_forcerange[limited] = ranges[limited]
+        ranges = spin[self._limited, None] + self._ranges
+        self.plant.model.actuator_forcerange[self._limited] = ranges
 
-    def _given(self, before: Float64Array, spin: Float64Array) -> Float64Array:
-        """Torques behind the gears during a step; the drives' dampers act at its end."""
+    def _given(self, gained: Float64Array, spin: Float64Array) -> Float64Array:
+        """Torques behind the gears in a step that gained speed; the drives' dampers act after."""
         force = np.array(self.data.actuator_force) - spin
         limit = self.drives.effort
         free = np.abs(force) < limit
-        given = force - free * self.law.drive_damping * (self.qd - before)
+        given = force - free * self.law.drive_damping * gained
         return np.asarray(np.clip(given, -limit, limit))
 
     def _measured(self) -> tuple[Float64Array, Float64Array]:
