@@ -37,6 +37,7 @@ class Plant:
     tip: int  # index of the body of the tip link
     velocity: Float64Array  # (joints,), rad/s (m/s), infinite where no limit is known
     stated_velocity: Float64Array  # (joints,), rad/s (m/s), of the URDF alone
+    motors: slice  # of the model's, those of the arm
 
     def coordinates(self, q: Float64Array) -> Float64Array:
         """Positions of all joints of the model, from the arm's own (joints,)."""
@@ -73,6 +74,7 @@ def plant(
         model.body(LINK + arm.tip).id,
         stricter(own.velocity, arm.limits.velocity),
         stricter(own.velocity, None),
+        slice(0, len(arm.joint_names)),
     )
 
 

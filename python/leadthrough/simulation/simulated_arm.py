@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -125,6 +126,22 @@ class SimulatedArm(ShortRepr):
         self.demanded = self.torques = np.zeros(len(start.q))
         self._mujoco.mj_forward(self.plant.model, self.data)
 
+    def _share(self, model: Any, data: Any, prefix: str, steps: int) -> None:
+        """Moves into a model with more bodies, in which its names have a prefix."""
+        first = prefix + self.arm.joint_names[0]
+        shift = model.joint(first).dofadr[0] - self.plant.joints[0]
+        own = slice(shift, shift + len(self.data.qpos))
+        data.qpos[own], data.qvel[own] = self.data.qpos, self.data.qvel
+        motor = model.actuator(first).id
+        self.plant = replace(
+            self.plant,
+            model=model,
+            joints=self.plant.joints + shift,
+            tip=model.body(prefix + LINK + self.arm.tip).id,
+            motors=slice(motor, motor + len(self.arm.joint_names)),
+        )
+        self.data, self.steps = data, steps
+
     @property
     def time(self) -> float:
         """Since the start, s."""
@@ -161,6 +178,12 @@ class SimulatedArm(ShortRepr):
         Raises:
             FloatingPointError: if a joint runs away: the gains are too high for the rate.
         """
+        for _ in self._period(command, progress):
+            self._mujoco.mj_step(self.plant.model, self.data)
+        return self.q
+
+    def _period(self, command: CommandedState, progress: float) -> Iterator[None]:
+        """A period; whoever goes through it lets the physics make a step each time."""
         q, qd = self._measured()
         target = check.computed(
             CommandedState, q=self._target.q, qd=self._target.qd, qdd=command.qdd
@@ -175,33 +198,21 @@ class SimulatedArm(ShortRepr):
             self._push()
         asked_most = np.minimum(np.abs(self.demanded), self.drives.effort)
         self._stop_runaway(asked_most, _STRONGEST)
-        self.torques = self._advance(before, asked, qd, command.qdd, spin=spin)
-        self._target = command
-        self._ticks += 1
-        return self.q
-
-    def _advance(
-        self,
-        before: Float64Array,
-        asked: Float64Array,
-        qd: Float64Array,
-        qdd: Float64Array,
-        *,
-        spin: Float64Array,
-    ) -> Float64Array:
-        """Advances by one period in steps; mean torques (joints,) behind the gears."""
         step, given, speeds = self.period / self.steps, [], [before]
         for i in range(self.steps):
             # The drives subtract what their own dampers give. These compare velocities at the end
             # of a step, with the target's there: between samples its acceleration is constant.
             ahead = 0.5 * (self.period - step) + (i + 1) * step
-            self.data.ctrl[:] = asked + self.law.drive_damping * (qd + ahead * qdd)
-            self._mujoco.mj_step(self.plant.model, self.data)
+            ctrl = asked + self.law.drive_damping * (qd + ahead * command.qdd)
+            self.data.ctrl[self.plant.motors] = ctrl
+            yield
             speeds.append(self.qd)
             self._stop_runaway(np.abs(speeds[-1]), RUNAWAY)
             given.append(self._given(speeds[-1] - speeds[-2], spin))
         self._mean_qd = sum(speeds[2:], speeds[1]) / self.steps
-        return np.asarray(sum(given[1:], given[0]) / self.steps)
+        self.torques = np.asarray(sum(given[1:], given[0]) / self.steps)
+        self._target = command
+        self._ticks += 1
 
     def _stop_runaway(self, values: Float64Array, most: float) -> None:
         """Raises an error if a value of a joint (joints,) is too large, or no number."""
@@ -219,11 +230,11 @@ class SimulatedArm(ShortRepr):
     def _shift_limits(self, spin: Float64Array) -> None:
         """Adds the torques (joints,) of the rotors to the motors' limits for a period."""
         ranges = spin[self._limited, None] + self._ranges
-        self.plant.model.actuator_forcerange[self._limited] = ranges
+        self.plant.model.actuator_forcerange[self.plant.motors][self._limited] = ranges
 
     def _given(self, gained: Float64Array, spin: Float64Array) -> Float64Array:
         """Torques behind the gears in a step that gained speed; the drives' dampers act after."""
-        force = np.array(self.data.actuator_force) - spin
+        force = self.data.actuator_force[self.plant.motors] - spin
         limit = self.drives.effort
         free = np.abs(force) < limit
         given = force - free * self.law.drive_damping * gained

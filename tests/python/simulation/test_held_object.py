@@ -6,7 +6,7 @@ from motions import two_pandas
 from refusals import refused
 
 import leadthrough as lt
-from leadthrough.simulation import Disturbances, held_object, simulate_held
+from leadthrough.simulation import Disturbances, simulate_held, simulated_arm
 
 MASS, GRAVITY = 2.0, np.array([0.0, 0.0, -9.81])
 DOWN = (0.0, 1.0, 0.0, 0.0)
@@ -88,6 +88,6 @@ def test_wrong_arguments_are_named(held, run):
 
 def test_a_joint_that_runs_away_is_named(held, run, monkeypatch):
     """With the bound lowered to a speed that the motion has, as torque limits keep joints slow."""
-    monkeypatch.setattr(held_object, "RUNAWAY", 0.05)
+    monkeypatch.setattr(simulated_arm, "RUNAWAY", 0.05)
     with pytest.raises(FloatingPointError, match=r"panda_joint\d runs away after 0\.\d+ s"):
         simulate_held(held, run)
