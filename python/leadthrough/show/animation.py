@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -20,12 +21,24 @@ from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.shapes.surface import Surface
 from leadthrough.show.surfaces import creased, smooth
 
-ARM, DEMONSTRATIONS, PATH, SPREAD, OBSTACLES, START, GOAL, VIA = (
-    "arm", "demonstrations", "path", "uncertainty", "obstacles", "start", "goal", "via points",
-)  # fmt: skip
+
+class Layer(StrEnum):
+    """Surfaces that are shown and hidden together."""
+
+    ARM = "arm"
+    DEMONSTRATIONS = "demonstrations"
+    OBSTACLES = "obstacles"
+    PATH = "path"
+    MODES = "other modes"
+    SPREAD = "uncertainty"
+    START = "start"
+    GOAL = "goal"
+    VIA = "via points"
+    PLANNED = "planned arm"
+
 
 # Layers whose surfaces have no creases.
-_SMOOTH = frozenset({DEMONSTRATIONS, PATH, SPREAD, START, GOAL, VIA})
+_SMOOTH = frozenset(Layer) - {Layer.ARM, Layer.OBSTACLES, Layer.PLANNED}
 # A screen shows at most 60 frames per second, and a long motion is shown with fewer.
 _FRAME_RATE = 60.0
 _MAX_FRAMES = 1200

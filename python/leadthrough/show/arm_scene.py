@@ -19,20 +19,7 @@ from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.shapes.surface import Surface, merged, sphere
-from leadthrough.show.animation import (
-    ARM,
-    DEMONSTRATIONS,
-    GOAL,
-    OBSTACLES,
-    PATH,
-    SPREAD,
-    START,
-    VIA,
-    Animation,
-    Item,
-    link_motion,
-    sampled,
-)
+from leadthrough.show.animation import Animation, Item, Layer, link_motion, sampled
 from leadthrough.show.surfaces import thinned, tube, uncertainty_tube
 
 # Radius of the tubes around paths, m: thin enough that drawings of a hand's size stay legible.
@@ -105,10 +92,12 @@ def arm_items(
             by_colour.setdefault(part.colour or default, []).append(part.surface)
         for i, (colour, meshes) in enumerate(by_colour.items()):
             name = f"{link} {i}" if i else link
-            yield Item(name, ARM, merged(meshes), colour, link=links.index(link))
+            yield Item(name, Layer.ARM, merged(meshes), colour, link=links.index(link))
     for i, shape in enumerate(arm.attached):
         mesh = shape.placed_surface()
-        yield Item(f"attached {i}", ARM, mesh, palette.rgb(palette.TOOL), link=links.index(arm.tip))
+        yield Item(
+            f"attached {i}", Layer.ARM, mesh, palette.rgb(palette.TOOL), link=links.index(arm.tip)
+        )
 
 
 def demonstration_items(arm: Arm, demonstrations: Iterable[Demonstration]) -> Iterator[Item]:
@@ -120,13 +109,13 @@ def demonstration_items(arm: Arm, demonstrations: Iterable[Demonstration]) -> It
         points = thinned(tip_path(arm, demonstration.motion), _DEMONSTRATION_POINTS)
         mesh = tube(points, _DEMONSTRATION_FRACTION * _radius(points), sides=6)
         name = demonstration.name or f"demonstration {i + 1}"
-        yield Item(name, DEMONSTRATIONS, mesh, palette.rgb(palette.DEMONSTRATION))
+        yield Item(name, Layer.DEMONSTRATIONS, mesh, palette.rgb(palette.DEMONSTRATION))
 
 
 def path_item(path: Float64Array) -> Item:
     """The planned path (n, 3)."""
     mesh = tube(thinned(path, _PATH_POINTS), _radius(path))
-    return Item("path", PATH, mesh, palette.rgb(palette.PATH))
+    return Item("path", Layer.PATH, mesh, palette.rgb(palette.PATH))
 
 
 def spread_items(arm: Arm, skill: Skill | None) -> Iterator[Item]:
@@ -134,7 +123,9 @@ def spread_items(arm: Arm, skill: Skill | None) -> Iterator[Item]:
     distribution = distribution_of(arm, skill)
     if distribution is not None:
         mesh = uncertainty_tube(*distribution)
-        yield Item("two standard deviations", SPREAD, mesh, palette.rgb(palette.SKY), opacity=0.35)
+        yield Item(
+            "two standard deviations", Layer.SPREAD, mesh, palette.rgb(palette.SKY), opacity=0.35
+        )
 
 
 def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float64Array] | None:
@@ -152,26 +143,33 @@ def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float6
 def obstacle_item(shape: Shape, index: int) -> Item:
     """An obstacle at its own pose."""
     colour = palette.rgb(palette.OBSTACLE)
-    return Item(f"obstacle {index}", OBSTACLES, shape.placed_surface(), colour, opacity=0.85)
+    return Item(f"obstacle {index}", Layer.OBSTACLES, shape.placed_surface(), colour, opacity=0.85)
 
 
 def goal_item(goal: Float64Array) -> Item:
     """A ball at the goal (3,)."""
     mesh = sphere(_GOAL_RADIUS).moved(goal)
-    return Item("goal", GOAL, mesh, palette.rgb(palette.GOAL))
+    return Item("goal", Layer.GOAL, mesh, palette.rgb(palette.GOAL))
 
 
 def start_item(path: Float64Array) -> Item:
     """A small ball where a path (n, 3) begins."""
     mesh = sphere(_MARK_RADIUS).moved(path[0])
-    return Item("start", START, mesh, palette.rgb(palette.PATH))
+    return Item("start", Layer.START, mesh, palette.rgb(palette.PATH))
+
+
+def mode_items(paths: Iterable[Float64Array]) -> Iterator[Item]:
+    """Paths (m, 3) by the modes of a skill that are not taken."""
+    for i, path in enumerate(paths):
+        mesh = tube(thinned(path, _PATH_POINTS), _DEMONSTRATION_FRACTION * _radius(path))
+        yield Item(f"other mode {i + 1}", Layer.MODES, mesh, palette.rgb(palette.AMBER))
 
 
 def via_items(points: Iterable[Float64Array]) -> Iterator[Item]:
     """Small balls at points (3,) that the path was moved to."""
     for i, point in enumerate(points):
         mesh = sphere(_MARK_RADIUS).moved(point)
-        yield Item(f"via point {i + 1}", VIA, mesh, palette.rgb(palette.PINK))
+        yield Item(f"via point {i + 1}", Layer.VIA, mesh, palette.rgb(palette.PINK))
 
 
 def _radius(path: Float64Array) -> float:

@@ -6,7 +6,7 @@ const KEY_STEP = 0.01; // m that an arrow key moves
 class Handle {
   // `moved` takes the new place, or with `turned` a rotation vector; `grabbed` and `left` nothing.
   constructor(view, name, kind, { moved, turned, grabbed, left }) {
-    Object.assign(this, { view, moved, turned, grabbed, left, place: null, turning: false });
+    Object.assign(this, { view, kind, moved, turned, grabbed, left, place: null, turning: false });
     this.button = document.createElement("button");
     Object.assign(this.button, { className: `handle ${kind}`, title: name, hidden: true });
     this.button.setAttribute("aria-label", `${name}: drag it, or move it by the arrow keys`);

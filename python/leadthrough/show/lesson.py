@@ -43,9 +43,10 @@ def learned(arm: Arm, demonstrations: Sequence[Demonstration[Any]], scene: Scene
 def plan_command(planner: Replanner, skill_path: Path, scene: Scene) -> str:
     """The command that plans with a saved skill as the page does now, without meshes and clouds."""
     words = ["leadthrough plan", str(skill_path)]
-    if planner.has_moved_goal:
-        goal = [planner.goal_position, planner.goal_orientation]
-        texts = [option_numbers(part) for part in goal if part is not None]
-        words.append(f"--goal={'/'.join(texts)}")
+    for name in ("start", "goal"):
+        end = planner.end(name)
+        if end is not None and end.moved:
+            parts = [end.position] if end.orientation is None else [end.position, end.orientation]
+            words.append(f"--{name}={'/'.join(map(option_numbers, parts))}")
     words += (f"--obstacle {s.option()}" for s in scene.shapes if isinstance(s, Primitive))
     return " ".join([*words, "-o", "motion.json"])

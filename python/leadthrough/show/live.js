@@ -10,7 +10,7 @@ class LiveView extends SceneView {
     this.state = { obstacles: [] };
     this.obstacles = [];
     this.sliders = [];
-    this.goal = this.ring("Goal", "goal", { do: "goal" });
+    this.ends = ["start", "goal"].map((name) => this.ring(name[0].toUpperCase() + name.slice(1), name, { do: name }));
     this.point = new Handle(this, "Point of the path", "point", {
       grabbed: () => { this.play(false); this.held = this.time; },
       moved: (position) => this.send({ do: "correct", time: this.held, position }),
@@ -30,7 +30,7 @@ class LiveView extends SceneView {
     });
   }
 
-  get turned() { return [this.goal, ...this.obstacles]; }
+  get turned() { return [...this.ends, ...this.obstacles]; }
 
   turning() {
     const on = this.find("turning").getAttribute("aria-pressed") === "false";
@@ -88,7 +88,7 @@ class LiveView extends SceneView {
     super.draw(way);
     if (!this.panel) return;
     const place = [...this.links[this.data.tip ?? this.links.length - 1].slice(12, 15)];
-    this.goal.put(this.state.goal);
+    this.ends.forEach((ring) => ring.put(this.state[ring.kind]));
     this.point.put(this.correctable ? place : null);
     this.obstacles.forEach((ring, i) => ring.put(this.state.obstacles[i]));
     return place;

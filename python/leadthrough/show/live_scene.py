@@ -16,22 +16,13 @@ from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene
 from leadthrough.show import page
-from leadthrough.show.animation import (
-    DEMONSTRATIONS,
-    GOAL,
-    OBSTACLES,
-    PATH,
-    SPREAD,
-    START,
-    VIA,
-    Animation,
-    Item,
-)
+from leadthrough.show.animation import Animation, Item, Layer
 from leadthrough.show.arm_scene import (
     arm_motion,
     arm_scene,
     demonstration_items,
     goal_item,
+    mode_items,
     obstacle_item,
     path_item,
     spread_items,
@@ -41,8 +32,8 @@ from leadthrough.show.arm_scene import (
 from leadthrough.show.readouts import readouts
 
 _MOTIONLESS = Animation((), np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 4)), ())
-_MARKS = {PATH: path_item, START: start_item, GOAL: goal_item}
-LAYERS = (DEMONSTRATIONS, OBSTACLES, PATH, SPREAD, START, GOAL, VIA)
+_MARKS = {Layer.PATH: path_item, Layer.START: start_item, Layer.GOAL: goal_item}
+LAYERS = [layer for layer in Layer if layer not in (Layer.ARM, Layer.PLANNED)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +49,7 @@ class LiveScene:
     skill: Skill | None = None  # whose spread is drawn
     via: Sequence[Float64Array] = ()  # points (3,) that the path was moved to
     wanted: Float64Array | None = None  # path of the tip (m, 3) by the skill alone
+    others: Sequence[Float64Array] = ()  # such paths by other modes
 
     def document(self, kind: str) -> str:
         """The page of a kind, "teach" or "view"."""
@@ -88,13 +80,15 @@ class LiveScene:
         return readouts(self.arm, self.motion, self.scene, self.wanted)
 
     def _items(self, layer: str) -> Iterable[Item]:
-        if layer == DEMONSTRATIONS:
+        if layer == Layer.DEMONSTRATIONS:
             return demonstration_items(self.arm, self.demonstrations)
-        if layer == OBSTACLES:
+        if layer == Layer.OBSTACLES:
             return [obstacle_item(shape, i) for i, shape in enumerate(self.scene.shapes)]
-        if layer == SPREAD:
+        if layer == Layer.SPREAD:
             return spread_items(self.arm, self.skill)
-        if layer == VIA:
+        if layer == Layer.VIA:
             return via_items(self.via)
-        marked = self.goal if layer == GOAL else self.path
-        return [] if marked is None else [_MARKS[layer](marked)]
+        if layer == Layer.MODES:
+            return mode_items(self.others)
+        marked = self.goal if layer == Layer.GOAL else self.path
+        return [] if marked is None else [_MARKS[Layer(layer)](marked)]

@@ -11,7 +11,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -20,8 +20,8 @@ from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene, Shape
-from leadthrough.show.animation import DEMONSTRATIONS, GOAL, OBSTACLES, PATH, SPREAD, START, VIA
-from leadthrough.show.live_scene import LiveScene
+from leadthrough.show.animation import Layer
+from leadthrough.show.live_scene import LAYERS, LiveScene
 from leadthrough.show.replanner import Answer, Replanner
 
 Change = Callable[[Replanner], None]
@@ -127,8 +127,9 @@ class LiveSession:
         planned = self.answer if self.answer and self.answer.joints is self.motion else None
         return LiveScene(
             *(self.arm, self._shown(), self.scene, self.demonstrations),
-            *(self._path, self._goal_position, skill, via),
+            *(self._path, self._place_of("goal"), skill, via),
             wanted=None if planned is None else planned.wanted,
+            others=() if planned is None else planned.others,
         )
 
     def greeting(self) -> list[str]:
@@ -139,7 +140,7 @@ class LiveSession:
         """Takes a message of a browser, of any content."""
         try:
             said = json.loads(message)
-            handler = self._HANDLERS[str(said.pop("do"))]
+            handler = self._HANDLERS[str(said["do"])]
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
             return  # not from our page
         with self._telling():
@@ -184,13 +185,10 @@ class LiveSession:
 
     # Messages of browsers.
 
-    def _goal(self, said: dict[str, Any]) -> None:
-        if "vector" in said:
-            turn = vector(said, "vector")
-            self.request(lambda planner: _turn_goal(planner, turn))
-        else:
-            position = vector(said, "position")
-            self.request(lambda planner: planner.move_goal(position))
+    def _end(self, said: dict[str, Any]) -> None:
+        name, how = str(said["do"]), "turn" if "vector" in said else "move"
+        given = vector(said, "vector" if how == "turn" else "position")
+        self.request(lambda planner: getattr(getattr(planner, name), how)(given))
 
     def _obstacle(self, said: dict[str, Any]) -> None:
         shapes = list(self.scene.shapes)
@@ -200,7 +198,7 @@ class LiveSession:
         if self._place(replace(self.scene, obstacles=tuple(shapes))):
             at = moved.position, moved.orientation
             self.request(lambda planner: planner.move_obstacle(i, *at))
-            self._messages.append(self.drawn.message((OBSTACLES,)))
+            self._messages.append(self.drawn.message((Layer.OBSTACLES,)))
 
     def _correct(self, said: dict[str, Any]) -> None:
         time = check.number(said.get("time"), "time", at_least=0.0)
@@ -222,8 +220,9 @@ class LiveSession:
             self.request(lambda planner: planner.set_parameter(i - 1, value))
 
     HANDLERS: ClassVar[Mapping[str, Handler]] = MappingProxyType(
-        {"goal": _goal, "obstacle": _obstacle, "correct": _correct, "undo": _undo, "slide": _slide}
-    )
+        {"start": _end, "goal": _end, "obstacle": _obstacle, "correct": _correct, "undo": _undo,
+         "slide": _slide}
+    )  # fmt: skip
     _HANDLERS = HANDLERS
 
     # Differences of sessions.
@@ -254,12 +253,13 @@ class LiveSession:
             self._path = answer.path
         if answer.joints is not None:
             self.motion = answer.joints
-        layers = (PATH, START, GOAL, VIA, *(() if answer.trouble else (SPREAD,)))
+        hidden = {Layer.DEMONSTRATIONS, Layer.OBSTACLES, Layer.SPREAD if answer.trouble else None}
+        layers = [layer for layer in LAYERS if layer not in hidden]
         self._messages.append(self.drawn.message(layers, moves=moves, detailed=whole))
         self._say(self._verdict(answer, whole=whole))
 
     def _redraw_demonstrations(self, *, moves: bool) -> None:
-        self._messages.append(self.drawn.message((DEMONSTRATIONS,), moves=moves))
+        self._messages.append(self.drawn.message((Layer.DEMONSTRATIONS,), moves=moves))
 
     def _say(self, text: str) -> None:
         self._text = text.strip()
@@ -277,18 +277,18 @@ class LiveSession:
         names = ("label", "value", "lower", "upper", "step")
         return [dict(zip(names, row, strict=True)) for row in (*first, *others)]
 
-    @property
-    def _goal_position(self) -> Float64Array | None:
-        planner = self.planner
-        return planner.goal_position if planner is not None and planner.has_goal else None
+    def _place_of(self, name: Literal["start", "goal"]) -> Float64Array | None:
+        end = None if self.planner is None else self.planner.end(name)
+        return None if end is None else np.round(end.position, 5)
 
     def _state(self) -> str:
-        goal, planner = self._goal_position, self.planner
+        planner = self.planner
+        ends = {name: self._place_of(name) for name in ("start", "goal")}
         return json.dumps(
             {
                 "kind": "state",
                 "text": self._text,
-                "goal": None if goal is None else np.round(goal, 5).tolist(),
+                **{name: None if at is None else at.tolist() for name, at in ends.items()},
                 "obstacles": [np.round(each.position, 5).tolist() for each in self.scene.shapes],
                 "corrections": 0 if planner is None else planner.corrections,
                 "learned": planner is not None,
@@ -303,13 +303,6 @@ def _moved(shape: Shape, said: dict[str, Any]) -> Shape:
         return shape.at(vector(said, "position"), shape.orientation)
     turn = rotations.exp(vector(said, "vector")[None])
     return shape.at(shape.position, rotations.compose(turn, shape.orientation[None])[0])
-
-
-def _turn_goal(planner: Replanner, turn: Float64Array) -> None:
-    """Turns the goal by a rotation vector, where it has an orientation."""
-    if planner.goal_orientation is not None:
-        q = rotations.compose(rotations.exp(turn[None]), planner.goal_orientation[None])[0]
-        planner.move_goal(planner.goal_position, q)
 
 
 def vector(said: dict[str, Any], name: str) -> Float64Array:

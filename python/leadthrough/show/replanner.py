@@ -6,10 +6,12 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check, motion_planning
+from leadthrough import check, motion_planning, rotations
 from leadthrough.arm import Arm, FollowOptions
 from leadthrough.arm.following import follow
 from leadthrough.arm.ik_failure import limiting_joints_text
@@ -49,6 +51,56 @@ class Answer(ShortRepr):
     verdict: str  # of a collision check of the whole arm; empty for a preview
     seconds: float  # of computation
     wanted: Float64Array | None = None  # the tip's path (m, 3) by the skill alone
+    others: tuple[Float64Array, ...] = ()  # that path by the modes that are not taken
+
+
+class End:
+    """The start or the goal of a motion, of the tip; and the skill's own joints there, if any."""
+
+    def __init__(self, arm: Arm, motion: Motion, name: str) -> None:
+        self._arm, self._name = arm, name
+        self._row = 0 if name == "start" else -1
+        self.moved = False
+        self._joints: Float64Array | None = None
+        self.orientation: Float64Array | None = None
+        self.position = motion.positions[self._row].copy()
+        if isinstance(motion, JointTrajectory):
+            self._joints = self.position
+            self.position, self.orientation = arm.forward_kinematics(self._joints)
+        elif isinstance(motion, PoseTrajectory):
+            self.orientation = motion.orientations[self._row]
+
+    def move(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
+        """Sets another place."""
+        self.position = check.array(position, self._name, shape=(3,)).copy()
+        if orientation is not None:
+            self.orientation = check.quaternions(orientation, self._name, shape=(4,))
+        self.moved = True
+
+    def turn(self, vector: Float64Array) -> None:
+        """Turns it by a rotation vector, where it has an orientation."""
+        if self.orientation is not None:
+            turn = rotations.exp(vector[None])
+            self.move(self.position, rotations.compose(turn, self.orientation[None])[0])
+
+    def target(self) -> Target | None:
+        """The place in the form that the skill takes; None for its own."""
+        if not self.moved:
+            return None
+        if self._joints is not None:
+            return self._solved(self._joints)
+        return self.position if self.orientation is None else (self.position, self.orientation)
+
+    def _solved(self, near: Float64Array) -> Float64Array:
+        found = self._arm.inverse_kinematics(self.position, self.orientation, q0=near)
+        if not found.success:
+            bars = [name in found.limiting_joints for name in self._arm.joint_names]
+            why = limiting_joints_text(self._arm.limits, found.q, bars) or found.status
+            raise InvalidInput(
+                f"{self._name}: the arm does not reach it: {why}; the nearest is "
+                f"{found.position_error:.3g} m and {found.orientation_error:.3g} rad away"
+            )
+        return found.q
 
 
 class Replanner:
@@ -81,33 +133,25 @@ class Replanner:
         self._has_ample_room = True
         self._may_search = True
         self._is_of_joints = isinstance(nominal, JointTrajectory)
-        self._is_of_poses = isinstance(nominal, PoseTrajectory)
-        self.goal_position, self.goal_orientation = self._nominal_goal(nominal)
-        self._asked = False
+        self.start, self.goal = (End(arm, nominal, name) for name in ("start", "goal"))
         if goal is not None:
-            self.move_goal(*parted(goal))
+            self.goal.move(*parted(goal))
 
     @property
     def scene(self) -> Scene:
         """The obstacles where they were moved to, and the margins."""
         return replace(self._given, obstacles=tuple(self.obstacles))
 
-    @property
-    def has_goal(self) -> bool:
-        """Whether the skill honours a goal where its motion ends; a rhythm has no end."""
-        return "goal" in self.skill.supports and not self.skill.kind.startswith("rhythmic")
+    def end(self, name: Literal["start", "goal"]) -> End | None:
+        """The start or the goal, if the skill honours it; a rhythm has neither."""
+        if name not in self.skill.supports or self.skill.kind.startswith("rhythmic"):
+            return None
+        return self.start if name == "start" else self.goal
 
     @property
     def parameters(self) -> list[Parameter]:
         """The numbers of the present skill that sliders may change."""
         return list(self.skill.parameters(self._demonstrations))
-
-    def move_goal(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
-        """Sets another goal."""
-        self.goal_position = check.array(position, "goal", shape=(3,)).copy()
-        if orientation is not None:
-            self.goal_orientation = check.quaternions(orientation, "goal", shape=(4,))
-        self._asked = True
 
     def move_obstacle(
         self, index: int, position: ArrayLike, orientation: ArrayLike | None = None
@@ -123,21 +167,21 @@ class Replanner:
         self.__dict__.pop("_quick", None)  # it answers with the old value
 
     @property
-    def has_moved_goal(self) -> bool:
-        """Whether the goal is not the demonstrated one."""
-        return self._asked
-
-    @property
     def corrections(self) -> int:
         """The number of corrections that can be undone."""
         return len(self.skill.corrections) if isinstance(self.skill, CorrectedSkill) else 0
 
     def correct(self, time: float, position: ArrayLike) -> None:
         """Moves the tip's point at a time, s, of the present motion to a position (3,), m."""
-        goal = self._goal() if self.has_goal and self._asked else None
         around = tuple(self.obstacles) if "obstacles" in self.skill.supports else ()
+        query = self._query(_STEP)
         self.skill = self.skill.corrected(
-            time, position, goal=goal, duration=self.duration, obstacles=around
+            time,
+            position,
+            start=query.start,
+            goal=query.goal,
+            duration=self.duration,
+            obstacles=around,
         )
         self.__dict__.pop("_quick", None)
 
@@ -149,10 +193,11 @@ class Replanner:
 
     def asked_skill(self) -> Skill | None:
         """The skill whose uncertainty ends at the goal; None if it cannot be conditioned on it."""
-        if not (self.has_goal and self._asked and isinstance(self.skill, Conditioned)):
+        if not isinstance(self.skill, Conditioned):
             return self.skill
         try:
-            return self.skill.condition(self.skill.duration, self._goal())
+            goal = self._query(_STEP).goal
+            return self.skill if goal is None else self.skill.condition(self.skill.duration, goal)
         except LeadthroughError:
             return None
 
@@ -192,7 +237,14 @@ class Replanner:
             trouble = str(error)
             if path is None:
                 path = self._path_of_the_tip_alone(_PREVIEW_STEP, preview=True)
-        return Answer(path, joints, trouble, verdict, time.perf_counter() - begin, wanted)
+        others = () if preview or wanted is None else self._other_ways(dt, wanted)
+        return Answer(path, joints, trouble, verdict, time.perf_counter() - begin, wanted, others)
+
+    def _other_ways(self, dt: float, wanted: Float64Array) -> tuple[Float64Array, ...]:
+        count = len(getattr(self.skill, "modes", ()))
+        modes = range(count) if count > 1 else ()
+        ways = [self._path_of_the_tip_alone(dt, preview=False, mode=i) for i in modes]
+        return tuple(way for way in ways if way is not None and not np.array_equal(way, wanted))
 
     def _planned(self, dt: float) -> tuple[Float64Array, JointTrajectory]:
         """The path of the tip and the joints, the whole arm clear of the obstacles."""
@@ -209,19 +261,23 @@ class Replanner:
         self._may_search = True
         return planned.tip.positions, planned.joints
 
-    def _path_of_the_tip_alone(self, dt: float, *, preview: bool) -> Float64Array | None:
+    def _path_of_the_tip_alone(
+        self, dt: float, *, preview: bool, mode: int | None = None
+    ) -> Float64Array | None:
         """The path that the skill means, whether the arm can follow it or not; None if none."""
         try:
-            return tip_path(self.arm, self._motion(dt, preview=preview))
+            return tip_path(self.arm, self._motion(dt, preview=preview, mode=mode))
         except LeadthroughError:
             return None
 
     def _query(self, dt: float) -> motion_planning.Query:
-        goal = self._goal() if self.has_goal and self._asked else None
-        return motion_planning.Query(goal=goal, duration=self.duration, dt=dt)
+        start, goal = (
+            None if end is None else end.target() for end in (self.end("start"), self.end("goal"))
+        )
+        return motion_planning.Query(start, goal, self.duration, dt)
 
-    def _motion(self, dt: float, *, preview: bool) -> Motion:
-        query = self._query(dt).arguments()
+    def _motion(self, dt: float, *, preview: bool, mode: int | None = None) -> Motion:
+        query = self._query(dt).arguments() | ({} if mode is None else {"mode": mode})
         if "obstacles" in self.skill.supports:
             query["obstacles"] = tuple(self.obstacles)
         return (self._quick if preview else self.skill).generate(**query)
@@ -296,31 +352,6 @@ class Replanner:
     def _around(self, margin: float) -> CollisionTest:
         scene = replace(self.scene, margin=margin).for_planning()
         return CollisionTest(self.arm._collision, scene)
-
-    def _nominal_goal(self, nominal: Motion) -> tuple[Float64Array, Float64Array | None]:
-        if self._is_of_joints:
-            self._last_joints = nominal.positions[-1]
-            return self.arm.forward_kinematics(nominal.positions[-1])
-        orientation = nominal.orientations[-1] if isinstance(nominal, PoseTrajectory) else None
-        return nominal.positions[-1].copy(), orientation
-
-    def _goal(self) -> Target:
-        """The goal in the form that the skill takes."""
-        if self.goal_orientation is not None and self._is_of_poses:
-            return self.goal_position, self.goal_orientation
-        if not self._is_of_joints:
-            return self.goal_position
-        solution = self.arm.inverse_kinematics(
-            self.goal_position, self.goal_orientation, q0=self._last_joints
-        )
-        if not solution.success:
-            bars = [name in solution.limiting_joints for name in self.arm.joint_names]
-            why = limiting_joints_text(self.arm.limits, solution.q, bars) or solution.status
-            raise InvalidInput(
-                f"goal: the arm does not reach it: {why}; the nearest is "
-                f"{solution.position_error:.3g} m and {solution.orientation_error:.3g} rad away"
-            )
-        return solution.q
 
     @cached_property
     def _quick(self) -> Generator:

@@ -11,14 +11,13 @@ import numpy as np
 from leadthrough.drawing import palette
 from leadthrough.io.files import StrPath, replacing
 from leadthrough.show import page
-from leadthrough.show.animation import ARM, Animation
+from leadthrough.show.animation import Animation, Layer
 from leadthrough.show.arm_scene import arm_scene
 from leadthrough.show.readouts import readouts
 from leadthrough.simulation import SimulationReport
 from leadthrough.validation import Validation
 from leadthrough.validation.figures import success_map
 
-PLANNED = "planned arm"
 _OPACITY = 0.3
 
 
@@ -72,9 +71,9 @@ def simulation_scene(report: SimulationReport) -> Animation:
     colour = palette.rgb(palette.PATH)
     first = len(real.links)
     ghosts = tuple(
-        replace(each, layer=PLANNED, colour=colour, opacity=_OPACITY, link=first + each.link)
+        replace(each, layer=Layer.PLANNED, colour=colour, opacity=_OPACITY, link=first + each.link)
         for each in plan.items
-        if each.layer == ARM and each.link is not None
+        if each.layer == Layer.ARM and each.link is not None
     )
     return replace(
         real,

@@ -149,11 +149,8 @@ def _welded(mesh: Surface) -> NDArray[np.int64]:
 
 def _numbered(rows: NDArray[np.int64]) -> NDArray[np.int64]:
     """A number (n,) for each row of whole numbers (n, d), in their order; rows sort slowly."""
-    numbers = np.zeros(len(rows), dtype=np.int64)
-    if len(rows):
-        for column, low, high in zip(rows.T, rows.min(axis=0), rows.max(axis=0), strict=True):
-            numbers = numbers * (high - low + 1) + (column - low)
-    return numbers
+    low = rows.min(axis=0)
+    return np.asarray(np.ravel_multi_index((rows - low).T, np.ptp(rows, axis=0) + 1))
 
 
 def _around(points: NDArray[np.int64], flat: Float64Array, areas: Float64Array) -> Float64Array:

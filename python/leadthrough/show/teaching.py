@@ -15,7 +15,7 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import Arm, check_arm
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, Event, JointTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show.leading import LedArm
@@ -51,17 +51,8 @@ def teach(
         MissingDependency: if the extra `view` is not installed.
     """
     check_arm(arm)
-    recordings = Recordings(arm, _made(Path(folder)), demonstrations)
+    recordings = Recordings(arm, Path(folder), demonstrations)
     return LivePage(Teaching(arm, as_scene(scene), recordings), "teach", port)
-
-
-def _made(folder: Path) -> Path:
-    """The folder, made before anything is recorded that could not be kept."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InvalidInput(f"folder: {folder} cannot be made ({error.strerror})") from None
-    return folder
 
 
 class Teaching(LiveSession):

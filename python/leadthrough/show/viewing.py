@@ -8,17 +8,17 @@ from dataclasses import dataclass, replace
 from leadthrough import check
 from leadthrough.arm import Arm, check_arm
 from leadthrough.arm.recorded_joints import warn_of_another_arm
-from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.check import InvalidInput
 from leadthrough.io.files import StrPath
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion, Target
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show import page
 from leadthrough.show.animation import Animation
-from leadthrough.show.arm_scene import arm_scene, tip_path
+from leadthrough.show.arm_scene import arm_scene, mode_items, tip_path
 from leadthrough.show.live_session import LiveSession
 from leadthrough.show.readouts import readouts
-from leadthrough.show.replanner import Replanner, parted
+from leadthrough.show.replanner import Answer, Replanner, parted
 from leadthrough.show.viewer import LivePage
 
 
@@ -155,7 +155,7 @@ class _Content:
         answer = planner.plan()
         if answer.joints is None:
             raise InvalidInput(f"skill: no motion that the arm can follow: {answer.trouble}")
-        return self.drawn(answer.joints, wanted=answer.wanted)
+        return self.drawn(answer.joints, answer)
 
     def joints(self, motion: Motion | None) -> JointTrajectory | None:
         """The arm's joints along a motion, which it follows if it is one of the tip."""
@@ -163,9 +163,10 @@ class _Content:
             return motion
         return self.arm.follow(motion)
 
-    def drawn(self, motion: Motion | None, wanted: Float64Array | None = None) -> Animation:
+    def drawn(self, motion: Motion | None, answer: Answer | None = None) -> Animation:
         """The arm on a motion, which it follows if it is one of the tip."""
         joints = self.joints(motion)
+        wanted = None if answer is None else answer.wanted
         if wanted is None and motion is not None and motion is not joints:
             wanted = tip_path(self.arm, motion)
         position = None if self.goal is None else parted(self.goal)[0]
@@ -179,4 +180,6 @@ class _Content:
             obstacles=self.scene.shapes,
             goal=position,
         )
-        return replace(drawn, readouts=readouts(self.arm, joints, self.scene, wanted))
+        others = () if answer is None else tuple(mode_items(answer.others))
+        told = readouts(self.arm, joints, self.scene, wanted)
+        return replace(drawn, items=(*drawn.items, *others), readouts=told)

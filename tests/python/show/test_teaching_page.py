@@ -171,6 +171,10 @@ def test_taught_learned_moved_corrected_saved_and_planned(browser, taught, panda
     settled(tab, "/--goal=/.test(state.command) && /Clear/.test(state.text)")
     assert np.linalg.norm(np.array(state(tab)["goal"]) - goal) > 0.02
 
+    begin = np.array(state(tab)["start"])
+    drag(tab, "start", (-25, -25))
+    settled(tab, "/--start=/.test(state.command) && /Clear/.test(state.text)")
+    assert np.linalg.norm(np.array(state(tab)["start"]) - begin) > 0.02
     tab.evaluate(f"{SCENE}.play(false); {SCENE}.seek(0.5 * {SCENE}.duration)")
     tab.wait_for_timeout(100)
     drag(tab, "point", (0, -30))
@@ -183,8 +187,9 @@ def test_taught_learned_moved_corrected_saved_and_planned(browser, taught, panda
     run("retime", "motion.json", "--robot", "panda", "-o", "timed.json")
     run("check", "timed.json", "--robot", "panda")
     planned = lt.read_motion("motion.json")
-    at = panda.forward_kinematics(planned.positions[-1])[0]
-    np.testing.assert_allclose(at, state(tab)["goal"], atol=1e-3)
+    for row, name in ((0, "start"), (-1, "goal")):
+        at = panda.forward_kinematics(planned.positions[row])[0]
+        np.testing.assert_allclose(at, state(tab)[name], atol=1e-3)
     run("learn", "recorded", "--robot", "panda", "--model", "dmp", "-o", "again.npz")
     press(tab, "Save as LeRobot")
     settled(tab, "/The data set is in/.test(state.text)")

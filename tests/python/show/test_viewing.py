@@ -115,7 +115,7 @@ def test_live_view_opens_with_a_goal_out_of_reach_tells_it_and_goes_on(panda, sh
     try:
         assert until(lambda: opened.answer is not None)
         assert "beyond the arm's reach" in opened.answer.trouble
-        opened.session.request(lambda planner: planner.move_goal((0.5, 0.3, 0.25)))
+        opened.session.request(lambda planner: planner.goal.move((0.5, 0.3, 0.25)))
         assert until(lambda: opened.answer.verdict)
         assert opened.answer.joints is not None
     finally:
