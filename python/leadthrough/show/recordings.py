@@ -35,10 +35,6 @@ class Recordings:
 
     def __init__(self, arm: Arm, folder: Path, demonstrations: Sequence[Any]) -> None:
         self.arm, self.folder = arm, folder
-        try:  # before anything is recorded that could not be kept
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InvalidInput(f"folder: {folder} cannot be made ({error.strerror})") from None
         self.demonstrations = [_of_arm(arm, each, i) for i, each in enumerate(demonstrations)]
         self.former: tuple[int, list[Demonstration[JointTrajectory]], bytes | None] | None = None
         self._listed: list[dict[str, Any]] | None = None

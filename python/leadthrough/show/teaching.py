@@ -51,7 +51,12 @@ def teach(
         MissingDependency: if the extra `view` is not installed.
     """
     check_arm(arm)
-    recordings = Recordings(arm, Path(folder), demonstrations)
+    place = Path(folder)
+    try:  # before anything is recorded that could not be kept
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InvalidInput(f"folder: {place} cannot be made ({error.strerror})") from None
+    recordings = Recordings(arm, place, demonstrations)
     return LivePage(Teaching(arm, as_scene(scene), recordings), "teach", port)
 
 
