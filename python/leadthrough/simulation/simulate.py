@@ -223,6 +223,7 @@ def _run(real: SimulatedArm, plan: Plan) -> Run:
 
 
 _EVERY = 10  # samples that share a mass matrix and gains
+_PIECE = 1000 * _EVERY  # samples whose matrices are repeated at once
 # The model is linear: products of errors are not in it, by which joints disturb each other too.
 _SLACK, _COUPLED = 1.3, 0.1
 _CURVED = 2.0  # 1/rad (1/m)
@@ -259,19 +260,18 @@ def expected_errors(
     ease = np.asarray(np.linalg.inv(mass + real.period / real.steps * np.diag(dampers)))
     answer = np.concatenate([ease @ gains.stiffness, ease @ gains.damping], axis=2)
     left += _between(gains.unmodelled, len(q))
-    eased = _repeated(ease, len(q))
-    pull = _products(eased, left)
+    pull = _products(ease, left)
     if late:
         before = np.maximum(np.arange(len(q)) - late, 0)
         moved = np.concatenate([q - q[before], qd - qd[before]], axis=1)
-        pull -= _products(_repeated(answer, len(q)), moved)
+        pull -= _products(answer, moved)
     if (joint := _growing(answer, ease * dampers, real, len(q))) is not None:
         smooth = _diverged(joint, q)
         return smooth, smooth, np.zeros(q.shape[1])
     smooth = _integrated(answer, ease * dampers, pull, _jumps(real, plan.qdd), real)
     if not drives.friction.any():
         return smooth, smooth, np.zeros(q.shape[1])
-    pull = _products(eased, drives.friction * _directions(qd))
+    pull = _products(ease, drives.friction * _directions(qd))
     dry = _integrated(answer, ease * dampers, pull, np.zeros_like(q), real)
     # A joint may be held either way, and so deflect the others.
     held = np.abs(np.linalg.pinv(gains.stiffness)) @ drives.friction
@@ -390,12 +390,14 @@ def _unknown_load(real: SimulatedArm, plan: Plan) -> Float64Array:
     return np.asarray(np.copysign(1.0, part) * (with_it - without))
 
 
-def _products(matrices: Float64Array, vectors: Float64Array) -> Float64Array:
-    return np.asarray((matrices @ vectors[:, :, None])[:, :, 0])
-
-
-def _repeated(coarse: Float64Array, count: int) -> Float64Array:
-    return np.repeat(coarse, _EVERY, axis=0)[:count]
+def _products(coarse: Float64Array, vectors: Float64Array) -> Float64Array:
+    """Products (n, rows) of vectors with the matrix that they share with their neighbours."""
+    pieces = []
+    for first in range(0, len(vectors), _PIECE):
+        part = vectors[first : first + _PIECE, :, None]
+        matrices = coarse[first // _EVERY : (first + _PIECE) // _EVERY]
+        pieces.append((np.repeat(matrices, _EVERY, axis=0)[: len(part)] @ part)[:, :, 0])
+    return np.concatenate(pieces)
 
 
 def _between(coarse: Float64Array, count: int) -> Float64Array:

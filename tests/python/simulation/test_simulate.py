@@ -2,6 +2,7 @@
 
 import re
 import sys
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -239,6 +240,18 @@ def test_wrong_arguments_are_named(loaded, swing):
         lt.simulate(lt.Arm.load("panda"), swing, disturbances=Disturbances(payload=2.0))
     for wrong in [-1.0, [[1.0, 2.0], [3.0, 4.0]], -np.eye(3), np.triu(np.ones((3, 3)))]:
         refused("stiffness", CartesianImpedance, wrong)
+
+
+def test_a_long_motion_takes_some_times_its_own_memory(loaded):
+    """Mass matrices repeated for each sample took half of 45 times the memory of its positions."""
+    times = 0.001 * np.arange(20_000)
+    motion = lt.JointTrajectory(times, HOME + 0.1 * (1.0 - np.cos(0.5 * times))[:, None])
+    tracemalloc.start()
+    report = lt.simulate(loaded, motion)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert report.ok
+    assert peak < 36 * 8 * 7 * len(times)
 
 
 def test_without_mujoco_the_error_names_the_extra(loaded, swing, monkeypatch):
