@@ -21,7 +21,7 @@ _LEAST = 1e-9  # rad/s (m/s), for limits of zero
 def readouts(
     arm: Arm, motion: JointTrajectory | None, scene: SceneLike, wanted: Float64Array | None = None
 ) -> dict[str, Any] | None:
-    """Figures at the samples that a page draws; the tip's errors are from a `wanted` path (m, 3)."""
+    """Figures at samples that a page draws; the tip's errors are from a `wanted` path (m, 3)."""
     if motion is None or len(motion.times) < 2:
         return None
     drawn = sampled(arm, motion)

@@ -15,7 +15,7 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.arm import Arm, check_arm
-from leadthrough.check import Float64Array
+from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import Demonstration, Event, JointTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show.leading import LedArm
