@@ -148,8 +148,9 @@ def record(tab, *moves):
     settled(tab, "!state.recording")
 
 
-def test_taught_learned_moved_corrected_saved_and_planned(browser, taught, panda):
-    tab = opened(browser, taught, 1200, 800)
+@pytest.mark.parametrize(("width", "height"), [(1200, 800), (390, 844)])
+def test_taught_learned_moved_corrected_saved_and_planned(browser, taught, panda, width, height):
+    tab = opened(browser, taught, width, height)
     start = taught.session.led.tip[0]
     for k in range(2):
         record(tab, (-90, -30 - 5 * k), (-60, 70))
