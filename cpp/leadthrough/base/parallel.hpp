@@ -61,10 +61,12 @@ void for_each_index(std::size_t count, int threads, const Work& work) {
   }
   lock.unlock();
   stopping_on_failure(run);
-  for (lock.lock(); running > 0; lock.lock()) {
+  lock.lock();
+  while (running > 0) {
     ended.wait_for(lock, kWait);
     lock.unlock();
     stopping_on_failure(look_for_interrupt);
+    lock.lock();
   }
   lock.unlock();
   for (std::thread& helper : helpers) helper.join();

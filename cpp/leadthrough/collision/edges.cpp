@@ -260,19 +260,20 @@ std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>&
 
 std::vector<bool> clear_edges(const WholeArm& arm, const Eigen::Ref<const Rows>& starts,
                               const Eigen::Ref<const Rows>& ends, int threads) {
-  constexpr Eigen::Index kBlock = 64;
+  constexpr Eigen::Index kTogether = 64;  // edges that one thread takes at a time
   check_rows(arm.scene.chain, starts);
   check_rows(arm.scene.chain, ends);
   check_argument(ends.rows() == starts.rows(), "ends: expected one for each start");
   const Eigen::Index rows = starts.rows();
   std::vector<std::uint8_t> clear(static_cast<std::size_t>(rows));
-  for_each_index(
-      static_cast<std::size_t>((rows + kBlock - 1) / kBlock), threads, [&](std::size_t block) {
-        EdgeTest test(arm);
-        const auto first = static_cast<Eigen::Index>(block) * kBlock;
-        for (Eigen::Index i = first; i < std::min(first + kBlock, rows); ++i)
-          clear[static_cast<std::size_t>(i)] = test.clear(starts.row(i).data(), ends.row(i).data());
-      });
+  for_each_index(static_cast<std::size_t>((rows + kTogether - 1) / kTogether), threads,
+                 [&](std::size_t block) {
+                   EdgeTest test(arm);
+                   const auto first = static_cast<Eigen::Index>(block) * kTogether;
+                   for (Eigen::Index i = first; i < std::min(first + kTogether, rows); ++i)
+                     clear[static_cast<std::size_t>(i)] =
+                         test.clear(starts.row(i).data(), ends.row(i).data());
+                 });
   return {clear.begin(), clear.end()};
 }
 

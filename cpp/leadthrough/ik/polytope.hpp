@@ -92,12 +92,12 @@ class Polytope {
   }
 
   Blocking first_blocking(const Point& x, const Point& direction) const {
-    constexpr double kParallel = 1e-13;  // a fraction of the lengths: lost in rounding
+    constexpr double kAlong = 1e-13;  // a fraction of the lengths: lost in rounding
     Blocking first;
     const double length = direction.norm();
     for (Eigen::Index i = 0; i < rows_.rows(); ++i) {
       const double speed = rows_.row(i).dot(direction);
-      if (held(i) || !(std::abs(speed) > kParallel * length * rows_.row(i).norm())) continue;
+      if (held(i) || !(std::abs(speed) > kAlong * length * rows_.row(i).norm())) continue;
       const double side = speed > 0.0 ? upper_[i] : lower_[i];
       const double share = std::max((side - rows_.row(i).dot(x)) / speed, 0.0);
       if (share < first.share) first = {share, i, speed > 0.0};

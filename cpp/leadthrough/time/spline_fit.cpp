@@ -39,7 +39,6 @@ class Fit {
       const std::vector<Index>& breaks)
       : parameters_(parameters),
         q_(q),
-        breaks_(breaks),
         spans_(static_cast<Index>(breaks.size()) - 1),
         knots_(spans_ + 2 * kDegree + 1),
         basis_(parameters.size(), kOrder),
@@ -300,7 +299,6 @@ class Fit {
 
   const Eigen::Ref<const VectorXd> parameters_;
   const Eigen::Ref<const Rows> q_;
-  const std::vector<Index>& breaks_;
   const Index spans_;
   VectorXd knots_;
   Rows basis_;               // (samples, order)
