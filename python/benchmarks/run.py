@@ -43,6 +43,7 @@ FILES = [
     "bench_dynamics",
     "bench_eikonal",
     "bench_ik",
+    "bench_learning",
     "bench_models",
     "bench_paths",
     "bench_replan",

@@ -11,7 +11,7 @@ from dataclasses import asdict, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 FORMAT = "leadthrough skill"
 VERSION = 1
-_CERTIFICATE, _CHOICE, _MODES = "certificate", "choice", "modes"
+_BESIDE_FIELDS = _CERTIFICATE, _CHOICE, _MODES = "certificate", "choice", "modes"
 # Of a skill's own motion: the step, s, unless it is so long that fewer tell its extent and ends.
 _DT, _STEPS = 0.01, 2000
 
@@ -229,6 +229,12 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         """The families that `lt.learn` compared before it chose this one; None of other skills."""
         choice: Choice | None = vars(self).get(_CHOICE)
         return choice
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> str | tuple[Any, ...]:
+        """Copies and pickles keep modes, choice and certificate, which are no fields."""
+        made = super().__reduce_ex__(protocol)
+        own = {name: vars(self)[name] for name in _BESIDE_FIELDS if name in vars(self)}
+        return (*made, own) if own and isinstance(made, tuple) and len(made) == 2 else made
 
     def with_choice(self, choice: Choice) -> Self:
         """The same skill with the reason for its family, also saved in its file."""

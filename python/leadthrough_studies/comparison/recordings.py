@@ -2,7 +2,7 @@
 
 A set is a .npz file with `times_i` (n,) and `positions_i` (n, d) of each demonstration i and, of
 poses, `orientations_i` (n, 4) w, x, y, z. Errors are in the set's own unit; geometric means over
-all sets are relative to FastMarching, with intervals by drawing sets again.
+all sets are relative to a method, with intervals by drawing sets again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from leadthrough.preprocess.resample import by_arc_length
 from leadthrough_studies import metrics
 from leadthrough_studies.study import Row, selected
 
-REFERENCE = "FastMarching"
 ERRORS = ("Frechet", "DTW", "V_rmse")
 _COMPARED = 200  # evenly spaced samples
 _DRAWS, _INTERVAL = 2000, (2.5, 97.5)  # of sets, %
@@ -78,11 +77,12 @@ def errors(tested: Trajectory | PoseTrajectory, made: Any) -> Row:
     }
 
 
-def relative(rows: list[Row], *, seed: int) -> list[Row]:
-    """For each method the geometric mean over sets of its errors over the reference's.
+def relative(rows: list[Row], *, reference: str, seed: int) -> list[Row]:
+    """For each method the geometric mean over sets of its errors over a reference's.
 
     Args:
         rows: of all sets and methods.
+        reference: name of a method.
         seed: seed of the random number generator that draws sets.
     """
     check.integer(seed, "seed", at_least=0)
@@ -92,9 +92,10 @@ def relative(rows: list[Row], *, seed: int) -> list[Row]:
     }
     lines = []
     for method, found in means.items():
-        ratios = np.log(found / means[REFERENCE])
+        ratios = np.log(found / means[reference])
         known = ratios[np.isfinite(ratios).all(axis=1)]
-        line: Row = {"method": method, "sets": len(known), "refused": len(names) - len(known)}
+        line: Row = {"reference": reference, "method": method}
+        line |= {"sets": len(known), "refused": len(names) - len(known)}
         if len(known):
             line |= _geometric_means(known, np.random.default_rng(seed))
         lines.append(line)
@@ -109,7 +110,8 @@ def _geometric_means(logarithms: np.ndarray, rng: np.random.Generator) -> Row:
         low, high = np.percentile(own[drawn].mean(axis=1), _INTERVAL)
         line |= {
             name: float(np.exp(own.mean())),
-            f"{name}_interval": [float(np.exp(low)), float(np.exp(high))],
+            f"{name}_low": float(np.exp(low)),
+            f"{name}_high": float(np.exp(high)),
             f"{name}_most": float(np.exp(own.max())),
         }
     return line

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from leadthrough_studies.robotasks.methods import peer_primitive
 Shown: TypeAlias = Sequence[Demonstration[Any]]
 # Motion that a library has learned: columns (n, d), scaled, at the times, from start to goal.
 Curve: TypeAlias = Callable[[Float64Array, Float64Array, Float64Array | None], Float64Array]
+# How the offsets of a mean's ends fade along it; of "nothing" the ends stay where they are.
+Fading: TypeAlias = Literal["path", "time", "nothing"]
 
 _SAMPLES = 201  # per demonstration and motion
 
@@ -39,6 +41,8 @@ MISSING = tuple(
     for module, package in LIBRARIES.items()
     if not find_spec(module) or (module == "mp_pytorch" and not find_spec("torch"))
 )
+# The name under which a peer stands with the one setting that is best for all sets of recordings.
+AT_ITS_BEST = "movement_primitives, best ProMP"
 NOT_INSTALLED = "Left out, as not installed: {}; pip install 'leadthrough[rivals]'."
 
 
@@ -81,9 +85,13 @@ def _columns(shown: Shown) -> tuple[Float64Array, Float64Array, Float64Array, fl
     return (every - middle) / scale, middle, scale, duration
 
 
-def _shifted(mean: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:
-    """A curve (n, d) with the offsets of its ends, which fade with the way covered."""
-    covered = arc_length(mean)
+def _shifted(
+    mean: Float64Array, start: Float64Array, goal: Float64Array, by: Fading = "path"
+) -> Float64Array:
+    """A curve (n, d) with the offsets of its ends, which fade along its path or evenly in time."""
+    if by == "nothing":
+        return mean
+    covered = np.linspace(0.0, 1.0, len(mean)) if by == "time" else arc_length(mean)
     rise = (covered / covered[-1])[:, None]
     return np.asarray(mean + (1.0 - rise) * (start - mean[0]) + rise * (goal - mean[-1]))
 
@@ -121,15 +129,18 @@ class ConditionedPrimitive:
     """The probabilistic primitive of the library movement_primitives, conditioned on the ends.
 
     A mean that is conditioned exactly on ends unlike those demonstrated runs away in between, so
-    that the ends' variance is a setting; what is left to them is shifted.
+    that the ends' variance is a setting; what is left to them is shifted. Without conditioning the
+    mean is only shifted, which is also what conditioning makes of a mean that was shifted before.
 
     Attributes:
         weights: number of weights per column.
-        variance: of the ends, as a fraction of the columns' own.
+        variance: of the ends, as a fraction of the columns' own; infinite: not conditioned.
+        shift: how the offsets that are left to the ends fade.
     """
 
     weights: int = 20
     variance: float = 1e-2
+    shift: Fading = "path"
 
     def fit(self, demonstrations: Shown) -> RivalSkill:
         """The distribution by the library's own expectation maximisation."""
@@ -140,15 +151,17 @@ class ConditionedPrimitive:
         size = curves.shape[2]
         primitive = ProMP(size, self.weights)
         primitive.imitate(np.tile(times, (len(curves), 1)), curves)
-        known_to = self.variance * np.eye(size)
         end = curves[:, -1].mean(axis=0)
 
         def curve(at: Float64Array, start: Float64Array, goal: Float64Array | None) -> Float64Array:
-            found = primitive.condition_position(start, known_to, t=0.0)
-            if goal is not None:
-                found = found.condition_position(goal, known_to, t=1.0)
+            found = primitive
+            if np.isfinite(self.variance):
+                known_to = self.variance * np.eye(size)
+                found = primitive.condition_position(start, known_to, t=0.0)
+                if goal is not None:
+                    found = found.condition_position(goal, known_to, t=1.0)
             mean = np.asarray(found.mean_trajectory(at.copy()))
-            return _shifted(mean, start, end if goal is None else goal)
+            return _shifted(mean, start, end if goal is None else goal, self.shift)
 
         return RivalSkill(curve, middle, scale, duration)
 

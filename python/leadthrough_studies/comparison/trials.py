@@ -21,6 +21,7 @@ from leadthrough_studies.comparison.methods import (
     POINTS,
     POSES,
     RECORDED,
+    RECORDED_POSES,
     SYSTEMS,
     Model,
     chosen,
@@ -136,8 +137,7 @@ def leave_out(*, name: str, method: str, left_out: int | None, folds: int, file:
         made = reproduced(skill, tested.motion)
         return float(recordings.errors(tested.motion, made)["Frechet"])
 
-    models = (POSES if poses else RECORDED).get(method) or RECORDED[method]
-    learn = _learner(models, error, folds)
+    learn = _learner((RECORDED_POSES if poses else RECORDED)[method], error, folds)
     labels = {"study": "recordings", "set": name, "method": method}
     return [{**labels, **each} for each in _tested(shown, learn, row, left_out)]
 
@@ -289,6 +289,6 @@ def _error_of_poses(skill: Any, tested: Demonstration[Any]) -> float:
 def _named(model: Model) -> str:
     """The settings of a model that were chosen among."""
     own = getattr(model, "columns", model)
-    names = ("components", "units", "kernels", "weights", "variance", "nearest")
+    names = ("components", "units", "kernels", "weights", "variance", "shift", "nearest")
     told = [f"{name} {getattr(own, name)}" for name in names if hasattr(type(own), name)]
     return ", ".join(told)

@@ -1,5 +1,8 @@
 """Demonstrations that models take: the same answers from every model, and misalignment."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 from kinds import kind
@@ -108,6 +111,24 @@ def test_pauses_of_single_demonstrations_change_no_shape(learner):
     made = model.fit([demonstration(at, learner.motion) for at in (0.2, 0.5, 0.8)]).generate()
     apart = frechet_distance(by_arc_length(made.positions, 200), by_arc_length(wanted, 200))
     assert apart < 0.03
+
+
+def test_every_mode_stays_in_learned_certified_copied_and_loaded_skills(tmp_path):
+    turn = np.outer(U, [0.0, 0.5, 1.0])
+    shown = [
+        motion_of("points", 2.0 * U, np.column_stack([U, height * np.sin(np.pi * U), U]), turn)
+        for height in (0.4, -0.4, 0.42, -0.38, 0.38, -0.42)
+    ]
+    learned = lt.learn(shown, candidates=["aligned-mean", "promp"])
+    learned.save(tmp_path / "skill.npz")
+    loaded = lt.load_skill(tmp_path / "skill.npz")
+    copies = (copy.copy(learned), copy.deepcopy(learned), pickle.loads(pickle.dumps(learned)))
+    for each in (learned, learned.certified(None), loaded, *copies):
+        assert len(each.modes) == 2
+        assert each.choice == learned.choice
+        for mode in (0, 1):
+            made = each.generate(mode=mode).positions
+            np.testing.assert_allclose(made, learned.generate(mode=mode).positions, atol=1e-9)
 
 
 @pytest.mark.parametrize("learner", ALIGNED_LEARNERS, ids=str)

@@ -5,6 +5,7 @@ import pytest
 from refusals import refused
 
 from leadthrough_studies.comparison import recordings
+from leadthrough_studies.comparison.rivals import ConditionedPrimitive
 from leadthrough_studies.comparison.study import STUDY, configure
 
 TIMES = np.linspace(0.0, 1.0, 50)
@@ -34,11 +35,11 @@ def test_ratios_are_geometric_means_over_the_sets():
         for name, errors in (("a", (1.0, 0.5)), ("b", (10.0, 20.0)))
         for method, error in zip(("FastMarching", "other"), errors, strict=True)
     ]
-    reference, other = recordings.relative(rows, seed=0)
+    reference, other = recordings.relative(rows, reference="FastMarching", seed=0)
     assert reference["DTW"] == 1.0
     assert other["DTW"] == pytest.approx(1.0)  # of 0.5 and 2
     assert other["DTW_most"] == pytest.approx(2.0)
-    assert other["DTW_interval"] == pytest.approx([0.5, 2.0])
+    assert [other["DTW_low"], other["DTW_high"]] == pytest.approx([0.5, 2.0])
 
 
 def test_a_set_that_a_method_refuses_does_not_count_for_it():
@@ -46,10 +47,30 @@ def test_a_set_that_a_method_refuses_does_not_count_for_it():
     rows += [{"set": "b", "method": "FastMarching", **dict.fromkeys(recordings.ERRORS, 1.0)}]
     rows += [{"set": "a", "method": "other", **dict.fromkeys(recordings.ERRORS, 0.7)}]
     rows += [{"set": "b", "method": "other", "refused": "no mean"}]
-    other = recordings.relative(rows, seed=0)[1]
+    other = recordings.relative(rows, reference="FastMarching", seed=0)[1]
     assert (other["sets"], other["refused"]) == (1, 1)
     assert other["Frechet"] == pytest.approx(0.7)
 
 
 def test_a_folder_without_sets_is_refused(tmp_path):
     refused("--recordings: expected a folder with sets", recordings.sets_in, tmp_path)
+
+
+@pytest.mark.parametrize("shift", ["path", "time"])
+def test_the_peer_s_motion_meets_the_ends_that_are_asked_for(tmp_path, shift):
+    pytest.importorskip("movement_primitives")
+    write_set(tmp_path, "a", count=5)
+    shown = recordings.read(tmp_path / "a.npz")
+    for variance in (3e-2, np.inf):
+        peer = ConditionedPrimitive(weights=10, variance=variance, shift=shift)
+        made = peer.fit(shown).generate(start=(-5.0, 3.0), goal=(110.0, 20.0))
+        np.testing.assert_allclose(made.positions[[0, -1]], [(-5.0, 3.0), (110.0, 20.0)], atol=1e-9)
+
+
+def test_a_peer_that_is_not_shifted_leaves_its_ends_where_it_has_them(tmp_path):
+    pytest.importorskip("movement_primitives")
+    write_set(tmp_path, "a", count=5)
+    shown = recordings.read(tmp_path / "a.npz")
+    peer = ConditionedPrimitive(weights=10, variance=np.inf, shift="nothing")
+    made = peer.fit(shown).generate(start=(-5.0, 3.0), goal=(110.0, 20.0))
+    np.testing.assert_allclose(made.positions[0], (0.0, 0.0), atol=1.0)

@@ -196,7 +196,7 @@ _TOLERANCE = 1e-6  # gain of the mean log-likelihood per point
 # To which the best end goes on: the likelihood may hardly grow for 400 iterations, and the motion
 # shall tell neither when they were ended nor how the units round.
 _LAST_TOLERANCE = 1e-13
-_MAX_ITERATIONS, _LAST_ITERATIONS = 500, 3000
+_MAX_ITERATIONS, LAST_ITERATIONS = 500, 3000
 # Ends whose mean log-likelihoods differ by less are at one maximum, or as good: the first is taken,
 # not the one that rounding favours.
 _AS_LIKELY = 1e-4
@@ -226,6 +226,7 @@ def fit_blocks(
     seed: int,
     starts: int,
     least: float = MIN_VARIANCE,
+    last_iterations: int = LAST_ITERATIONS,
 ) -> tuple[Blocks, list[float]]:
     """The most likely components of points given in blocks of columns, whatever their order."""
     rng = np.random.default_rng(seed)
@@ -248,7 +249,9 @@ def fit_blocks(
         ends.append((end, history + more[1:]))
     enough = max(history[-1] for _, history in ends) - _AS_LIKELY
     best, history = next(end for end in ends if end[1][-1] >= enough)
-    end, more = steps.run(best, _LAST_ITERATIONS, tolerance=_LAST_TOLERANCE)
+    if last_iterations == 0:
+        return best, history
+    end, more = steps.run(best, last_iterations, tolerance=_LAST_TOLERANCE)
     return end, history + more[1:]
 
 

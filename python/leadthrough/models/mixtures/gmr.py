@@ -20,7 +20,16 @@ from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.gaussians.mixture import Mixture
-from leadthrough.models.mixtures.phases import SAMPLES, adapted, fit_phases, sampled, timed_columns
+from leadthrough.models.mixtures.phases import (
+    MAX_COMPONENTS,
+    POINTS_A_COMPONENT,
+    SAMPLES,
+    adapted,
+    fit_phases,
+    sampled,
+    samples_of,
+    timed_columns,
+)
 from leadthrough.models.modes import learned_by_mode, phases_like
 from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, asked_times, even_times
@@ -34,8 +43,9 @@ class GMR(Unfitted):
     """Gaussian mixture regression of points, joints or poses over time.
 
     Attributes:
-        components: number of components, 1 to 200; None: as few, doubled from 8 up to 64, as keep
-            the mean within 2 % of the positions' extent from that of the demonstrations.
+        components: number of components, 1 to 512; None: as few, doubled from 8, as keep the mean
+            within 2 % of the positions' extent from that of the demonstrations: up to 64, and up to
+            512 of motions whose detail 200 samples lose.
         seed: seed of the random number generator that draws the starts of EM, >= 0.
         starts: number of starts of EM that are followed to the end, >= 1; the most likely result
             is taken. 1 is several times faster.
@@ -49,7 +59,7 @@ class GMR(Unfitted):
 
     def __post_init__(self) -> None:
         if self.components is not None:
-            check.integer(self.components, "components", at_least=1, at_most=SAMPLES)
+            check.integer(self.components, "components", at_least=1, at_most=MAX_COMPONENTS)
         check.integer(self.seed, "seed", at_least=0)
         check.integer(self.starts, "starts", at_least=1)
 
@@ -57,7 +67,7 @@ class GMR(Unfitted):
     def fit(
         self, demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "refuse"
     ) -> GMRSkill[MotionT]:
-        """A skill from demonstrations, each resampled at 200 evenly spaced times.
+        """A skill from demonstrations, each resampled at 200 evenly spaced times, or up to 1,600.
 
         Args:
             demonstrations: one or more demonstrations, or motions: all of points, all of the same
@@ -73,10 +83,12 @@ class GMR(Unfitted):
 
     def _fitted(self, motions: Sequence[MotionT]) -> GMRSkill[MotionT]:
         """The skill of one mode."""
-        samples = sampled(motions)
+        samples = sampled(motions, least=self.components or SAMPLES)
         search = {"seed": self.seed, "starts": self.starts}
         poses = samples.coordinates.kind == "poses"
-        fit = fit_phases(samples.points, self.components, poses=poses, **search)
+        fit = fit_phases(
+            samples.points, self.components, samples=len(samples.rows[0]), poses=poses, **search
+        )
         model = replace(self, components=fit.mixture.count)
         return GMRSkill(
             model,
@@ -172,7 +184,9 @@ class GMRSkill(FittedSkill[MotionT_co]):
         """
         motions, before = motions_of(demonstrations), self.demonstration_count
         phases = phases_like(self.generate(), motions)
-        samples = timed_columns(motions, phases, self.coordinates, self.duration)
+        least = POINTS_A_COMPONENT * self.mixture.count
+        each = samples_of(motions, phases, least)
+        samples = timed_columns(motions, phases, self.coordinates, self.duration, each)
         points, count = np.concatenate(samples), before + len(motions)
         mixture = adapted(
             self.mixture,

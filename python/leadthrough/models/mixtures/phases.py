@@ -23,6 +23,7 @@ from leadthrough.models.gaussians.fitting import (
     phase_units,
 )
 from leadthrough.models.gaussians.mixture import (
+    LAST_ITERATIONS,
     MIN_VARIANCE,
     Blocks,
     Mixture,
@@ -32,41 +33,80 @@ from leadthrough.models.gaussians.mixture import (
     sums_of,
 )
 from leadthrough.models.modes import common_phases
-from leadthrough.motion import Motion, MotionT, MotionT_co
+from leadthrough.motion import Motion, MotionT, MotionT_co, lerp
+from leadthrough.noise import noise_of
 
-# Points of each demonstration, so that all count the same and the work is bounded.
-SAMPLES = 200
+# Points of each demonstration, so that all count the same and the work is bounded. They are
+# doubled, up to the second number, while lines between them leave a demonstration by more than a
+# fraction of its extent and than so many deviations of its noise, as in motions of a minute.
+SAMPLES, _MAX_SAMPLES, _CUT, _NOISE = 200, 1600, 0.01, 3.0
 
 # The least variance of a component in any direction until EM has converged, in phase units, and in
 # the single steps from there. Three steps without these bounds instead let a sample move the motion
 # of joints seven times as far.
 WIDE = 0.05
 _THINNER = (0.03, 0.01, 0.003, 0.001)
-# Components chosen by the data are doubled from the first number up to the second, until the mean
-# lies within this fraction of the motion's extent from that of the demonstrations.
-_FIRST_COMPONENTS, _MAX_COMPONENTS, _MISSED = 8, 64, 0.02
+# Components chosen by the data are doubled from the first number, as long as each has so many
+# points of a demonstration, until the mean lies within this fraction of the motion's extent from
+# that of the demonstrations.
+_FIRST_COMPONENTS, POINTS_A_COMPONENT, _MISSED = 8, 3, 0.02
+MAX_COMPONENTS = 512
+# From so many components on, EM begins once, as it takes long, and ends at its first tolerance: the
+# thousands of iterations that follow move a mean of so fine a detail by less than that.
+_MANY_COMPONENTS = 65
 _MAX_ITERATIONS = 200
 
 
 def fit_phases(
-    points: Float64Array, components: int | None, *, poses: bool, seed: int, starts: int
+    points: Float64Array,
+    components: int | None,
+    *,
+    poses: bool,
+    seed: int,
+    starts: int,
+    samples: int = SAMPLES,
 ) -> FittedMixture:
-    """The mixture of times and columns whose components follow phases; None: as few as suffice."""
+    """The mixture of times and columns whose components follow phases; None: as few as suffice.
 
-    def fitted(count: int, starts: int = starts) -> FittedMixture:
+    Args:
+        points: of all demonstrations, one after the other, the time first.
+        components: number of components.
+        poses: whether the columns are of poses.
+        seed: seed of the random number generator.
+        starts: number of starts of EM.
+        samples: number of points of each demonstration.
+    """
+
+    def fitted(
+        count: int, starts: int = starts, last_iterations: int = LAST_ITERATIONS
+    ) -> FittedMixture:
         blocks, history = phase_blocks(
-            [points], count, poses=poses, seed=seed, starts=starts, least=MIN_VARIANCE
+            [points],
+            count,
+            poses=poses,
+            seed=seed,
+            starts=starts,
+            least=MIN_VARIANCE,
+            last_iterations=last_iterations,
         )
         return FittedMixture(in_order(blocks), tuple(history))
 
     if components is not None:
         return fitted(components)
-    mean = points.reshape(-1, SAMPLES, points.shape[1]).mean(axis=0)
-    count = _FIRST_COMPONENTS
+    mean = points.reshape(-1, samples, points.shape[1]).mean(axis=0)
+    count, most = _FIRST_COMPONENTS, samples // POINTS_A_COMPONENT
     # One start of EM tells as well as all whether the components are enough.
-    while count < _MAX_COMPONENTS and not _follows(fitted(count, 1).mixture, mean, poses=poses):
+    while count < _MANY_COMPONENTS and 2 * count <= most:
+        if _follows(fitted(count, 1).mixture, mean, poses=poses):
+            return fitted(count)
         count *= 2
-    return fitted(count)
+    if count < _MANY_COMPONENTS:
+        return fitted(count)
+    found = fitted(count, 1, 0)
+    while 2 * count <= most and not _follows(found.mixture, mean, poses=poses):
+        count *= 2
+        found = fitted(count, 1, 0)
+    return found
 
 
 def _follows(mixture: Mixture, mean: Float64Array, *, poses: bool) -> bool:
@@ -86,12 +126,19 @@ def phase_blocks(
     seed: int,
     starts: int,
     least: float,
+    last_iterations: int = LAST_ITERATIONS,
 ) -> tuple[Blocks, list[float]]:
     """Components of times and columns given in blocks, each with the time first."""
     units = [phase_units(own_units(each), count, poses=poses) for each in blocks]
     scaled = [own.scaled(each) for each, own in zip(blocks, units, strict=True)]
     wide, history = fit_blocks(
-        scaled, scaled[0][:, :1], count, seed=seed, starts=starts, least=WIDE
+        scaled,
+        scaled[0][:, :1],
+        count,
+        seed=seed,
+        starts=starts,
+        least=WIDE,
+        last_iterations=last_iterations,
     )
     thin, more = thinner(wide, Steps(scaled), least)
     history += more
@@ -152,7 +199,7 @@ class Sampled(Generic[MotionT_co]):
     phases: Sequence[Float64Array]  # normalised times (n,) of each motion's samples
     coordinates: Coordinates[MotionT_co]
     duration: float  # median duration, s, to which all are stretched
-    rows: Sequence[Float64Array]  # points (200, 1 + d) of each motion, the time first, s
+    rows: Sequence[Float64Array]  # points (m, 1 + d) of each motion, the time first, s
 
     @property
     def points(self) -> Float64Array:
@@ -169,18 +216,38 @@ def sampled(
     motions: Sequence[MotionT],
     *,
     middle: Callable[[Sequence[Float64Array]], Float64Array] = mean_orientations,
+    least: int = SAMPLES,
 ) -> Sampled[MotionT]:
-    """Motions, resampled at evenly spaced times of their common timing."""
+    """Motions, resampled at evenly spaced times of their common timing, at so many or more."""
     phases = common_phases(motions)
     coordinates = coordinates_of(motions, phases, middle=middle)
     duration = float(np.median([motion.duration for motion in motions]))
-    return Sampled(
-        motions,
-        phases,
-        coordinates,
-        duration,
-        timed_columns(motions, phases, coordinates, duration),
-    )
+    count = samples_of(motions, phases, least)
+    rows = timed_columns(motions, phases, coordinates, duration, count)
+    return Sampled(motions, phases, coordinates, duration, rows)
+
+
+def samples_of(motions: Sequence[Motion], phases: Sequence[Float64Array], least: int) -> int:
+    """Number of evenly spaced samples, at least so many, that keep the detail of all motions."""
+    count = SAMPLES
+    pairs = tuple(zip(motions, phases, strict=True))
+    while count < least or (
+        count < _MAX_SAMPLES and any(_cuts(motion, at, count) for motion, at in pairs)
+    ):
+        count *= 2
+    return count
+
+
+def _cuts(motion: Motion, phases: Float64Array, count: int) -> bool:
+    """Whether lines between so many evenly spaced samples leave a motion's positions."""
+    if len(phases) <= count:
+        return False
+    even = np.linspace(0.0, 1.0, count)
+    path = motion.positions
+    missed = lerp(phases, even, lerp(even, phases, path)) - path
+    extent = float(np.linalg.norm(np.ptp(path, axis=0)))
+    allowed = max(_CUT * extent, _NOISE * noise_of(path) * np.sqrt(path.shape[1]))
+    return bool(np.linalg.norm(missed, axis=1).max() > allowed)
 
 
 def timed_columns(
@@ -188,9 +255,10 @@ def timed_columns(
     phases: Sequence[Float64Array],
     coordinates: Coordinates,
     duration: float,
+    count: int = SAMPLES,
 ) -> list[Float64Array]:
-    """Times, s, and columns (200, 1 + d) of each motion."""
-    even = np.linspace(0.0, 1.0, SAMPLES)
+    """Times, s, and columns (count, 1 + d) of each motion."""
+    even = np.linspace(0.0, 1.0, count)
     result = []
     for i, (motion, at) in enumerate(zip(motions, phases, strict=True)):
         columns = coordinates.columns(motion, at, f"demonstrations[{i}]")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from refusals import raised, refused
+from scipy.interpolate import CubicSpline
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -45,6 +46,31 @@ def test_number_of_components_may_be_chosen_by_the_data(family):
     assert skill.mixture.count > 8
     mean, _ = skill.regress(2.0 * u)
     assert np.linalg.norm(mean - detailed, axis=1).max() < 0.03 * np.linalg.norm([1.0, 0.4])
+
+
+def long_motion():
+    """A motion of 86 s through a random point each second."""
+    rng = np.random.default_rng(0)
+    points = CubicSpline(np.arange(87.0), rng.normal(0.0, 0.2, (87, 3)))
+    times = np.linspace(0.0, 86.0, 4301)
+    return lt.Trajectory(times, points(times))
+
+
+def test_a_long_motion_gets_as_many_components_as_its_detail_needs():
+    shown = long_motion()
+    skill = lt.GMR().fit([shown])
+    assert skill.mixture.count > 64
+    # With 64 components of 200 samples it was 0.09.
+    for each in (skill, skill.updated([shown])):
+        assert lt.models.reproduction(each, [shown]).fraction < 0.05
+
+
+def test_noise_is_no_detail_that_needs_more_samples(family):
+    rng = np.random.default_rng(0)
+    u = np.linspace(0.0, 1.0, 2000)
+    path = np.column_stack([u, 0.2 * np.sin(np.pi * u)])
+    shown = lt.Trajectory(2.0 * u, path + rng.normal(0.0, 0.005, path.shape))
+    assert lt.GMR().fit([shown]).mixture.count == 8
 
 
 def test_update_comes_near_to_a_fit_of_everything(family):
