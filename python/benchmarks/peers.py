@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from typing import Any
 
 import roboticstoolbox as rtb
@@ -21,9 +23,12 @@ Solve = Callable[[Any, Any], Any]  # target (pin.SE3) and seed to q or None
 
 def toolbox(arm: lt.Arm, urdf: Path) -> Solve:
     """Levenberg-Marquardt of roboticstoolbox, in C++."""
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), NamedTemporaryFile("w", suffix=".urdf") as file:
         warnings.simplefilter("ignore", DeprecationWarning)
-        chain = rtb.ERobot.URDF(str(urdf)).ets(start=arm.base, end=arm.tip)
+        # It looks for visual meshes where no other package has them.
+        file.write(re.sub(r"<visual>.*?</visual>", "", urdf.read_text(), flags=re.DOTALL))
+        file.flush()
+        chain = rtb.ERobot.URDF(file.name).ets(start=arm.base, end=arm.tip)
     residual = 0.5 * PEER_TOLERANCE**2  # its residual is half the squared error
 
     def solve(target: Any, seed: Any) -> Any:
