@@ -21,11 +21,16 @@ from leadthrough_studies.study import Row
 
 # The positions (n, d) of a skill's motion from a position to a goal, or to its own without one.
 Made: TypeAlias = Callable[[Float64Array, Float64Array | None], Float64Array]
+# The positions (n, d) of a skill's motion after a push: the fraction of the path at which it comes,
+# where to, and for how many durations the tool is held there.
+Pushed: TypeAlias = Callable[[float, Float64Array, float], Float64Array]
 
 _COMPARED = 200  # evenly spaced samples
-# A push and a moved goal, in sizes of the motion, and the fraction of the path at which it is
-# pushed.
-_PUSH, _MOVED, _PUSHED_AT = 0.1, 0.2, 0.5
+# A push and a moved goal, in sizes of the motion, the fractions of the path at which the tool is
+# pushed, and for how long it is held, in durations.
+_PUSH, _MOVED, _PUSHED_AT, _HELD = 0.1, 0.2, (0.25, 0.5, 0.75), 0.25
+# Fractions of the rest over which the push may fade.
+_FADING = (1.0, 0.5, 0.25, 0.125)
 _MM = 1e3  # per m
 
 
@@ -65,34 +70,65 @@ def pose_errors(shown: PoseTrajectory, made: PoseTrajectory) -> Row:
     }
 
 
-def responses(made: Made, shown: Float64Array, *, ends: bool, unit: float = 1.0) -> Row:
-    """Errors of a skill after a push half-way, and for a goal that has moved, in mm.
-
-    A policy goes on from where the push has led; other skills are asked for a new motion from
-    there. The rest of the demonstration, carried to the new start or goal, is what is compared
-    with.
+def response_to_goal(made: Made, shown: Float64Array, *, unit: float = 1.0) -> Row:
+    """Errors of a skill for a goal that has moved, in mm.
 
     Args:
         made: the skill's motions.
-        shown: positions (n, d) of the demonstration.
-        ends: whether the skill is told the demonstration's end after the push.
+        shown: positions (n, d) of the demonstration, with which the motion is compared, carried to
+            the new goal.
         unit: mm per unit of the positions.
     """
-    path = by_arc_length(shown, _COMPARED)
-    size = float(np.linalg.norm(path - path[-1], axis=1).max())
-    row = int(_PUSHED_AT * _COMPARED)
-    across = _across(path[row + 1] - path[row - 1])
-    pushed = path[row] + _PUSH * size * across
-    goal = path[-1] + _MOVED * size * across
-    after = by_arc_length(made(pushed, path[-1] if ends else None), _COMPARED)
+    path, size = _path_and_size(shown)
+    row = _COMPARED // 2
+    goal = path[-1] + _MOVED * size * _across(path[row + 1] - path[row - 1])
     moved = made(path[0], goal)
-    rest = _carried(path[row:], pushed, path[-1])
     carried = _carried(path, path[0], goal)
     return {
-        "push_Frechet_mm": unit * frechet_distance(rest, after),
         "goal_Frechet_mm": unit * frechet_distance(carried, by_arc_length(moved, _COMPARED)),
         "goal_end_mm": unit * float(np.linalg.norm(moved[-1] - goal)),
     }
+
+
+def response_to_pushes(
+    pushed: Pushed, shown: Float64Array, *, clock: bool, unit: float = 1.0
+) -> Row:
+    """Errors of a skill after pushes at a quarter, half and three quarters of the path, in mm.
+
+    The following motion is compared with the rest of the demonstration, shifted by the push; the
+    shift fades over all of the rest ("push_Frechet_mm"), or over that part of it with the least
+    error ("push_any_fade_mm"), so that neither a quick nor a slow return counts as an error.
+
+    Args:
+        pushed: the skill's motions after a push.
+        shown: positions (n, d) of the demonstration.
+        clock: whether the skill has a clock of its own, so that a held tool is another question.
+        unit: mm per unit of the positions.
+    """
+    path, size = _path_and_size(shown)
+    errors: dict[str, list[float]] = {"push": [], "fade": [], "held": []}
+    for at in _PUSHED_AT:
+        row = int(at * _COMPARED)
+        place = path[row] + _PUSH * size * _across(path[row + 1] - path[row - 1])
+        after = by_arc_length(pushed(at, place, 0.0), _COMPARED)
+        held = by_arc_length(pushed(at, place, _HELD), _COMPARED) if clock else after
+        fading = [frechet_distance(_faded(path[row:], place, part), after) for part in _FADING]
+        errors["push"].append(fading[0])
+        errors["fade"].append(min(fading))
+        errors["held"].append(frechet_distance(_faded(path[row:], place, 1.0), held))
+    parts = zip(_PUSHED_AT, errors["push"], strict=True)
+    return {
+        "push_Frechet_mm": unit * float(np.mean(errors["push"])),
+        "push_any_fade_mm": unit * float(np.mean(errors["fade"])),
+        "held_Frechet_mm": unit * float(np.mean(errors["held"])),
+        **{f"push_at_{100 * at:.0f}_mm": unit * error for at, error in parts},
+    }
+
+
+def _path_and_size(shown: Float64Array) -> tuple[Float64Array, float]:
+    """The positions (n, d) at equal steps of arc length, and the largest distance from the end."""
+    path = by_arc_length(shown, _COMPARED)
+    return path, float(np.linalg.norm(path - path[-1], axis=1).max())
 
 
 def _across(along: Float64Array) -> Float64Array:
@@ -109,6 +145,12 @@ def _carried(path: Float64Array, start: Float64Array, goal: Float64Array) -> Flo
     """A path (n, d) with offsets of its ends that fade along it."""
     rise = np.linspace(0.0, 1.0, len(path))[:, None]
     return np.asarray(path + (1.0 - rise) * (start - path[0]) + rise * (goal - path[-1]))
+
+
+def _faded(path: Float64Array, start: Float64Array, part: float) -> Float64Array:
+    """A path (n, d) from another start, whose offset fades over a part of the path."""
+    left = np.maximum(1.0 - np.linspace(0.0, 1.0, len(path)) / part, 0.0)[:, None]
+    return np.asarray(path + left * (start - path[0]))
 
 
 def stability(skill: DynamicalSkill, starts: int) -> Row:

@@ -17,6 +17,7 @@ from leadthrough.errors import LeadthroughError
 from leadthrough.models import model_entry
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import arc_length
+from leadthrough_studies.comparison.pushes import faded_rest, time_at
 from leadthrough_studies.comparison.recordings import Chosen
 from leadthrough_studies.comparison.rivals import (
     AT_ITS_BEST,
@@ -70,6 +71,10 @@ class NearestShifted:
             turned = _turned(motion.orientations, rise, start, goal)
             return replace(made, orientations=turned)
 
+        def pushed(self, *, start: Any, goal: Any, at: float, place: Any) -> Any:
+            """Positions after a push, whose offset fades along the rest."""
+            return faded_rest(self.generate(start=start, goal=goal), at, place)
+
 
 def _position(place: Any) -> Any:
     pose = isinstance(place, tuple) and len(place) == 2 and np.ndim(place[0]) == 1
@@ -106,6 +111,24 @@ class PeerPrimitive:
 
         def generate(self, *, start: Any, goal: Any = None) -> Trajectory:
             """The primitive's motion from the start to the goal."""
+            return Trajectory(*self._primitive(start, goal).open_loop())
+
+        def pushed(self, *, start: Any, goal: Any, at: float, place: Any) -> Any:
+            """Positions after a push: the library's `step` goes on from the tool."""
+            primitive = self._primitive(start, goal)
+            own = Trajectory(*primitive.open_loop())
+            primitive.reset()
+            position, velocity = np.asarray(start, dtype=np.float64), np.zeros(len(start))
+            now, path = time_at(own, at), [np.asarray(place)]
+            while primitive.t < now:
+                position, velocity = primitive.step(position, velocity)
+            primitive.current_y = np.array(place)  # it takes no measured tool, but has its state
+            while primitive.t < own.duration:
+                position, velocity = primitive.step(path[-1], velocity)
+                path.append(position)
+            return np.array(path)
+
+        def _primitive(self, start: Any, goal: Any) -> Any:
             from movement_primitives import dmp  # noqa: PLC0415 - an optional peer
 
             first = np.asarray(start)
@@ -118,8 +141,7 @@ class PeerPrimitive:
             primitive.imitate(times, motion.positions)
             last = motion.positions[-1] if goal is None else np.asarray(goal)
             primitive.configure(start_y=first, goal_y=last)
-            made_times, made = primitive.open_loop()
-            return Trajectory(made_times, made)
+            return primitive
 
 
 def _of(name: str, *settings: Mapping[str, Any]) -> tuple[Model, ...]:
@@ -137,7 +159,7 @@ def _with(setting: str, *values: int, **others: Any) -> tuple[Mapping[str, Any],
 SYSTEMS: dict[str, tuple[Model, ...]] = {
     "SEDS, likelihood": _of("seds", *_with("components", 4, 6, 8)),
     "SEDS, mean square": _of("seds", *_with("components", 4, 6, 8, objective="mse")),
-    "LPV-DS": _of("lpv-ds", {}, *_with("components", 6, 9)),
+    "LPV-DS": _of("lpv-ds"),
     "CLF-DM": _of("clf-dm", *_with("components", 6, 8, 12)),
     "FSM-DM": _of("fsm-dm", *_with("units", 15, 25, 40)),
     "UMIC": _of("umic", *_with("kernels", 30, 50)),

@@ -23,7 +23,15 @@ from leadthrough_studies.comparison.recordings import ERRORS, relative
 from leadthrough_studies.comparison.rivals import AT_ITS_BEST, LIBRARIES, MISSING
 from leadthrough_studies.study import Report, Row, mean, selected
 
-_RESPONSES = ("push_Frechet_mm", "goal_Frechet_mm", "goal_end_mm")
+_RESPONSES = ("goal_Frechet_mm", "goal_end_mm")
+_PUSHES = (
+    "push_Frechet_mm",
+    "push_any_fade_mm",
+    "held_Frechet_mm",
+    "push_at_25_mm",
+    "push_at_50_mm",
+    "push_at_75_mm",
+)
 _COSTS = ("fit_cpu_s", "generate_cpu_s")
 _ON_ARM = ("executed", "reachable", "without_leap", "clear", "slower", "begins_at")
 _ON_ARMS = tuple(f"{arm}_{name}" for arm in ARMS for name in _ON_ARM)
@@ -81,7 +89,8 @@ def report(config: Any, rows: list[Row]) -> Report:
         "table_2": _table_2(rows),
         "stability": _stability(config, rows),
     }
-    return Report(table, figures, summary, {"comparison": page_parts(table, summary, figures)})
+    pages = {"comparison": page_parts(table, summary, figures)}
+    return Report(table, figures, summary, pages, {"pushes": pushes_table(rows)})
 
 
 def _of_recordings(config: Any, rows: list[Row]) -> Report:
@@ -129,6 +138,30 @@ def _others(config: Any, rows: list[Row]) -> list[Row]:
         for method in (config.points if study == "courses" else config.poses)
         if (own := selected(rows, study=study, task=name, method=method))
     ]
+
+
+def pushes_table(rows: list[Row]) -> list[Row]:
+    """The mean responses of every method to pushes, of all drawings and of each other motion."""
+    table = []
+    for row in selected(rows, study="pushes"):
+        labels = {"motion": _pushed_motion(row), "method": row["method"]}
+        if labels not in table:
+            table.append(labels)
+    return [{**labels, **_means_after_pushes(rows, labels)} for labels in table]
+
+
+def _pushed_motion(row: Row) -> str:
+    return "drawings" if row["part"] == "drawings" else str(row["task"])
+
+
+def _means_after_pushes(rows: list[Row], labels: Row) -> Row:
+    own = [
+        row
+        for row in selected(rows, study="pushes", method=labels["method"])
+        if _pushed_motion(row) == labels["motion"]
+    ]
+    found = {name: mean(own, name) for name in _PUSHES}
+    return {"n": len(own), "refused": sum("refused" in row for row in own), **found}
 
 
 def _line(part: str, method: str, rows: list[Row], columns: tuple[str, ...]) -> Row:

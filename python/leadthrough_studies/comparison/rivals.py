@@ -19,6 +19,7 @@ from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.motion import Demonstration, PoseTrajectory, Trajectory
 from leadthrough.preprocess.resample import arc_length
+from leadthrough_studies.comparison.pushes import faded_rest, time_at
 from leadthrough_studies.robotasks.methods import peer_primitive
 
 Shown: TypeAlias = Sequence[Demonstration[Any]]
@@ -26,6 +27,10 @@ Shown: TypeAlias = Sequence[Demonstration[Any]]
 Curve: TypeAlias = Callable[[Float64Array, Float64Array, Float64Array | None], Float64Array]
 # How the offsets of a mean's ends fade along it; of "nothing" the ends stay where they are.
 Fading: TypeAlias = Literal["path", "time", "nothing"]
+# The same after a push at the first of the times, to the last argument's columns (d,).
+PushedCurve: TypeAlias = Callable[
+    [Float64Array, Float64Array, Float64Array | None, Float64Array], Float64Array
+]
 
 _SAMPLES = 201  # per demonstration and motion
 
@@ -55,20 +60,39 @@ class RivalSkill:
         middle: (d,), taken off the columns.
         scale: (d,), divisors of the columns.
         duration: mean duration of the demonstrations, s.
+        pushed_curve: the library's own continuation after a push; None where it has none.
     """
 
     curve: Curve
     middle: Float64Array
     scale: Float64Array
     duration: float
+    pushed_curve: PushedCurve | None = None
 
     def generate(self, *, start: Any, goal: Any = None) -> Trajectory:
         """The motion from a start to a goal, or to where the demonstrations end."""
         times = np.linspace(0.0, 1.0, _SAMPLES)
-        first = (np.asarray(start) - self.middle) / self.scale
-        last = None if goal is None else (np.asarray(goal) - self.middle) / self.scale
-        columns = self.curve(times, first, last)
+        columns = self.curve(times, self._scaled(start), self._end(goal))
         return Trajectory(self.duration * times, columns * self.scale + self.middle)
+
+    def pushed(self, *, start: Any, goal: Any, at: float, place: Any) -> Float64Array:
+        """Positions (n, d) after a push; without a call of the library's, the push's offset fades.
+
+        Arguments are those of `pushes.after_push`.
+        """
+        own = self.generate(start=start, goal=goal)
+        if self.pushed_curve is None:
+            return faded_rest(own, at, place)
+        times = np.linspace(time_at(own, at) / self.duration, 1.0, _SAMPLES)
+        ends = self._scaled(start), self._end(goal)
+        columns = self.pushed_curve(times, *ends, self._scaled(place))
+        return np.vstack([place, columns[1:] * self.scale + self.middle])
+
+    def _scaled(self, position: Any) -> Float64Array:
+        return np.asarray((np.asarray(position) - self.middle) / self.scale)
+
+    def _end(self, goal: Any) -> Float64Array | None:
+        return None if goal is None else self._scaled(goal)
 
 
 def _columns(shown: Shown) -> tuple[Float64Array, Float64Array, Float64Array, float]:
@@ -153,17 +177,26 @@ class ConditionedPrimitive:
         primitive.imitate(np.tile(times, (len(curves), 1)), curves)
         end = curves[:, -1].mean(axis=0)
 
+        known_to = min(self.variance, 1.0) * np.eye(size)
+
+        def conditioned(start: Float64Array, goal: Float64Array | None) -> ProMP:
+            if np.isinf(self.variance):
+                return primitive
+            found = primitive.condition_position(start, known_to, t=0.0)
+            return found if goal is None else found.condition_position(goal, known_to, t=1.0)
+
         def curve(at: Float64Array, start: Float64Array, goal: Float64Array | None) -> Float64Array:
-            found = primitive
-            if np.isfinite(self.variance):
-                known_to = self.variance * np.eye(size)
-                found = primitive.condition_position(start, known_to, t=0.0)
-                if goal is not None:
-                    found = found.condition_position(goal, known_to, t=1.0)
-            mean = np.asarray(found.mean_trajectory(at.copy()))
+            mean = np.asarray(conditioned(start, goal).mean_trajectory(at.copy()))
             return _shifted(mean, start, end if goal is None else goal, self.shift)
 
-        return RivalSkill(curve, middle, scale, duration)
+        def pushed(
+            at: Float64Array, start: Float64Array, goal: Float64Array | None, place: Float64Array
+        ) -> Float64Array:
+            found = conditioned(start, goal).condition_position(place, known_to, t=float(at[0]))
+            mean = np.asarray(found.mean_trajectory(at.copy()))
+            return _shifted(mean, place, end if goal is None else goal, self.shift)
+
+        return RivalSkill(curve, middle, scale, duration, pushed)
 
 
 @dataclass(frozen=True)
@@ -197,7 +230,7 @@ class ProDMP:
         params, speeds = found["params"].numpy(), found["init_vel"].numpy()
         ends = curves[:, -1].mean(axis=0)
 
-        def curve(at: Float64Array, start: Float64Array, goal: Float64Array | None) -> Float64Array:
+        def weights(start: Float64Array, goal: Float64Array | None) -> tuple[Any, Any]:
             chosen = slice(None)
             if self.nearest:
                 apart = np.linalg.norm(curves[:, 0] - start, axis=1)
@@ -205,12 +238,25 @@ class ProDMP:
                     apart = apart + np.linalg.norm(curves[:, -1] - goal, axis=1)
                 chosen = slice(int(apart.argmin()), int(apart.argmin()) + 1)
             own, speed = params[chosen].mean(axis=0), speeds[chosen].mean(axis=0)
-            made = self._made(primitive, at, own, start, speed)
+            made = self._made(primitive, np.linspace(0.0, 1.0, _SAMPLES), own, start, speed)
             moved = own.reshape(len(start), -1).copy()
             moved[:, -1] += (ends if goal is None else goal) - made[-1]
-            return self._made(primitive, at, moved.ravel(), start, speed)
+            return moved.ravel(), speed
 
-        return RivalSkill(curve, middle, scale, duration)
+        def curve(at: Float64Array, start: Float64Array, goal: Float64Array | None) -> Float64Array:
+            own, speed = weights(start, goal)
+            return self._made(primitive, at, own, start, speed)
+
+        def pushed(
+            at: Float64Array, start: Float64Array, goal: Float64Array | None, place: Float64Array
+        ) -> Float64Array:
+            own, speed = weights(start, goal)
+            whole = np.linspace(0.0, 1.0, _SAMPLES)
+            rates = np.gradient(self._made(primitive, whole, own, start, speed), whole, axis=0)
+            now = np.array([np.interp(at[0], whole, each) for each in rates.T])
+            return self._made(primitive, at, own, place, now, begun=float(at[0]))
+
+        return RivalSkill(curve, middle, scale, duration, pushed)
 
     def _primitive(self, size: int, dtype: Any) -> Any:
         from mp_pytorch.mp import MPFactory  # noqa: PLC0415 - an optional peer
@@ -228,11 +274,19 @@ class ProDMP:
 
     @staticmethod
     def _made(
-        primitive: Any, at: Float64Array, params: Float64Array, start: Float64Array, speed: Any
+        primitive: Any,
+        at: Float64Array,
+        params: Float64Array,
+        start: Float64Array,
+        speed: Any,
+        *,
+        begun: float = 0.0,
     ) -> Float64Array:
         import torch  # noqa: PLC0415 - an optional peer
 
-        given = [torch.as_tensor(each)[None] for each in (at, params, np.zeros(()), start, speed)]
+        given = [
+            torch.as_tensor(each)[None] for each in (at, params, np.array(begun), start, speed)
+        ]
         return np.asarray(primitive.get_traj_pos(*given)[0].numpy())
 
 
@@ -251,6 +305,10 @@ class CartesianPrimitive:
         def generate(self, *, start: Any, goal: Any) -> PoseTrajectory:
             """The primitive's motion from pose to pose."""
             return peer_primitive(self.shown, start, goal)
+
+        def pushed(self, *, start: Any, goal: Any, at: float, place: Any) -> Float64Array:
+            """Positions after a push, whose offset fades along the rest."""
+            return faded_rest(self.generate(start=start, goal=goal), at, place)
 
 
 @dataclass(frozen=True)
@@ -286,14 +344,25 @@ class OfPoses:
 
         def generate(self, *, start: Any, goal: Any) -> PoseTrajectory:
             """The motion from pose to pose."""
-            ends = [
-                np.concatenate([position, _nearest(_vectors(turned[None], self.middle)[0], near)])
-                for (position, turned), near in ((start, self.starts), (goal, np.zeros(3)))
-            ]
-            made = self.columns.generate(start=ends[0], goal=ends[1])
+            first, last = self._of(start, self.starts), self._of(goal, np.zeros(3))
+            made = self.columns.generate(start=first, goal=last)
             middle = np.tile(self.middle, (len(made.times), 1))
             turned = rotations.compose(middle, rotations.exp(made.positions[:, 3:]))
             return PoseTrajectory(made.times, made.positions[:, :3], rotations.align_signs(turned))
+
+        def pushed(self, *, start: Any, goal: Any, at: float, place: Any) -> Float64Array:
+            """Positions after a push, by the columns' model."""
+            first, last = self._of(start, self.starts), self._of(goal, np.zeros(3))
+            tool = self._of(place, (1.0 - at) * self.starts)
+            made = self.columns.pushed(start=first, goal=last, at=at, place=tool)
+            return np.asarray(made[:, :3])
+
+        def _of(self, pose: Any, near: Float64Array) -> Float64Array:
+            """The columns (6,) of a pose, its rotation vector near another."""
+            position, turned = pose
+            return np.concatenate(
+                [position, _nearest(_vectors(turned[None], self.middle)[0], near)]
+            )
 
 
 def _vectors(orientations: Float64Array, middle: Float64Array) -> Float64Array:

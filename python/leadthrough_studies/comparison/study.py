@@ -5,7 +5,8 @@
   demonstrations that they may learn from; the package's own models stand at their defaults.
 - Courses of points in space and motions of poses, recorded (with LEADTHROUGH_DATA) and simulated:
   each demonstration left out in turn, with its start and goal given (`material`).
-- Responses: a push half-way, and a goal that has moved.
+- Responses: a goal that has moved; pushes at a quarter, half and three quarters of the path, after
+  which each model goes on by its own online call (`pushes`), also of a tool that is held.
 - Sets of recordings in a folder of yours (`--recordings`): each demonstration left out in turn.
 - Stability of the dynamical systems: ten thousand starts for each motion.
 - Arms: the motions that were made, on a Panda and a UR3.
@@ -28,7 +29,7 @@ from leadthrough_studies.comparison.methods import COURSES, POINTS, POSES, RECOR
 from leadthrough_studies.comparison.recordings import sets_in
 from leadthrough_studies.comparison.report import report
 from leadthrough_studies.comparison.rivals import MISSING, NOT_INSTALLED
-from leadthrough_studies.comparison.trials import draw, examine, leave_out, move, trace
+from leadthrough_studies.comparison.trials import draw, examine, leave_out, move, push, trace
 from leadthrough_studies.study import Study, Task
 
 PROTOCOLS = ("IN", "LOO")
@@ -48,6 +49,7 @@ class ComparisonConfig:
         poses: keys of POSES.
         left_out: number of demonstrations that are tested of each motion; None for all.
         folds: number of demonstrations that inner cross-validation leaves out; 0 for none.
+        pushed: number of left-out demonstrations of each motion for the pushes; None for all.
         starts: number of starts of each test of stability.
         recordings: sets of recorded demonstrations, with their files.
         seed: of simulated demonstrations; methods draw with their own seeds.
@@ -61,6 +63,7 @@ class ComparisonConfig:
     poses: tuple[str, ...] = tuple(POSES)
     left_out: int | None = None
     folds: int = 2
+    pushed: int | None = 3
     starts: int = 10_000
     recordings: tuple[tuple[str, str], ...] = ()
     seed: int = 0
@@ -78,6 +81,7 @@ def configure(quick: bool, seed: int) -> ComparisonConfig:
             motions_of_poses=poses[:1],
             left_out=1,
             folds=0,
+            pushed=1,
             starts=500,
             seed=seed,
         )
@@ -129,7 +133,32 @@ def tasks(config: ComparisonConfig) -> list[Task]:
         for name, file in config.recordings
         for method in RECORDED
     ]
-    return [*drawings, *examined, *others, *recorded]
+    return [*drawings, *examined, *others, *_pushes(config), *recorded]
+
+
+def _pushes(config: ComparisonConfig) -> list[Task]:
+    """A task for every motion and method, with pushes."""
+    drawings = tuple((name, "") for name in config.motions)
+    return [
+        Task(
+            push,
+            {
+                "part": part,
+                "name": name,
+                "method": method,
+                "left_out": config.pushed,
+                "seed": config.seed,
+            },
+            {"file": Path(file)} if file else {},
+        )
+        for part, motions, methods in (
+            ("drawings", drawings, config.points),
+            ("courses", config.courses, config.points),
+            ("poses", config.motions_of_poses, config.poses),
+        )
+        for name, file in motions
+        for method in methods
+    ]
 
 
 STUDY = Study(configure, tasks, report, of_recordings)

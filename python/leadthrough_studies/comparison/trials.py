@@ -27,6 +27,7 @@ from leadthrough_studies.comparison.methods import (
     chosen,
 )
 from leadthrough_studies.comparison.on_arms import ARMS, before, on_all, on_paper
+from leadthrough_studies.comparison.pushes import after_push
 from leadthrough_studies.study import Row
 
 # Of the velocity error at samples like those that systems are fitted to.
@@ -142,6 +143,68 @@ def leave_out(*, name: str, method: str, left_out: int | None, folds: int, file:
     return [{**labels, **each} for each in _tested(shown, learn, row, left_out)]
 
 
+def push(
+    *, part: str, name: str, method: str, left_out: int | None, seed: int, file: Path | None = None
+) -> list[Row]:
+    """A row with the responses to pushes for every demonstration that is left out.
+
+    Models take the setting in the middle of those among which cross-validation chooses.
+
+    Args:
+        part: "drawings", "courses" or "poses"; the last two with start and goal given.
+        name: name of the motion.
+        method: key of POINTS, COURSES or POSES.
+        left_out: number of demonstrations that are left out; None for all.
+        seed: seed of the random number generator, for simulated demonstrations.
+        file: its recording, if it has one.
+    """
+    shown: Sequence[Demonstration[Any]]
+    if part == "drawings":
+        models, shown = POINTS[method], lasa.load(name)
+    elif part == "courses":
+        models, shown = COURSES[method], material.course(name, file, seed)
+    else:
+        models, shown = POSES[method], material.poses(name, file, seed)
+
+    def row(learned: Learned, tested: Demonstration[Any]) -> Row:
+        return _pushed(learned, tested.motion, ends=part != "drawings")
+
+    learn = _learner(models, lambda *_: 0.0, 0)
+    labels = {"study": "pushes", "task": name, "part": part, "method": method}
+    return [{**labels, **each} for each in _tested(shown, learn, row, left_out)]
+
+
+def _pushed(learned: Learned, tested: Any, *, ends: bool) -> Row:
+    """The responses of a skill to pushes; `ends` for a motion in m with its goal given."""
+
+    def target(position: Any) -> Any:
+        if not isinstance(tested, PoseTrajectory):
+            return position
+        nearest = np.linalg.norm(tested.positions - position, axis=1).argmin()
+        return position, tested.orientations[int(nearest)]
+
+    start, goal = tested.positions[0], tested.positions[-1]
+    if isinstance(tested, PoseTrajectory):
+        start, goal = (start, tested.orientations[0]), (goal, tested.orientations[-1])
+
+    def pushed(at: float, place: Any, held: float) -> Any:
+        return after_push(
+            learned.skill,
+            start=start,
+            goal=goal if ends else None,
+            at=at,
+            place=target(place),
+            held=held,
+        )
+
+    return measures.response_to_pushes(
+        pushed,
+        tested.positions,
+        clock=hasattr(learned.skill, "begin"),
+        unit=1e3 if ends else 1.0,
+    )
+
+
 def examine(*, motion: str, method: str, starts: int) -> list[Row]:
     """A row with the stability of a system that has learned all demonstrations of a motion.
 
@@ -212,7 +275,7 @@ def _drawn(method: str, learned: Learned, tested: Trajectory) -> Row:
 
     row = {
         **measures.drawing_errors(tested, made),
-        **measures.responses(positions, tested.positions, ends=False),
+        **measures.response_to_goal(positions, tested.positions),
         **_costs(learned, taken),
         "path": by_arc_length(made.positions, _DRAWN).round(2).tolist(),
         **on_all({arm: on_paper(arm, made) for arm in ARMS}),
@@ -236,7 +299,7 @@ def _traced(learned: Learned, tested: Trajectory) -> Row:
 
     return {
         **measures.course_errors(tested, made),
-        **measures.responses(positions, tested.positions, ends=True, unit=1e3),
+        **measures.response_to_goal(positions, tested.positions, unit=1e3),
         **_costs(learned, taken),
         **on_all({arm: before(arm, made) for arm in ARMS}),
     }
@@ -256,7 +319,7 @@ def _moved(learned: Learned, tested: PoseTrajectory) -> Row:
 
     return {
         **measures.pose_errors(tested, made),
-        **measures.responses(positions, tested.positions, ends=True, unit=1e3),
+        **measures.response_to_goal(positions, tested.positions, unit=1e3),
         **_costs(learned, taken),
         **on_all({"panda": made, "ur3": before("ur3", made)}),
     }

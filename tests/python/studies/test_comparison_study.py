@@ -8,7 +8,8 @@ from motions import minimum_jerk
 
 import leadthrough as lt
 from leadthrough import rotations
-from leadthrough.models import LPVDS
+from leadthrough.models import CLFDM, DMP, LPVDS, AlignedMean, FastMarching, ProMP
+from leadthrough.preprocess.resample import by_arc_length
 from leadthrough_studies.comparison import (
     STUDY,
     material,
@@ -19,6 +20,7 @@ from leadthrough_studies.comparison import (
     study,
 )
 from leadthrough_studies.comparison.methods import NearestShifted
+from leadthrough_studies.comparison.pushes import after_push
 from leadthrough_studies.study import Report, run, selected
 
 U = np.linspace(0.0, 1.0, 1000)
@@ -44,6 +46,7 @@ def test_all_parts_are_in_the_report_and_a_second_start_has_nothing_left_to_do(t
         poses=FEW,
         left_out=1,
         folds=0,
+        pushed=1,
         starts=50,
     )
     outcome = run(STUDY, config, out=tmp_path / "out")
@@ -57,7 +60,11 @@ def test_all_parts_are_in_the_report_and_a_second_start_has_nothing_left_to_do(t
     for row in selected(table, part="LOO"):
         assert row["SEA_mm2"] < 1000.0
         assert row["end_mm"] < 1e-6
-        assert row["push_Frechet_mm"] > 0.0
+    pushes = outcome.report.tables["pushes"]
+    assert len(pushes) == 3 * len(FEW)
+    for row in pushes:
+        assert row["refused"] == 0
+        assert 0.0 < row["push_any_fade_mm"] <= row["push_Frechet_mm"]
     printed = {line["method"]: line for line in outcome.report.summary["table_2"]}
     assert printed["SEDS"]["SEA_printed"] == 8.18e5
     assert printed["FSM-DM"]["SEA_mm2"] == selected(table, part="IN", method="FSM-DM")[0]["SEA_mm2"]
@@ -70,6 +77,61 @@ def test_all_parts_are_in_the_report_and_a_second_start_has_nothing_left_to_do(t
     quick = replace(STUDY, report=lambda *_: Report([]))  # the figures are drawn already
     again = run(quick, replace(config), out=tmp_path / "out")
     assert again.rows == outcome.rows
+
+
+GO_ON = {
+    "steps": DMP(),
+    "policy": FastMarching(),
+    "system": CLFDM(),
+    "condition": ProMP(),
+    "correction": AlignedMean(),
+    "shift": NearestShifted(),
+}
+
+
+def bent(height):
+    progress = minimum_jerk(np.linspace(0.0, 1.0, 120))
+    path = np.column_stack([40.0 * progress, height * np.sin(np.pi * progress)])
+    return lt.Demonstration(lt.Trajectory(np.linspace(0.0, 2.0, 120), path))
+
+
+@pytest.mark.parametrize("name", GO_ON)
+def test_a_pushed_tool_goes_on_from_there_to_the_goal_at_its_present_phase(name):
+    skill = GO_ON[name].fit([bent(height) for height in (9.0, 10.0, 11.0)])
+    place = np.array([20.0, 14.0])
+    path = after_push(skill, start=np.zeros(2), goal=None, at=0.5, place=place)
+    np.testing.assert_allclose(path[0], place)
+    np.testing.assert_allclose(path[-1], [40.0, 0.0], atol=0.5)
+    assert path[:, 0].min() > 19.0  # no new motion from the start
+    assert np.linalg.norm(path[1] - place) < 2.0
+
+
+def test_a_held_primitive_waits_and_then_makes_the_motion_that_a_push_leaves():
+    skill, place = DMP().fit([bent(10.0)]), np.array([20.0, 14.0])
+    query = {"start": np.zeros(2), "goal": None, "at": 0.5, "place": place}
+    after, held = after_push(skill, **query), after_push(skill, **query, held=0.25)
+    late = lt.preprocess.frechet_distance(by_arc_length(after, 100), by_arc_length(held, 100))
+    assert late < 1.0
+
+
+def test_a_response_to_pushes_is_0_for_the_demonstration_with_any_fading_of_the_push():
+    shown = bent(10.0).motion.positions
+    path = by_arc_length(shown, 200)
+
+    def back(at, place, held, part=1.0):
+        rest = path[int(200 * at) :]
+        left = np.maximum(1.0 - np.linspace(0.0, 1.0, len(rest)) / part, 0.0)[:, None]
+        return rest + left * (place - rest[0])
+
+    slow = measures.response_to_pushes(back, shown, clock=True)
+    assert slow["push_Frechet_mm"] == slow["push_any_fade_mm"] == slow["held_Frechet_mm"]
+    assert slow["push_Frechet_mm"] < 0.2  # resampling
+
+    def quick(at, place, held):
+        return back(at, place, held, part=0.25)
+
+    again = measures.response_to_pushes(quick, shown, clock=False)
+    assert again["push_any_fade_mm"] < 0.2 < again["push_Frechet_mm"]
 
 
 def test_inner_cross_validation_takes_the_model_that_predicts_left_out_demonstrations():

@@ -163,6 +163,17 @@ def test_figures_are_written(outcome):
         assert (Path(out) / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_quick_study_tests_the_first_demonstrations_of_the_full_one():
+    arguments = {"motion": "Line", "protocol": "LOO from 3", "method": "ProMP", "seed": 0}
+    few, all_of_them = study.compare(**arguments, count=3), study.compare(**arguments)
+    assert len(all_of_them) == 7
+    assert few == all_of_them[:3]
+    quick = [task.arguments for task in study.tasks(study.configure(True, 0))]
+    assert {each["count"] for each in quick} == {3}
+    full = [task.arguments for task in study.tasks(study.configure(False, 0))]
+    assert {each.get("count") for each in full} == {None}
+
+
 def test_full_study_covers_thirty_motions_and_quick_four():
     assert len(study.configure(False, 0).motions) == 30
     assert len(study.configure(True, 5).motions) == 4
