@@ -236,10 +236,9 @@ class LiveSession:
         self.scene = scene
         return True
 
-    def _verdict(self, answer: Answer, *, whole: bool) -> str:
-        """An answer in words."""
-        kind = "planned" if whole else "previewed"
-        return f"{kind} in {1e3 * answer.seconds:.0f} ms. {answer.trouble or answer.verdict}"
+    def _worded(self, verdict: str, how: str) -> str:
+        """An answer's verdict, and how it was found, in words."""
+        return f"{how}. {verdict}"
 
     def _facts(self) -> dict[str, Any]:
         """Parts of the state that other sessions have not."""
@@ -256,7 +255,8 @@ class LiveSession:
         hidden = {Layer.DEMONSTRATIONS, Layer.OBSTACLES, Layer.SPREAD if answer.trouble else None}
         layers = [layer for layer in LAYERS if layer not in hidden]
         self._messages.append(self.drawn.message(layers, moves=moves, detailed=whole))
-        self._say(self._verdict(answer, whole=whole))
+        how = f"{'planned' if whole else 'previewed'} in {1e3 * answer.seconds:.0f} ms"
+        self._say(self._worded(answer.trouble or answer.verdict, how))
 
     def _redraw_demonstrations(self, *, moves: bool) -> None:
         self._messages.append(self.drawn.message((Layer.DEMONSTRATIONS,), moves=moves))

@@ -22,7 +22,6 @@ from leadthrough.show.leading import LedArm
 from leadthrough.show.lesson import Learned, learned, plan_command
 from leadthrough.show.live_session import Handler, LiveSession, vector
 from leadthrough.show.recordings import Recordings, recording_of
-from leadthrough.show.replanner import Answer
 from leadthrough.show.viewer import LivePage
 
 # A closed page or a busy computer must not let the arm jump, s.
@@ -233,8 +232,7 @@ class Teaching(LiveSession):
         self.scene = self.led.scene = scene
         return True
 
-    def _verdict(self, answer: Answer, *, whole: bool) -> str:  # noqa: ARG002 (as others')
-        verdict = answer.trouble or answer.verdict
+    def _worded(self, verdict: str, how: str) -> str:  # noqa: ARG002 (pages that only look have it)
         return f"{self._learned} {verdict[:1].upper()}{verdict[1:]}"
 
     def _facts(self) -> dict[str, Any]:
