@@ -115,7 +115,7 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         """The skill that passes a place instead of a point of the answer to a query."""
         inside = _modes_of(self.skill)[mode]
         motion = _answer_of(inside, query)
-        if not isinstance(at, float | int):
+        if not np.isscalar(at):
             at = _nearest_time(self.modes[mode].generate(**query.given()), at)
         when = check.number(at, "at", at_least=0.0, at_most=motion.duration)
         fraction = float(np.interp(when, motion.times - motion.times[0], self._progress(motion)))

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough_studies.augmentation.episodes import DATA_SETS, GOALS, demonstrations
 from leadthrough_studies.augmentation.policy import Policy, reach
@@ -71,6 +72,7 @@ def train(
     *, data: str, training: int, episodes: int, calls: int, goals: int, seed: int
 ) -> list[Row]:
     """A row for each goal."""
+    check.package("sklearn.neural_network", extra="policies")  # before episodes are made in vain
     arm = Arm.load("panda")
     own = int(np.random.default_rng([seed, training]).integers(2**31))
     shown = demonstrations(arm, np.random.default_rng(own))

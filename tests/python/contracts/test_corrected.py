@@ -165,7 +165,14 @@ def test_a_point_may_be_named_by_its_position(skill):
     )
 
 
-@pytest.mark.parametrize("time", [-0.1, 99.0, float("nan")])
+def test_times_of_any_type_of_number_are_times():
+    skill = kinds.learned("GMR")
+    at = skill.corrected(1.0, (0.1, 0.1)).corrections[0].at
+    for time in (1, np.float32(1.0), np.int64(1)):
+        assert skill.corrected(time, (0.1, 0.1)).corrections[0].at == at
+
+
+@pytest.mark.parametrize("time", [-0.1, 99.0, float("nan"), "late", ((0.1, 0.1), (1.0,))])
 def test_a_time_outside_the_motion_is_refused(time):
     refused("at", kinds.learned("GMR").corrected, time, (0.1, 0.1))
 
