@@ -24,7 +24,7 @@ from leadthrough_studies.comparison.pushes import after_push
 from leadthrough_studies.study import Report, run, selected
 
 U = np.linspace(0.0, 1.0, 1000)
-FEW = ("FastMarching", "ProMP", "LPV-DS", "FSM-DM", "nearest demonstration, shifted")
+FEW = ("FastMarching", "ProMP", "CLF-DM", "FSM-DM", "nearest demonstration, shifted")
 
 
 def recorded(offset):
@@ -71,7 +71,7 @@ def test_all_parts_are_in_the_report_and_a_second_start_has_nothing_left_to_do(t
     (shown_stable, *_) = outcome.report.summary["stability"]
     assert shown_stable["arrived"] == shown_stable["starts"] == 50
     assert set(outcome.report.figures) >= {"figure_16", "figure_17", "figure_18", "stability"}
-    assert selected(table, part="LOO", method="LPV-DS")[0]["violations"] == 0
+    assert selected(table, part="LOO", method="CLF-DM")[0]["violations"] == 0
     shown = (tmp_path / "out" / "comparison.html").read_text()
     assert all(text in shown for text in ("Table 2", "Handwriting, left out", "Angle", "FSM-DM"))
     quick = replace(STUDY, report=lambda *_: Report([]))  # the figures are drawn already
