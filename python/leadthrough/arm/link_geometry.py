@@ -61,8 +61,7 @@ def _of_link(
 ) -> tuple[list[LinkSurface], str]:
     """The link's surfaces, and the reason if the preferred ones cannot be read."""
     trouble = ""
-    choices = [robot.geometry(link, role) for role in ("visual", "collision")]
-    for pieces in sorted(choices, key=_needs_library):
+    for pieces in (robot.geometry(link, role) for role in ("visual", "collision")):
         try:
             parts = [
                 LinkSurface(_surface(each, mesh_folders, read), each.colour) for each in pieces
@@ -73,11 +72,6 @@ def _of_link(
         if parts:
             return parts, trouble
     return [], trouble
-
-
-def _needs_library(pieces: Sequence[core.Geometry]) -> bool:
-    files = [each.file.lower() for each in pieces if each.kind == "mesh"]
-    return not all(file.endswith((".stl", ".obj")) for file in files)
 
 
 def _convex_parts(

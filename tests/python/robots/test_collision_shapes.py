@@ -92,6 +92,27 @@ def test_visual_meshes_are_the_makers(published, robot, link, surface):
     np.testing.assert_allclose(drawn.max(axis=0), makers.max(axis=0), atol=DRAWN_WITHIN)
 
 
+def test_visual_meshes_are_drawn_whatever_their_format(published, monkeypatch):
+    """COLLADA beside collision shapes of STL; without its reader these, and the reason."""
+    arm = lt.Arm.from_urdf(published / "ur_description/urdf/ur3_robot.urdf", tip="tool0")
+    makers, faces = read_triangles(published / "ur_description/meshes/ur3/visual/forearm.dae")
+    parts, remarks = surfaces(arm.robot, arm.mesh_folders)
+    assert remarks == ()
+    (drawn,) = parts["forearm_link"]
+    assert len(drawn.surface.faces) == len(faces)
+    np.testing.assert_allclose(drawn.surface.vertices, makers, atol=1e-12)
+
+    def missing(name, *, extra):
+        raise lt.errors.MissingDependency(name, extra=extra)
+
+    monkeypatch.setattr("leadthrough.io.reader_process.require", missing)
+    parts, remarks = surfaces(arm.robot, arm.mesh_folders)
+    hull = read_surface(published / f"{UR}/forearm.stl")
+    assert len(parts["forearm_link"][0].surface.faces) == len(hull) // 4  # corners and centres
+    assert "coal is not installed" in remarks[0]
+    assert remarks[0].endswith("its collision shape is shown")
+
+
 @pytest.mark.parametrize("robot", ["ur3", "panda"])
 def test_visual_meshes_are_small_and_found_in_a_copy_of_the_urdf_too(robots, robot, tmp_path):
     folder = robots / robot / "visual"
