@@ -27,6 +27,7 @@ from leadthrough.arm.tip_path import CollisionTest, TipPath, Track, tube_around
 from leadthrough.arm.tracking import (
     Start,
     Tracker,
+    as_demonstrated,
     axes_to_try,
     best_track,
     branch_track,
@@ -54,6 +55,7 @@ _IN_TIME: tuple[OnRateLimit, ...] = ("deviate", "raise")
 _RATE, _DEMONSTRATED_RATE = 1.0, 10.0
 # Default tolerances, m and rad: everywhere, and where they keep the branch of demonstrated joints.
 _TOLERANCES, _BRANCH_TOLERANCES = (1e-5, 1e-5), (2e-3, 0.05)
+_SHOWN_TOLERANCES = (1e-4, 1e-3)  # if these joints are on the path already
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -78,8 +80,10 @@ class FollowOptions(ShortRepr):
         position_tolerance: error in m that counts as reached, > 0; by default 1e-5. All samples but
             those beside a singularity come ten times closer. By default a motion of poses may be
             missed there by 2e-3 where that keeps the arm near the motion's own joints, which the
-            exact path would leave by more than 1 rad or a jump; `path_report` says by how much.
-        orientation_tolerance: error in rad that counts as reached, > 0; the same holds, and 0.05.
+            exact path would leave by more than 1 rad or a jump; and by 1e-4 where it would leave
+            them by more than 0.1 rad though they are on it to 1e-3; `path_report` says by how much.
+        orientation_tolerance: error in rad that counts as reached, > 0; the same holds, with 0.05
+            and 1e-3.
     """
 
     posture: Motion | ArrayLike | None = None
@@ -109,6 +113,11 @@ class FollowOptions(ShortRepr):
     def branch_tolerances(self) -> tuple[float, float]:
         """Errors in m and rad that are allowed to keep near the motion's own joints."""
         return self._stated_or(_BRANCH_TOLERANCES)
+
+    @property
+    def shown_tolerances(self) -> tuple[float, float]:
+        """Errors in m and rad that are allowed to stay where the motion's own joints are."""
+        return self._stated_or(_SHOWN_TOLERANCES)
 
     def _stated_or(self, default: tuple[float, float]) -> tuple[float, float]:
         stated = self.position_tolerance, self.orientation_tolerance
@@ -177,6 +186,10 @@ def follow(
             lambda freed: starts(freed, near, rate, others=others),
             lambda freed: _track_function(freed, on_rate_limit, allowed),
             allowed,
+        )
+    if joints is not None and q0 is None and options.free is None and not in_time:
+        track = as_demonstrated(
+            tracker, track, leaving=options.shown_tolerances, ending=options.branch_tolerances
         )
     q = track.q
     if track.reached < len(path) or (around is not None and not around.clear_along(q)):

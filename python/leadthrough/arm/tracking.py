@@ -52,6 +52,9 @@ _SAME_POSTURE = 1e-2
 _LOOK_AHEAD = 40
 # A joint this far from the demonstrated one, rad (m), may be in another branch.
 _OTHER_BRANCH = 1.0
+# Demonstrated joints this near to a path, m, are on it; a track this far from them leaves them, rad
+# (m).
+_ON_PATH, _LEAVES = 1e-3, 0.1
 # Factor of the errors that are offered as tolerances: they are printed with two digits.
 _WIDER = 1.1
 # A joint this near to a limit, as a fraction of its range, costs as much as double speed.
@@ -170,6 +173,27 @@ def branch_track(
     if complete and np.abs(exact.q - path.postures).max() <= _OTHER_BRANCH:
         return exact
     return _track_on_branch(tracker.chain, path, allowed, tracker.max_step)
+
+
+def as_demonstrated(
+    tracker: Tracker, track: Track, *, leaving: tuple[float, float], ending: tuple[float, float]
+) -> Track:
+    """The track, or one near the path's postures if it leaves them without need, or ends.
+
+    The errors allowed then are given for either. Beside a singularity an exact path may take joints
+    far away for some micrometres.
+    """
+    path, ends = tracker.path, track.reached < len(tracker.path)
+    if not len(path.orientations) or (not ends and not _leaves(tracker.chain, path, track)):
+        return track
+    near = _track_on_branch(tracker.chain, path, ending if ends else leaving, tracker.max_step)
+    return near if near.reached == len(path) else track
+
+
+def _leaves(chain: core.Chain, path: TipPath, track: Track) -> bool:
+    """Whether a track goes far from its path's postures though these are on the path."""
+    away = np.abs(track.q - path.postures).max()
+    return bool(away > _LEAVES and np.abs(_errors(chain, path, path.postures)).max() < _ON_PATH)
 
 
 def off_branch(track: Track) -> str:
