@@ -102,3 +102,26 @@ def test_joints_that_are_on_the_path_are_kept_where_it_would_take_them_away():
         assert np.abs(followed.positions - shown.positions).max() < 0.1
         report = arm.path_report(followed, motion)
         assert report.position_error.max() < size and report.orientation_error.max() < 1e-3
+
+
+def test_an_arm_of_two_joints_follows_the_mean_of_its_demonstrations():
+    """Means of poses are some micrometres off the surface that two joints reach."""
+    urdf = foreign_arms.urdf_in_package("example-robot-data", "double_pendulum_continuous.urdf")
+    limits = lt.arm.JointLimits(
+        ["joint1", "joint2"], *2.0 * np.array([[-3.0] * 2, [3.0] * 2, [1.0] * 2])
+    )
+    arm = lt.Arm.from_urdf(urdf, base="base_link", tip="link2", limits=limits)
+    rng = np.random.default_rng(3)
+    rise = minimum_jerk(np.linspace(0.0, 1.0, 101))[:, None]
+    shown = []
+    for _ in range(3):
+        first, way = rng.normal([0.3, 0.6], 0.05), rng.normal([0.5, -0.4], 0.05)
+        q = lt.JointTrajectory(
+            np.linspace(0.0, 2.0, 101), first + rise * way, joint_names=arm.joint_names
+        )
+        shown.append(lt.Demonstration(arm.poses(q)))
+    motion = lt.learn(shown).generate()
+    followed = arm.follow(motion)
+    assert np.abs(followed.positions - motion.joints.positions).max() < 0.02
+    report = arm.path_report(followed, motion)
+    assert report.position_error.max() < 1e-3 and report.orientation_error.max() < 1e-2
