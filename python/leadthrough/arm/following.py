@@ -73,7 +73,8 @@ class FollowOptions(ShortRepr):
             towards the motion's own joints.
         free: axes of the poses left free, as in `IkOptions`. By default none; an arm of fewer than
             six joints that cannot follow frees as many rotations as it lacks joints, about the axes
-            of the tip that give the smallest orientation error. `path_report` reports the error.
+            of the tip, or all three, whichever gives the smallest orientation error that way.
+            `path_report` reports the error.
             Only with "slow" and "exceed_limits".
         max_step: the most that a joint may move between two samples, rad or m, > 0; a larger step
             is a jump.

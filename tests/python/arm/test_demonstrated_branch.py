@@ -94,7 +94,7 @@ def test_joints_that_are_on_the_path_are_kept_where_it_would_take_them_away():
     )
     poses = arm.poses(shown)
     off = np.column_stack([np.sin(times), times - 1.0, np.cos(times)])
-    for size in (1e-5, 5e-5, 2e-4):  # of which the second cannot be reached exactly
+    for size in (1e-5, 5e-5):  # the larger cannot be reached exactly
         motion = lt.PoseTrajectory(
             times, poses.positions + size * off, poses.orientations, joints=shown
         )
