@@ -173,6 +173,7 @@ def guard(
     obstacle: options.Obstacles = None,
     margin: options.Margin = 0.005,
     rate: float | None = None,
+    torques: bool = False,
     start: str | None = None,
     format: options.FormatName = None,
     as_json: options.AsJson = False,
@@ -187,6 +188,7 @@ def guard(
 
     Options:
         rate: Commands per second; by default those of the motion.
+        torques: Also keep within the joint torque limits.
         start: Joint positions, such as 0,-0.5,1, at which the arm rests; by default those of the
             first sample.
     """
@@ -203,7 +205,10 @@ def guard(
     scene = lt.Scene(parse.obstacles(obstacle), margin)
     recorded = 1.0 / float(np.diff(joints.times).min(initial=1.0))
     per_second = recorded if rate is None else rate
-    admits = lt.Guard(arm, scene, rate=per_second, max_samples=sys.maxsize)
+    dynamics = arm.inverse_dynamics if torques else None
+    admits = lt.Guard(
+        arm, scene, rate=per_second, max_samples=sys.maxsize, inverse_dynamics=dynamics
+    )
     if start is not None:
         here, chunk = parse.numbers(start, "--start"), joints
     else:
