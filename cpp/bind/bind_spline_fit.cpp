@@ -14,8 +14,8 @@ namespace {
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
 using Table = Eigen::Ref<const Rows>;
 
-py::tuple fit_spline_(const Vector& parameters, const Table& q, double tolerance) {
-  SplineFit fit = without_gil([&] { return fit_spline(parameters, q, tolerance); });
+py::tuple fit_spline_(const Vector& parameters, const Table& q, double tolerance, bool corners) {
+  SplineFit fit = without_gil([&] { return fit_spline(parameters, q, tolerance, corners); });
   return py::make_tuple(as_array(fit.breaks), std::move(fit.coefficients));
 }
 
@@ -40,7 +40,7 @@ py::array_t<Eigen::Index> rows_apart_(const Table& q, double tolerance) {
 
 void bind_spline_fit(py::module_& module) {
   module.def("fit_spline", &fit_spline_, py::arg("parameters").noconvert(),
-             py::arg("q").noconvert(), py::arg("tolerance"));
+             py::arg("q").noconvert(), py::arg("tolerance"), py::arg("corners"));
   module.def("smooth_spline", &smooth_spline_, py::arg("parameters").noconvert(),
              py::arg("q").noconvert(), py::arg("tolerance"), py::arg("lower").noconvert(),
              py::arg("upper").noconvert());

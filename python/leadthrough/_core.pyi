@@ -817,7 +817,7 @@ def motion_peaks(
     accelerations: Float64Array,
 ) -> tuple[Float64Array, Float64Array, Float64Array]: ...
 def fit_spline(
-    parameters: Float64Array, q: Float64Array, tolerance: float
+    parameters: Float64Array, q: Float64Array, tolerance: float, corners: bool
 ) -> tuple[IndexArray, Float64Array]: ...
 def smooth_spline(
     parameters: Float64Array,

@@ -22,6 +22,8 @@ constexpr Index kDegree = 5, kOrder = kDegree + 1;
 constexpr Index kFirstSpans = 4;
 // A span needs a few more samples than coefficients of its own, or it swings between them.
 constexpr Index kMinSamples = 3;
+// At corners of a path spans have fewer; of more than half of its samples they would be noise.
+constexpr Index kNoise = 2;
 // Each end weighs as much as the square of this many samples.
 constexpr double kWeightOfEnds = 1e4;
 // Weights of the third derivative over a path of length 1, as powers of ten: a bend of a thousandth
@@ -306,10 +308,13 @@ class Fit {
   Rows normal_, penalty_, band_, coefficients_, residuals_;
 };
 
-bool wide_enough(const std::vector<Index>& breaks) {
-  for (std::size_t k = 1; k < breaks.size(); ++k)
-    if (breaks[k] - breaks[k - 1] < kMinSamples) return false;
-  return true;
+// Whether spans have samples enough; but for some at corners, if there may be any.
+bool wide_enough(const std::vector<Index>& breaks, bool corners) {
+  Index narrow = 0;
+  for (std::size_t k = 1; k < breaks.size(); ++k) {
+    if (breaks[k] - breaks[k - 1] < kMinSamples) ++narrow;
+  }
+  return narrow == 0 || (corners && kNoise * narrow <= breaks.back());
 }
 
 // Breaks of equally many samples.
@@ -319,39 +324,55 @@ std::vector<Index> even_breaks(Index samples, Index spans) {
   return breaks;
 }
 
+// Breaks with those spans halved that miss a sample. At a corner of the path, where these have
+// hardly any, those beside them are halved too, down to a sample each: there the spline
+// interpolates.
+std::vector<Index> halved(const std::vector<Index>& breaks, const std::vector<bool>& misses) {
+  const auto width = [&](std::size_t span) { return breaks[span + 1] - breaks[span]; };
+  std::vector<bool> halves = misses;
+  for (std::size_t span = 0; span < misses.size(); ++span)
+    if (misses[span] && width(span) < 2 * kMinSamples)
+      for (std::size_t k = span - std::min<std::size_t>(span, kDegree);
+           k < std::min<std::size_t>(span + kOrder, misses.size()); ++k)
+        halves[k] = true;
+  std::vector<Index> finer{breaks[0]};
+  for (std::size_t span = 0; span < halves.size(); ++span) {
+    if (halves[span] && width(span) > 1) finer.push_back((breaks[span] + breaks[span + 1]) / 2);
+    finer.push_back(breaks[span + 1]);
+  }
+  return finer;
+}
+
 // halved_fit of every so many samples: its pieces are nearly those that all of them need.
 SplineFit thinned_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
-                      double tolerance);
+                      double tolerance, bool corners);
 
 // Halves pieces until all are within the tolerance; no coefficients if they become too short.
 SplineFit halved_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
-                     double tolerance) {
+                     double tolerance, bool corners) {
   SplineFit found;
   std::vector<Index>& breaks = found.breaks;
-  breaks = q.rows() > kLong ? thinned_fit(parameters, q, tolerance).breaks
+  breaks = q.rows() > kLong ? thinned_fit(parameters, q, tolerance, corners).breaks
                             : even_breaks(q.rows(), kFirstSpans);
   std::vector<Index> finer = breaks;
-  while (wide_enough(finer)) {
+  while (wide_enough(finer, corners)) {
     check_interrupt();
     breaks.swap(finer);
     Fit fit(parameters, q, breaks);
     if (!fit.solve()) break;
     const std::vector<bool> misses = fit.misses(tolerance);
-    finer = {breaks[0]};
-    for (std::size_t span = 0; span < misses.size(); ++span) {
-      if (misses[span]) finer.push_back((breaks[span] + breaks[span + 1]) / 2);
-      finer.push_back(breaks[span + 1]);
-    }
-    if (finer.size() == breaks.size()) {
+    if (std::none_of(misses.begin(), misses.end(), [](bool missed) { return missed; })) {
       found.coefficients = fit.pieces();
       break;
     }
+    finer = halved(breaks, misses);
+    if (finer.size() == breaks.size()) break;
   }
   return found;
 }
 
 SplineFit thinned_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
-                      double tolerance) {
+                      double tolerance, bool corners) {
   const Index count = (q.rows() - 1) / kThinning + 1;
   VectorXd some(count);
   Rows rows(count, q.cols());
@@ -359,7 +380,7 @@ SplineFit thinned_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen:
     some[i] = parameters[i * kThinning];
     rows.row(i) = q.row(i * kThinning);
   }
-  SplineFit fit = halved_fit(some, rows, tolerance);
+  SplineFit fit = halved_fit(some, rows, tolerance, corners);
   for (Index& at : fit.breaks) at *= kThinning;
   fit.breaks.back() = q.rows() - 1;
   return fit;
@@ -368,11 +389,11 @@ SplineFit thinned_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen:
 }  // namespace
 
 SplineFit fit_spline(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
-                     double tolerance) {
+                     double tolerance, bool corners) {
   check_argument(q.rows() == parameters.size() && q.cols() > 0,
                  "q: expected one row for each parameter");
   check_argument(q.rows() > 6, "q: expected at least seven rows");
-  SplineFit fit = halved_fit(parameters, q, tolerance);
+  SplineFit fit = halved_fit(parameters, q, tolerance, corners);
   if (fit.coefficients.size() == 0) return {};
   return fit;
 }

@@ -22,9 +22,10 @@ struct CurveBounds {
 
 // A least-squares fit with as few pieces as the tolerance allows: those that miss a sample by more
 // are halved. parameters: increasing, more than six, of the rows of q. The ends are
-// interpolated.
+// interpolated. corners: whether pieces around a corner may be as short as from sample to sample,
+// which they pass there; without, no breaks if pieces would have fewer than three.
 SplineFit fit_spline(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                     const Eigen::Ref<const Rows>& q, double tolerance);
+                     const Eigen::Ref<const Rows>& q, double tolerance, bool corners);
 
 // A penalized fit (Eilers and Marx 1996): of each column the smallest third derivative, in the mean
 // square, that leaves no sample by more than the tolerance, to a quarter of a power of ten of its

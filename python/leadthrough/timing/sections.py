@@ -195,12 +195,13 @@ def _fitted(
         return found
     # Dropped samples and the fit share the tolerance.
     kept, parameters = moving_samples(times, q, 0.5 * tolerance)
-    spline = fit_within(parameters, q[kept], 0.5 * tolerance)
+    corners = request.earliest_times is None  # or each sample counts, for its time
+    spline = fit_within(parameters, q[kept], 0.5 * tolerance, corners=corners)
     beyond = request.outside(_reached(spline))
     if beyond <= POSITION_ROUNDING or request.outside(q) > tolerance:
         return kept, parameters, spline
     kept, parameters = moving_samples(times, q, 0.2 * tolerance)
-    near = fit_within(parameters, q[kept], 0.2 * tolerance)
+    near = fit_within(parameters, q[kept], 0.2 * tolerance, corners=corners)
     return kept, parameters, _bounded(near, parameters, q[kept], request)
 
 
@@ -261,7 +262,8 @@ def _cut_spline(path: Spline, request: Request) -> Sections:
             return None
         if (smoothness[first : last - 1] < 3).any():
             times = np.linspace(*part.domain, _SAMPLES_OF_A_CURVE)
-            part = fit_within(times, part.evaluate(times), request.path_tolerance)
+            q = part.evaluate(times)
+            part = fit_within(times, q, request.path_tolerance, corners=True)
         return Section(part, np.arange(first, last + 1), path.knots[first : last + 1])
 
     stops = {0, *corners.tolist(), *request.dwell_times, len(path.knots) - 1}
@@ -411,12 +413,14 @@ def _kept(q: Float64Array, tolerance: float) -> NDArray[np.intp]:
     return np.append(indices[: max(len(indices) - 1, 1)], len(q) - 1)
 
 
-def fit_within(parameters: Float64Array, q: Float64Array, tolerance: float) -> Spline:
+def fit_within(
+    parameters: Float64Array, q: Float64Array, tolerance: float, *, corners: bool
+) -> Spline:
     """A spline with two continuous derivatives or more, within the tolerance of every sample."""
     if len(parameters) <= _DEGREE + 1:
         return through(parameters, q)
     parameters, q = np.ascontiguousarray(parameters), np.ascontiguousarray(q)
-    breaks, table = core.fit_spline(parameters, q, tolerance)
+    breaks, table = core.fit_spline(parameters, q, tolerance, corners)
     return _quintics(parameters[breaks], table) if len(breaks) else through(parameters, q)
 
 

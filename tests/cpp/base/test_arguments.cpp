@@ -64,8 +64,8 @@ TEST(Arguments, OfRotationsHaveAsManyRows) {
 }
 
 TEST(Arguments, OfMotionsHaveOneRowATimeAndOneColumnAJoint) {
-  EXPECT_TRUE(refuses([&] { fit_spline(kEight, rows(7, 2), 1e-3); }));
-  EXPECT_TRUE(refuses([&] { fit_spline(kThree, rows(3, 2), 1e-3); }));
+  EXPECT_TRUE(refuses([&] { fit_spline(kEight, rows(7, 2), 1e-3, true); }));
+  EXPECT_TRUE(refuses([&] { fit_spline(kThree, rows(3, 2), 1e-3, true); }));
   EXPECT_TRUE(refuses([&] { smooth_spline(kEight, rows(8, 2), 1e-3, {kTwo, kThree}); }));
   EXPECT_TRUE(refuses([&] { rows_apart(rows(0, 2), 1e-3); }));
   EXPECT_TRUE(refuses([&] { cubic_through(kEight, rows(7, 2)); }));

@@ -225,6 +225,7 @@ def test_curves_are_compared_and_timed():
         assert lt.check_limits(timed, limits).ok
         assert lt.timing.binding_limits(timed, limits)
     assert lt.retime(line, limits, rate=100).duration > 0.0
+    assert lt.keep_timing(lt.JointTrajectory(U, bent), limits, rate=100).duration > 0.0
     jerky = tr.JerkFilter(1.0, 2.0, 10.0)
     state = tr.FilterState(np.zeros(2), np.zeros(2), np.zeros(2))
     for step in (jerky.step, jerky.step_together):

@@ -565,3 +565,23 @@ def test_more_path_tolerance_never_takes_longer_and_is_a_tube(seed):
         assert missed.max() <= tolerance + np.abs(np.diff(fine, axis=0)).max()
     assert (np.diff(durations) <= 1e-9).all()
     assert durations[-1] < 0.7 * durations[0]  # the noise is not followed
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_corners_of_a_recording_slow_it_down_nowhere_else(seed):
+    """The whole takes no longer than its smooth parts one after the other, from rest to rest."""
+    rng, times, cuts = np.random.default_rng(seed), 0.004 * np.arange(5000), [1200, 2500, 3900]
+    q = MIDDLE + 0.3 * np.sin(2.0 * np.pi * rng.uniform(0.05, 0.15, 7) * times[:, None])
+    for at in cuts:
+        since = np.maximum(times - times[at], 0.0)[:, None]
+        q = q + rng.normal(0.0, 0.3, 7) * since * np.exp(-since)
+    timed = lt.retime(lt.JointTrajectory(times, q), PANDA, rate=500.0)
+    parts = (slice(a, b + 1) for a, b in pairwise([0, *cuts, len(q) - 1]))
+    alone = [
+        lt.retime(lt.JointTrajectory(times[part], q[part]), PANDA, rate=500.0).duration
+        for part in parts
+    ]
+    assert timed.duration < 1.01 * sum(alone)
+    assert check_limits(timed, PANDA).ok
+    shown = CubicSpline(times, q)(np.linspace(0.0, times[-1], 100_000))
+    assert cKDTree(shown).query(timed.positions)[0].max() < 3e-4  # of samples 1e-4 apart
