@@ -1,3 +1,4 @@
+#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -6,7 +7,9 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "bind/cells.hpp"
@@ -15,6 +18,7 @@
 #include "leadthrough/field/distance_transform.hpp"
 #include "leadthrough/field/eikonal.hpp"
 #include "leadthrough/field/nearest_source.hpp"
+#include "leadthrough/field/policy.hpp"
 
 namespace py = pybind11;
 
@@ -234,6 +238,94 @@ py::tuple find_directions(const CArray<Real>& arrival, const std::vector<double>
   return py::make_tuple(name(status), n, directions);
 }
 
+Eigen::Vector3d vector_of(const std::vector<double>& coordinates, std::size_t dimensions) {
+  const Coordinates padded = with_leading_zero(coordinates, dimensions);
+  return {padded[0], padded[1], padded[2]};
+}
+
+// A barrier's middle, normal, half width and half thickness.
+using Disc = std::tuple<std::vector<double>, std::vector<double>, double, double>;
+
+// A policy with the array of its field.
+class BoundPolicy {
+ public:
+  template <typename Real>
+  BoundPolicy(const CArray<Real>& arrival, const std::vector<double>& spacing,
+              const std::vector<double>& origin, const std::vector<double>& goal,
+              const Eigen::Ref<const Rows>& positions, const Eigen::VectorXd& speeds,
+              double mean_speed, double slowing, const std::optional<Disc>& barrier)
+      : arrival_(arrival),
+        dimensions_(static_cast<Eigen::Index>(spacing.size())),
+        policy_{grid_of(arrival, spacing),
+                vector_of(origin, spacing.size()),
+                arrival.data(),
+                vector_of(goal, spacing.size()),
+                mean_speed,
+                slowing,
+                Eigen::Matrix3Xd::Zero(3, positions.rows()),
+                speeds,
+                std::nullopt} {
+    require(positions.rows() > 0 && positions.cols() == dimensions_ &&
+            speeds.size() == positions.rows());
+    policy_.positions.bottomRows(dimensions_) = positions.transpose();
+    if (!barrier) return;
+    const auto& [middle, normal, width, thickness] = *barrier;
+    policy_.barrier = {vector_of(middle, spacing.size()), vector_of(normal, spacing.size()), width,
+                       thickness};
+  }
+
+  py::tuple velocities(const Eigen::Ref<const Rows>& points) const {
+    return at_each(points, [&](Eigen::Vector3d& point) {
+      Eigen::Vector3d velocity;
+      const DescentStatus status = velocity_at(policy_, point, velocity);
+      if (status == DescentStatus::kOk) point = velocity;
+      return status == DescentStatus::kOk;
+    });
+  }
+
+  py::tuple moved(const Eigen::Ref<const Rows>& points, double span) const {
+    return at_each(points, [&](Eigen::Vector3d& point) {
+      return follow(policy_, span, point) == DescentStatus::kOk;
+    });
+  }
+
+ private:
+  // How many of the points (n, d) have a result, and the results; the next row is then the point
+  // that has no velocity.
+  template <typename Change>
+  py::tuple at_each(const Eigen::Ref<const Rows>& points, const Change& change) const {
+    require(points.cols() == dimensions_);
+    Rows rows = points;
+    Eigen::Index n = 0;
+    {
+      const Unlocked unlocked;
+      for (; n < rows.rows(); ++n) {
+        check_interrupt(n);
+        Eigen::Vector3d point = Eigen::Vector3d::Zero();
+        point.tail(dimensions_) = rows.row(n).transpose();
+        const bool found = change(point);
+        rows.row(n) = point.tail(dimensions_).transpose();
+        if (!found) break;
+      }
+    }
+    return py::make_tuple(n, std::move(rows));
+  }
+
+  py::array arrival_;
+  Eigen::Index dimensions_;
+  Policy policy_;
+};
+
+template <typename Real>
+void bind_policy_of(py::class_<BoundPolicy>& type) {
+  using Numbers = const std::vector<double>&;
+  type.def(py::init<const CArray<Real>&, Numbers, Numbers, Numbers, const Eigen::Ref<const Rows>&,
+                    const Eigen::VectorXd&, double, double, const std::optional<Disc>&>(),
+           py::arg("arrival").noconvert(), py::arg("spacing"), py::arg("origin"), py::arg("goal"),
+           py::arg("positions").noconvert(), py::arg("speeds").noconvert(), py::arg("mean_speed"),
+           py::arg("slowing"), py::arg("barrier"));
+}
+
 // The functions that exist in both precisions.
 template <typename Real>
 void bind_marches(py::module_& module, const std::string& precision) {
@@ -265,6 +357,11 @@ void bind_field(py::module_& module) {
   module.def("distance_transform", &transform, py::arg("mask").noconvert(), py::arg("spacing"));
   bind_descent<float>(module);
   bind_descent<double>(module);
+  py::class_<BoundPolicy> policy(module, "MarchingPolicy");
+  bind_policy_of<float>(policy);
+  bind_policy_of<double>(policy);
+  policy.def("velocities", &BoundPolicy::velocities, py::arg("points").noconvert())
+      .def("moved", &BoundPolicy::moved, py::arg("points").noconvert(), py::arg("span"));
 }
 
 }  // namespace leadthrough
