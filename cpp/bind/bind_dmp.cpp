@@ -332,9 +332,10 @@ void bind_dmp(py::module_& module) {
     return py::make_tuple(c.reference.breaks, c.reference.coefficients, c.gain, c.drive);
   });
   py::class_<Curve, std::shared_ptr<Curve>> curve(module, "DmpCurve");
-  curve.def(py::init(&make_curve), py::arg("controls").noconvert(), py::arg("steps").noconvert(),
-            py::arg("speeds").noconvert(), py::arg("covered").noconvert(), py::arg("zyz"),
-            py::arg("rhythmic"))
+  curve
+      .def(py::init(&make_curve), py::arg("controls").noconvert(), py::arg("steps").noconvert(),
+           py::arg("speeds").noconvert(), py::arg("covered").noconvert(), py::arg("zyz"),
+           py::arg("rhythmic"))
       .def_readonly("steps", &Curve::steps)
       .def_readonly("covered", &Curve::covered);
   bind_reduce(curve, [](const Curve& c) {

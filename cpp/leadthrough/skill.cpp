@@ -124,8 +124,8 @@ so3::Quaternion Dmp::orientation() const {
 
 so3::Vector3 Dmp::angular_velocity() const {
   check_argument(is_of_poses(), "angular_velocity: only of poses");
-  const dmp::RotationState now = dmp::rotation_at(
-      *curve_, offset_, state_.phase, state_.value.tail<3>(), state_.slope.tail<3>());
+  const dmp::RotationState now = dmp::rotation_at(*curve_, offset_, state_.phase,
+                                                  state_.value.tail<3>(), state_.slope.tail<3>());
   return now.velocity / duration_;
 }
 

@@ -1,7 +1,5 @@
 #include "leadthrough/base/npz.hpp"
 
-#include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -46,8 +44,8 @@ void Npz::add_member(std::uint64_t entry) {
   if (at<std::uint32_t>(entry) != kEntrySignature) refuse("is damaged");
   if (at<std::uint16_t>(entry + 10) != 0) refuse("is compressed");
   const std::uint64_t size = at<std::uint32_t>(entry + 24), local = at<std::uint32_t>(entry + 42);
-  const std::uint64_t begin = local + kLocalHeader + at<std::uint16_t>(local + 26) +
-                              at<std::uint16_t>(local + 28);
+  const std::uint64_t begin =
+      local + kLocalHeader + at<std::uint16_t>(local + 26) + at<std::uint16_t>(local + 28);
   std::string name = content_.substr(entry + kEntry, at<std::uint16_t>(entry + 28));
   if (begin + size > content_.size()) refuse("is damaged");
   std::string bytes = content_.substr(begin, size);
@@ -67,39 +65,26 @@ Value Npz::at(std::uint64_t place) const {
 
 // NumPy's format of arrays, version 1: a magic string, the size of a header, which is a dictionary
 // of Python, and the numbers.
-Npz::Array Npz::array(const std::string& name, const char* type) const {
-  constexpr std::size_t kBeforeHeader = 10;
+std::string Npz::bytes(const std::string& name, const std::string& type) const {
   const auto found = members_.find(name);
   if (found == members_.end()) refuse("has no array '" + name + "'");
-  const std::string& bytes = found->second;
-  if (bytes.compare(0, 7, "\x93NUMPY\x01") != 0 || bytes.size() < kBeforeHeader)
-    refuse("is damaged: " + name);
+  const std::string& all = found->second;
+  if (all.size() < 10 || all.compare(0, 7, "\x93NUMPY\x01") != 0) refuse("is damaged: " + name);
   std::uint16_t size = 0;
-  std::memcpy(&size, bytes.data() + 8, sizeof(size));
-  const std::string header = bytes.substr(kBeforeHeader, size);
-  const std::size_t shape = header.find("'shape': (");
-  if (header.find("'descr': '" + std::string(type) + "'") == std::string::npos ||
-      header.find("'fortran_order': False") == std::string::npos || shape == std::string::npos)
+  std::memcpy(&size, all.data() + 8, sizeof(size));
+  const std::string header = all.substr(10, size);
+  if (header.find("'descr': '" + type + "'") == std::string::npos ||
+      header.find("'fortran_order': False") == std::string::npos)
     refuse("has an array of another type: " + name);
-  Array result;
-  std::uint64_t expected = std::string(type) == "<f8" ? sizeof(double) : 1;
-  const char* at = header.c_str() + shape + 10;
-  for (char* next = nullptr; *at >= '0' && *at <= '9'; at = next + std::strspn(next, ", ")) {
-    result.shape.push_back(std::strtoull(at, &next, 10));
-    if (result.shape.back() > bytes.size()) refuse("is damaged: " + name);
-    expected *= result.shape.back();
-  }
-  result.bytes = bytes.substr(std::min(kBeforeHeader + size, bytes.size()));
-  if (result.bytes.size() != expected) refuse("is damaged: " + name);
-  return result;
+  return all.substr(10 + header.size());
 }
 
-std::string Npz::text(const std::string& name) const { return array(name, "|u1").bytes; }
+std::string Npz::text(const std::string& name) const { return bytes(name, "|u1"); }
 
 std::vector<double> Npz::numbers(const std::string& name) const {
-  const Array found = array(name, "<f8");
-  std::vector<double> result(found.bytes.size() / sizeof(double));
-  std::memcpy(result.data(), found.bytes.data(), found.bytes.size());
+  const std::string found = bytes(name, "<f8");
+  std::vector<double> result(found.size() / sizeof(double));
+  std::memcpy(result.data(), found.data(), result.size() * sizeof(double));
   return result;
 }
 
@@ -112,13 +97,10 @@ double Npz::number(const std::string& name) const {
 Eigen::VectorXd Npz::vector(const std::string& name) const { return rows(name, 1); }
 
 Rows Npz::rows(const std::string& name, Eigen::Index columns) const {
-  const Array found = array(name, "<f8");
-  const auto count = static_cast<Eigen::Index>(found.bytes.size() / sizeof(double));
-  const bool fits = columns > 0 && count > 0 && count % columns == 0 &&
-                    (columns == 1 || found.shape.back() == static_cast<std::uint64_t>(columns));
-  if (!fits) refuse("has an array of another shape: " + name);
-  Rows result(count / columns, columns);
-  std::memcpy(result.data(), found.bytes.data(), found.bytes.size());
+  const std::vector<double> found = numbers(name);
+  const auto count = static_cast<Eigen::Index>(found.size());
+  if (columns < 1 || count == 0 || count % columns != 0) refuse("has another size: " + name);
+  const Rows result = Eigen::Map<const Rows>(found.data(), count / columns, columns);
   if (!result.allFinite()) refuse("has a number that is not finite: " + name);
   return result;
 }

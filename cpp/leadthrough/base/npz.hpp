@@ -13,7 +13,7 @@
 namespace leadthrough {
 
 // The constructor throws std::invalid_argument for a file that cannot be read or is damaged, the
-// members for an array that is missing, or of another type or shape.
+// members for an array that is missing, or of another type or size.
 class Npz {
  public:
   explicit Npz(const std::string& path);
@@ -29,19 +29,14 @@ class Npz {
   std::vector<double> numbers(const std::string& name) const;
 
  private:
-  struct Array {
-    std::vector<std::uint64_t> shape;
-    std::string bytes;
-  };
-
   template <typename Value>
   Value at(std::uint64_t place) const;
   void add_member(std::uint64_t entry);
-  Array array(const std::string& name, const char* type) const;
+  std::string bytes(const std::string& name, const std::string& type) const;
   [[noreturn]] void refuse(const std::string& why) const;
 
   std::string path_, content_;
-  std::map<std::string, std::string> members_;
+  std::map<std::string, std::string> members_;  // headers and numbers of the arrays
 };
 
 }  // namespace leadthrough

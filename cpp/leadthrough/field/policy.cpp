@@ -10,10 +10,10 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-constexpr std::size_t kNeighbours = 8;                // whose speeds count at a point
-constexpr double kPart = 0.1;                 // cells that one move is long, at most
-constexpr double kStraight = 1.0 - 1e-9;      // cosine to the goal's direction near it
-constexpr double kTiny = 1e-300;              // instead of a length or speed of 0
+constexpr std::size_t kNeighbours = 8;    // whose speeds count at a point
+constexpr double kPart = 0.1;             // cells that one move is long, at most
+constexpr double kStraight = 1.0 - 1e-9;  // cosine to the goal's direction near it
+constexpr double kTiny = 1e-300;          // instead of a length or speed of 0
 
 double largest_spacing(const Grid& grid) {
   return *std::max_element(grid.spacing.begin(), grid.spacing.end());

@@ -13,8 +13,8 @@ namespace leadthrough {
 
 // A disc across the start of a motion that returns there: the field leads around it.
 struct StartBarrier {
-  Eigen::Vector3d middle, normal;    // normal: a unit vector along the path
-  double width, thickness;  // half of the disc's
+  Eigen::Vector3d middle, normal;  // normal: a unit vector along the path
+  double width, thickness;         // half of the disc's
 };
 
 // In two dimensions the first coordinate of all points and vectors is 0.
@@ -24,7 +24,7 @@ struct Policy {
   std::variant<const float*, const double*> arrival;
   Eigen::Vector3d goal;
   double mean_speed;
-  double slowing;             // distance from the goal at which the mean speed falls
+  double slowing;              // distance from the goal at which the mean speed falls
   Eigen::Matrix3Xd positions;  // at least one, along the demonstrations
   Eigen::VectorXd speeds;      // there
   std::optional<StartBarrier> barrier;

@@ -124,7 +124,7 @@ class Channels(Generic[StateT]):
         return core.dmp_rollout(learned.forces, course, ends.start, ends.start_slope, PHASES)
 
     def moving_course(self) -> dict[str, Float64Array]:
-        """What the course of the form "blended" between other positions follows from."""
+        """Arrays that the course of the form "blended" between other positions is made from."""
         progress = self.progress
         return {
             "breaks": progress.breaks,

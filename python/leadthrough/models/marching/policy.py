@@ -97,9 +97,12 @@ class Policy(ShortRepr):
     @cached_property
     def _compiled(self) -> core.MarchingPolicy:
         """The policy as the compiled core takes it."""
-        disc, grid, speeds = self.barrier, self.grid, self.speeds
+        grid, speeds, disc = self.grid, self.speeds, None
+        if self.barrier is not None:
+            middle, normal = self.barrier.middle.tolist(), self.barrier.normal.tolist()
+            disc = (middle, normal, self.barrier.width, self.barrier.thickness)
         return core.MarchingPolicy(
-            np.ascontiguousarray(self.arrival),
+            self.arrival,
             grid.spacing.tolist(),
             grid.origin.tolist(),
             self.goal.tolist(),
@@ -107,7 +110,7 @@ class Policy(ShortRepr):
             speeds.speeds,
             speeds.mean,
             self.slowing,
-            disc and (disc.middle.tolist(), disc.normal.tolist(), disc.width, disc.thickness),
+            disc,
         )
 
     def _tables(self) -> dict[str, ArrayLike]:

@@ -1,4 +1,4 @@
-"""Skills as they are exported, and the motions that Python makes of them: `export_skills.py FOLDER`.
+"""Exported skills, and the motions that Python makes of them: `export_skills.py FOLDER`.
 
 The tests of `skill.hpp` and `guard.hpp` compare their own motions with these, to the bit.
 """
@@ -15,7 +15,8 @@ from leadthrough_studies.example import reaches
 FOLDER = Path(sys.argv[1])
 TIMES = np.linspace(0.0, 2.0, 201)
 RISE = lt.trajectories.minimum_jerk_time_scaling(TIMES / 2.0)
-JOINTS = [f"joint{i}" for i in range(1, 7)]
+REST = np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])  # rad, of the Panda
+TURN = np.array([0.5, 0.3, -0.4, 0.2, 0.6, -0.3, 0.8])
 STEPS = [0.001, 0.0007, 0.02, 0.3] * 10  # s, beyond the end too
 
 
@@ -41,11 +42,14 @@ def stepped_dmp(skill, start, goal, duration):
 
 
 def path(*columns):
-    return lt.Trajectory(TIMES, np.column_stack([column * np.ones_like(RISE) for column in columns]))
+    return lt.Trajectory(
+        TIMES, np.column_stack([column * np.ones_like(RISE) for column in columns])
+    )
 
 
 def write_dmps():
-    joints = reaches(JOINTS, seed=0)[0].motion
+    names = lt.Arm.load("panda").joint_names
+    joints = lt.JointTrajectory(TIMES, REST + np.outer(RISE, TURN), joint_names=names)
     skill = lt.DMP(weights=20).fit([joints])
     write("joints", skill, **stepped_dmp(skill, None, None, skill.duration))
     flat = lt.DMP(weights=20).fit([path(RISE, np.sin(3.0 * RISE))])
@@ -58,7 +62,8 @@ def write_dmps():
 
 
 def write_promps():
-    shown = [each.motion for each in reaches(JOINTS, seed=0)]
+    joints = [f"joint{i}" for i in range(1, 7)]
+    shown = [each.motion for each in reaches(joints, seed=0)]
     skill = lt.ProMP().fit(shown)
     motion = skill.generate()
     derivatives = {"velocity": motion.velocities, "acceleration": motion.accelerations}
@@ -85,10 +90,9 @@ def write_policies():
 def write_guarded():
     arm = lt.Arm.load("panda")
     guard = lt.Guard(arm, [lt.Sphere(0.1, position=[0.3, 0.4, 0.4])], rate=100.0)
-    q0 = np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])
     wave = np.sin(np.linspace(0.0, 1.0, 30)) ** 3
-    chunk = q0 + 0.05 * np.outer(wave, np.ones(7))
-    admission = guard.admit(chunk, state=q0)
+    chunk = REST + 0.05 * np.outer(wave, np.ones(7))
+    admission = guard.admit(chunk, state=REST)
     assert admission.verdict == "allowed", admission
     states = [guard.next() for _ in range(guard.remaining)]
     limits = {
@@ -96,7 +100,7 @@ def write_guarded():
         for name in ("lower", "upper", "velocity", "acceleration", "jerk")
     }
     rows = {name: [getattr(each, name) for each in states] for name in ("q", "qd", "qdd")}
-    tables = {"q0": q0, "chunk": chunk, "rate": 100.0, **limits, **rows}
+    tables = {"q0": REST, "chunk": chunk, "rate": 100.0, **limits, **rows}
     npz.write_tables(FOLDER / "guarded.npz", "expected", tables)
 
 

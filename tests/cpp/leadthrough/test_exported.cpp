@@ -68,7 +68,7 @@ TEST(ExportedDmp, StepsAsInPython) {
 }
 
 TEST(ExportedDmp, NamesItsJoints) {
-  EXPECT_EQ(Dmp(path_of("joints")).joint_names()[5], "joint6");
+  EXPECT_EQ(Dmp(path_of("joints")).joint_names()[6], "panda_joint7");
   EXPECT_TRUE(Dmp(path_of("poses")).joint_names().empty());
 }
 
@@ -154,9 +154,9 @@ TEST(ExportedSkill, IsRefusedByAnotherClassAndWhenDamaged) {
 TEST(EmbeddedGuard, CommandsAsInPython) {
   const Npz expected(path_of("guarded"));
   const Arm arm(read(std::getenv("LEADTHROUGH_PANDA")), "panda_link0", "panda_hand");
-  const guard::StepLimits limits{expected.vector("lower"),        expected.vector("upper"),
-                                 expected.vector("velocity"),     expected.vector("acceleration"),
-                                 expected.vector("jerk"),         1.0 / expected.number("rate")};
+  const guard::StepLimits limits{expected.vector("lower"),    expected.vector("upper"),
+                                 expected.vector("velocity"), expected.vector("acceleration"),
+                                 expected.vector("jerk"),     1.0 / expected.number("rate")};
   const auto ball = primitive("sphere", Eigen::VectorXd::Constant(1, 0.1));
   Guard guard(arm, limits, {{Eigen::Matrix3d::Identity(), {0.3, 0.4, 0.4}, *ball}});
   guard.start(expected.vector("q0"));
@@ -177,9 +177,9 @@ TEST(EmbeddedGuard, CommandsAsInPython) {
 TEST(EmbeddedGuard, RefusesWhatItsRulesForbidAndStops) {
   const Npz expected(path_of("guarded"));
   const Arm arm(read(std::getenv("LEADTHROUGH_PANDA")), "panda_link0", "panda_hand");
-  const guard::StepLimits limits{expected.vector("lower"),        expected.vector("upper"),
-                                 expected.vector("velocity"),     expected.vector("acceleration"),
-                                 expected.vector("jerk"),         1.0 / expected.number("rate")};
+  const guard::StepLimits limits{expected.vector("lower"),    expected.vector("upper"),
+                                 expected.vector("velocity"), expected.vector("acceleration"),
+                                 expected.vector("jerk"),     1.0 / expected.number("rate")};
   const Eigen::VectorXd q0 = expected.vector("q0");
   Guard guard(arm, limits);
   guard.start(q0);
