@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "leadthrough/base/interrupt.hpp"
+
 namespace leadthrough {
 
 namespace {
@@ -110,6 +112,7 @@ DescentStatus velocity_at(const Policy& policy, const Vector3& point, Vector3& v
 DescentStatus follow(const Policy& policy, double span, Vector3& point) {
   const double cell = largest_spacing(policy.grid);
   while (span > 0.0) {
+    check_interrupt();
     Vector3 velocity;
     const DescentStatus status = velocity_at(policy, point, velocity);
     if (status != DescentStatus::kOk) return status;
