@@ -155,6 +155,7 @@ ProMp::ProMp(const Npz& file)
       rhythmic_(file.number("rhythmic") != 0.0),
       basis_(file.vector("centres"), file.number("sharpness"), rhythmic_),
       weights_(file.rows("weights", static_cast<Eigen::Index>(file.number("columns")))),
+      paces_(1.0, std::pow(duration_, -1), std::pow(duration_, -2)),
       values_(3, weights_.cols()) {
   check_argument(duration_ > 0.0 && weights_.rows() == file.vector("centres").size(),
                  "path: expected a skill that is not damaged");
@@ -167,7 +168,7 @@ const Rows& ProMp::at(double time) {
   const Rows& functions = basis_.at(moves ? phase : std::clamp(phase, 0.0, 1.0), 2);
   values_.setZero();
   for (int order = 0; order <= (moves ? 2 : 0); ++order) {
-    const double pace = std::pow(duration_, -order);
+    const double pace = paces_[order];
     for (Eigen::Index i = 0; i < weights_.rows(); ++i)
       values_.row(order) += (functions(order, i) * pace) * weights_.row(i);
   }

@@ -77,7 +77,8 @@ class ProMp {
   double duration_;
   bool rhythmic_;
   NormalisedBasis basis_;
-  Rows weights_;  // (functions, d)
+  Rows weights_;           // (functions, d)
+  Eigen::Vector3d paces_;  // of orders: derivatives by the phase to those by time
   Rows values_;
 };
 

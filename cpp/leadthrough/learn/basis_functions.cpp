@@ -39,8 +39,9 @@ const Rows& NormalisedBasis::at(double phase, int most) {
   slope_ = (phase - centres_.array()).matrix();  // the distances, until they are g'
   if (periodic_) {
     slope_ *= kTurn;
-    value_ = sharpness_ * (slope_.array().cos() - 1.0);
-    bend_ = -kTurn * kTurn * sharpness_ * slope_.array().cos();
+    bend_ = slope_.array().cos();
+    value_ = sharpness_ * (bend_.array() - 1.0);
+    bend_ *= -kTurn * kTurn * sharpness_;
     slope_ = -kTurn * sharpness_ * slope_.array().sin();
   } else {
     value_ = -0.5 * sharpness_ * slope_.array().square();

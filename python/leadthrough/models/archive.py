@@ -278,9 +278,9 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
 
     def _not_exported(self) -> UnsupportedQuery:
         return UnsupportedQuery(
-            f"export: expected a DMP of the form 'blended' (of poses, with the orientation "
-            f"'anchored'), a ProMP of points or joints with a basis other than 'bspline', or Fast "
-            f"Marching, got {self!r}"
+            "export: expected a DMP of the form 'blended' (of poses, with the orientation "
+            "'anchored'), a ProMP of points or joints with a basis other than 'bspline', or Fast "
+            f"Marching, got {getattr(self, 'model', self)!r}"
         )
 
     @cached_property
