@@ -238,92 +238,48 @@ py::tuple find_directions(const CArray<Real>& arrival, const std::vector<double>
   return py::make_tuple(name(status), n, directions);
 }
 
-Eigen::Vector3d vector_of(const std::vector<double>& coordinates, std::size_t dimensions) {
-  const Coordinates padded = with_leading_zero(coordinates, dimensions);
-  return {padded[0], padded[1], padded[2]};
-}
-
-// A barrier's middle, normal, half width and half thickness.
-using Disc = std::tuple<std::vector<double>, std::vector<double>, double, double>;
-
-// A policy with the array of its field.
-class BoundPolicy {
- public:
-  template <typename Real>
-  BoundPolicy(const CArray<Real>& arrival, const std::vector<double>& spacing,
-              const std::vector<double>& origin, const std::vector<double>& goal,
-              const Eigen::Ref<const Rows>& positions, const Eigen::VectorXd& speeds,
-              double mean_speed, double slowing, const std::optional<Disc>& barrier)
-      : arrival_(arrival),
-        dimensions_(static_cast<Eigen::Index>(spacing.size())),
-        policy_{grid_of(arrival, spacing),
-                vector_of(origin, spacing.size()),
-                arrival.data(),
-                vector_of(goal, spacing.size()),
-                mean_speed,
-                slowing,
-                Eigen::Matrix3Xd::Zero(3, positions.rows()),
-                speeds,
-                std::nullopt} {
-    require(positions.rows() > 0 && positions.cols() == dimensions_ &&
-            speeds.size() == positions.rows());
-    policy_.positions.bottomRows(dimensions_) = positions.transpose();
-    if (!barrier) return;
-    const auto& [middle, normal, width, thickness] = *barrier;
-    policy_.barrier = {vector_of(middle, spacing.size()), vector_of(normal, spacing.size()), width,
-                       thickness};
-  }
-
-  py::tuple velocities(const Eigen::Ref<const Rows>& points) const {
-    return at_each(points, [&](Eigen::Vector3d& point) {
-      Eigen::Vector3d velocity;
-      const DescentStatus status = velocity_at(policy_, point, velocity);
-      if (status == DescentStatus::kOk) point = velocity;
-      return status == DescentStatus::kOk;
-    });
-  }
-
-  py::tuple moved(const Eigen::Ref<const Rows>& points, double span) const {
-    return at_each(points, [&](Eigen::Vector3d& point) {
-      return follow(policy_, span, point) == DescentStatus::kOk;
-    });
-  }
-
- private:
-  // How many of the points (n, d) have a result, and the results; the next row is then the point
-  // that has no velocity.
-  template <typename Change>
-  py::tuple at_each(const Eigen::Ref<const Rows>& points, const Change& change) const {
-    require(points.cols() == dimensions_);
-    Rows rows = points;
-    Eigen::Index n = 0;
-    {
-      const Unlocked unlocked;
-      for (; n < rows.rows(); ++n) {
-        check_interrupt(n);
-        Eigen::Vector3d point = Eigen::Vector3d::Zero();
-        point.tail(dimensions_) = rows.row(n).transpose();
-        const bool found = change(point);
-        rows.row(n) = point.tail(dimensions_).transpose();
-        if (!found) break;
-      }
-    }
-    return py::make_tuple(n, std::move(rows));
-  }
-
-  py::array arrival_;
-  Eigen::Index dimensions_;
-  Policy policy_;
-};
+using Disc = std::tuple<Eigen::VectorXd, Eigen::VectorXd, double, double>;
 
 template <typename Real>
-void bind_policy_of(py::class_<BoundPolicy>& type) {
-  using Numbers = const std::vector<double>&;
-  type.def(py::init<const CArray<Real>&, Numbers, Numbers, Numbers, const Eigen::Ref<const Rows>&,
-                    const Eigen::VectorXd&, double, double, const std::optional<Disc>&>(),
-           py::arg("arrival").noconvert(), py::arg("spacing"), py::arg("origin"), py::arg("goal"),
-           py::arg("positions").noconvert(), py::arg("speeds").noconvert(), py::arg("mean_speed"),
-           py::arg("slowing"), py::arg("barrier"));
+MarchingPolicy make_policy(const CArray<Real>& arrival, const Eigen::VectorXd& spacing,
+                           const Eigen::VectorXd& origin, const Eigen::VectorXd& goal,
+                           const Eigen::Ref<const Rows>& positions, const Eigen::VectorXd& speeds,
+                           double mean_speed, double slowing, const std::optional<Disc>& barrier) {
+  Eigen::VectorXd shape(arrival.ndim());
+  for (py::ssize_t i = 0; i < arrival.ndim(); ++i) shape[i] = static_cast<double>(arrival.shape(i));
+  std::optional<StartBarrier> disc;
+  if (barrier) {
+    const auto& [middle, normal, width, thickness] = *barrier;
+    disc = {middle, normal, width, thickness};
+  }
+  return MarchingPolicy({shape, spacing, origin, arrival.data(),
+                         std::make_shared<CArray<Real>>(arrival), goal, positions, speeds,
+                         mean_speed, slowing, disc});
+}
+
+// How many of the points (n, d) have a result, and the results; the next row is then the point
+// that has no velocity.
+template <typename Change>
+py::tuple at_each(const Eigen::Ref<const Rows>& points, const Change& change) {
+  Rows rows = points;
+  Eigen::Index n = 0;
+  {
+    const Unlocked unlocked;
+    for (; n < rows.rows(); ++n) {
+      check_interrupt(n);
+      Eigen::Map<Eigen::VectorXd> point(rows.row(n).data(), rows.cols());
+      if (change(point) != DescentStatus::kOk) break;
+    }
+  }
+  return py::make_tuple(n, std::move(rows));
+}
+
+template <typename Real>
+void bind_policy_of(py::class_<MarchingPolicy>& type) {
+  type.def(
+      py::init(&make_policy<Real>), py::arg("arrival").noconvert(), py::arg("spacing").noconvert(),
+      py::arg("origin").noconvert(), py::arg("goal").noconvert(), py::arg("positions").noconvert(),
+      py::arg("speeds").noconvert(), py::arg("mean_speed"), py::arg("slowing"), py::arg("barrier"));
 }
 
 // The functions that exist in both precisions.
@@ -357,11 +313,22 @@ void bind_field(py::module_& module) {
   module.def("distance_transform", &transform, py::arg("mask").noconvert(), py::arg("spacing"));
   bind_descent<float>(module);
   bind_descent<double>(module);
-  py::class_<BoundPolicy> policy(module, "MarchingPolicy");
+  py::class_<MarchingPolicy> policy(module, "MarchingPolicy");
   bind_policy_of<float>(policy);
   bind_policy_of<double>(policy);
-  policy.def("velocities", &BoundPolicy::velocities, py::arg("points").noconvert())
-      .def("moved", &BoundPolicy::moved, py::arg("points").noconvert(), py::arg("span"));
+  policy
+      .def(
+          "velocities",
+          [](const MarchingPolicy& own, const Eigen::Ref<const Rows>& points) {
+            return at_each(points, [&](auto& point) { return own.velocity(point, point); });
+          },
+          py::arg("points").noconvert())
+      .def(
+          "moved",
+          [](const MarchingPolicy& own, const Eigen::Ref<const Rows>& points, double span) {
+            return at_each(points, [&](auto& point) { return own.step(span, point); });
+          },
+          py::arg("points").noconvert(), py::arg("span"));
 }
 
 }  // namespace leadthrough

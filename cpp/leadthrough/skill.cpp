@@ -32,10 +32,6 @@ std::vector<std::string> joint_names(const Npz& file) {
   return result;
 }
 
-void check_finite(const Eigen::VectorXd& values, const char* rule) {
-  check_argument(values.allFinite(), rule);
-}
-
 // The position of a target, or the demonstrated one.
 Eigen::VectorXd position_of(const Eigen::VectorXd& target, Eigen::Index size,
                             const dmp::Vector& nominal) {
@@ -101,7 +97,7 @@ void Dmp::begin(const Eigen::VectorXd& start, const Eigen::VectorXd& goal, doubl
     const Eigen::Index size = target->size();
     check_argument(size == 0 || size == (curve_ ? 3 : start_.size()) || (curve_ && size == 7),
                    "start, goal: expected a position, or a position and w, x, y, z of poses");
-    check_finite(*target, "start, goal: expected finite numbers");
+    check_argument(target->allFinite(), "start, goal: expected finite numbers");
   }
   offset_ = offset(start, goal);
   const Eigen::Index size = curve_ ? 3 : start_.size();
@@ -175,61 +171,19 @@ const Rows& ProMp::at(double time) {
   return values_;
 }
 
-MarchingPolicy::MarchingPolicy(const std::string& path)
-    : MarchingPolicy(opened(path, "marching policy")) {}
-
-MarchingPolicy::MarchingPolicy(const Npz& file)
-    : dimensions_(file.vector("goal").size()), arrival_(file.numbers("arrival")) {
-  check_argument(dimensions_ == 2 || dimensions_ == 3, "path: expected two or three dimensions");
-  const Eigen::VectorXd shape = file.vector("shape"), spacing = file.vector("spacing");
-  check_argument(shape.size() == dimensions_ && spacing.size() == dimensions_ &&
-                     spacing.minCoeff() > 0.0 && shape.minCoeff() >= 1.0 &&
-                     shape.prod() == static_cast<double>(arrival_.size()),
-                 "path: expected a policy that is not damaged");
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const Eigen::Index own = i - (3 - dimensions_);
-    const auto axis = static_cast<std::size_t>(i);
-    policy_.grid.shape[axis] = own < 0 ? 1 : static_cast<Index>(shape[own]);
-    policy_.grid.spacing[axis] = spacing[std::max<Eigen::Index>(own, 0)];
-  }
-  policy_.arrival = static_cast<const double*>(arrival_.data());
-  policy_.origin = padded(file.vector("origin"));
-  policy_.goal = padded(file.vector("goal"));
-  policy_.mean_speed = file.number("mean_speed");
-  policy_.slowing = file.number("slowing");
-  policy_.speeds = file.vector("speeds");
-  policy_.positions = Eigen::Matrix3Xd::Zero(3, policy_.speeds.size());
-  const Rows positions = file.rows("positions", dimensions_);
-  check_argument(positions.rows() == policy_.speeds.size(),
-                 "path: expected a policy that is not damaged");
-  policy_.positions.bottomRows(dimensions_) = positions.transpose();
+MarchingPolicy load_policy(const std::string& path) {
+  const Npz file = opened(path, "marching policy");
+  const auto arrival = std::make_shared<const std::vector<double>>(file.numbers("arrival"));
+  const Eigen::VectorXd shape = file.vector("shape"), goal = file.vector("goal");
+  if (shape.prod() != static_cast<double>(arrival->size()))
+    throw std::invalid_argument(path + ": is damaged");
+  std::optional<StartBarrier> barrier;
   if (file.has("barrier_middle"))
-    policy_.barrier = {padded(file.vector("barrier_middle")), padded(file.vector("barrier_normal")),
-                       file.number("barrier_width"), file.number("barrier_thickness")};
-}
-
-bool MarchingPolicy::velocity(const Eigen::VectorXd& position, Eigen::VectorXd& result) const {
-  check_argument(result.size() == dimensions_, "result: expected the policy's dimensions");
-  Eigen::Vector3d velocity;
-  if (velocity_at(policy_, padded(position), velocity) != DescentStatus::kOk) return false;
-  result = velocity.tail(dimensions_);
-  return true;
-}
-
-bool MarchingPolicy::step(double dt, Eigen::VectorXd& position) const {
-  check_argument(dt > 0.0 && dt <= 100.0, "dt: expected seconds > 0, at most 100");
-  Eigen::Vector3d point = padded(position);
-  if (follow(policy_, dt, point) != DescentStatus::kOk) return false;
-  position = point.tail(dimensions_);
-  return true;
-}
-
-Eigen::Vector3d MarchingPolicy::padded(const Eigen::VectorXd& position) const {
-  check_argument(position.size() == dimensions_, "position: expected the policy's dimensions");
-  check_finite(position, "position: expected finite numbers");
-  Eigen::Vector3d result = Eigen::Vector3d::Zero();
-  result.tail(dimensions_) = position;
-  return result;
+    barrier = {file.vector("barrier_middle"), file.vector("barrier_normal"),
+               file.number("barrier_width"), file.number("barrier_thickness")};
+  return MarchingPolicy({shape, file.vector("spacing"), file.vector("origin"), arrival->data(),
+                         arrival, goal, file.rows("positions", goal.size()), file.vector("speeds"),
+                         file.number("mean_speed"), file.number("slowing"), barrier});
 }
 
 }  // namespace leadthrough

@@ -83,28 +83,6 @@ class ProMp {
 };
 
 // The policy of Fast Marching Learning, for positions in two or three dimensions.
-class MarchingPolicy {
- public:
-  explicit MarchingPolicy(const std::string& path);
-  MarchingPolicy(const MarchingPolicy&) = delete;  // the policy points to its arrival times
-  MarchingPolicy& operator=(const MarchingPolicy&) = delete;
-
-  // Positions have as many coordinates as this one.
-  Eigen::VectorXd goal() const { return policy_.goal.tail(dimensions_); }
-  // Writes the velocity at a position. False where there is none: in obstacles and outside the
-  // field.
-  bool velocity(const Eigen::VectorXd& position, Eigen::VectorXd& result) const;
-  // Moves a position by the velocities of dt s; false, and the position as it was, where there is
-  // none on the way.
-  bool step(double dt, Eigen::VectorXd& position) const;
-
- private:
-  explicit MarchingPolicy(const Npz& file);
-  Eigen::Vector3d padded(const Eigen::VectorXd& position) const;
-
-  Eigen::Index dimensions_;
-  std::vector<double> arrival_;
-  Policy policy_;
-};
+MarchingPolicy load_policy(const std::string& path);
 
 }  // namespace leadthrough

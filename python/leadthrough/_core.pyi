@@ -802,14 +802,14 @@ class MarchingPolicy:
     def __init__(
         self,
         arrival: Float32Array | Float64Array,
-        spacing: Sequence[float],
-        origin: Sequence[float],
-        goal: Sequence[float],
+        spacing: Float64Array,
+        origin: Float64Array,
+        goal: Float64Array,
         positions: Float64Array,
         speeds: Float64Array,
         mean_speed: float,
         slowing: float,
-        barrier: tuple[Sequence[float], Sequence[float], float, float] | None,
+        barrier: tuple[Float64Array, Float64Array, float, float] | None,
     ) -> None: ...
     def velocities(self, points: Float64Array) -> tuple[int, Float64Array]: ...
     def moved(self, points: Float64Array, span: float) -> tuple[int, Float64Array]: ...

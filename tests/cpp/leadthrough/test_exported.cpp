@@ -112,7 +112,7 @@ TEST(ExportedProMp, RestsAfterItsEndUnlessItIsRhythmic) {
 TEST(ExportedPolicy, LeadsAsInPython) {
   for (const char* name : {"open", "closed"}) {
     const Npz expected = expected_of(name);
-    const MarchingPolicy policy(path_of(name));
+    const MarchingPolicy policy = load_policy(path_of(name));
     const Eigen::Index size = policy.goal().size();
     const Rows positions = expected.rows("position", size);
     const Rows velocities = expected.rows("velocity", size);
@@ -121,13 +121,13 @@ TEST(ExportedPolicy, LeadsAsInPython) {
     for (Eigen::Index i = 0; i < positions.rows(); ++i) {
       EXPECT_EQ(at, positions.row(i).transpose()) << name << i;
       expect_no_allocation([&] {
-        EXPECT_TRUE(policy.velocity(at, velocity));
-        EXPECT_TRUE(policy.step(dt, at));
+        EXPECT_EQ(policy.velocity(at, velocity), DescentStatus::kOk);
+        EXPECT_EQ(policy.step(dt, at), DescentStatus::kOk);
       });
       EXPECT_EQ(velocity, velocities.row(i).transpose()) << name << i;
     }
     at.setConstant(1e3);
-    EXPECT_FALSE(policy.step(0.01, at));
+    EXPECT_EQ(policy.step(0.01, at), DescentStatus::kStartOutside);
     EXPECT_EQ(at[0], 1e3);
   }
 }

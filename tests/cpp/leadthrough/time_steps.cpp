@@ -46,7 +46,7 @@ int main(int, char** words) {
   const std::string folder = std::string(words[1]) + "/";
   Dmp joints(folder + "joints.npz"), poses(folder + "poses.npz");
   ProMp promp(folder + "promp.npz");
-  const MarchingPolicy policy(folder + "open.npz");
+  const MarchingPolicy policy = load_policy(folder + "open.npz");
   const Rows places = Npz(folder + "open_expected.npz").rows("position", 3);
   const Npz guarded(folder + "guarded.npz");
   std::ifstream file(words[2]);

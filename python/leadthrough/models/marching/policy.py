@@ -71,7 +71,7 @@ class Policy(ShortRepr):
         return self._at_each(lambda points: self._compiled.moved(points, span), position)
 
     def export(self, path: str | PathLike[str]) -> None:
-        """Writes the policy to a file that `leadthrough::MarchingPolicy` in C++ runs.
+        """Writes the policy to a file that `leadthrough::load_policy` in C++ reads.
 
         Its velocities and steps are then the same to the bit, without Python. The file has the
         field, 8 bytes a cell.
@@ -97,20 +97,17 @@ class Policy(ShortRepr):
     @cached_property
     def _compiled(self) -> core.MarchingPolicy:
         """The policy as the compiled core takes it."""
-        grid, speeds, disc = self.grid, self.speeds, None
-        if self.barrier is not None:
-            middle, normal = self.barrier.middle.tolist(), self.barrier.normal.tolist()
-            disc = (middle, normal, self.barrier.width, self.barrier.thickness)
+        grid, speeds, disc = self.grid, self.speeds, self.barrier
         return core.MarchingPolicy(
             self.arrival,
-            grid.spacing.tolist(),
-            grid.origin.tolist(),
-            self.goal.tolist(),
+            grid.spacing,
+            grid.origin,
+            self.goal,
             speeds.positions,
             speeds.speeds,
             speeds.mean,
             self.slowing,
-            disc,
+            None if disc is None else (disc.middle, disc.normal, disc.width, disc.thickness),
         )
 
     def _tables(self) -> dict[str, ArrayLike]:
