@@ -143,8 +143,18 @@ std::optional<urdf::Error> take_limits(const Joints& moving, Chain& chain) {
   return std::nullopt;
 }
 
+std::optional<urdf::Error> check_inertia(const urdf::Link& link) {
+  const std::string where = "link " + quoted(link.name);
+  const urdf::Inertia& inertia = link.inertia;
+  if (!(inertia.mass >= 0.0))
+    return urdf::Error{where, "its mass " + std::to_string(inertia.mass) + " is negative"};
+  if ((inertia.moments.diagonal().array() < 0.0).any())
+    return urdf::Error{where, "a moment of inertia is negative"};
+  return std::nullopt;
+}
+
 // Adds every link to the body of the moving joint that it is fixed to, on any branch.
-void take_bodies(const Robot& robot, const Joints& moving, Chain& chain) {
+std::optional<urdf::Error> take_bodies(const Robot& robot, const Joints& moving, Chain& chain) {
   constexpr int kNoBody = -1;  // static, or moved by a joint outside the chain
   struct Mount {
     int body = kNoBody;
@@ -162,11 +172,13 @@ void take_bodies(const Robot& robot, const Joints& moving, Chain& chain) {
       mount = {parent.body, parent.T_body_link * joint.T_parent_child};
     }
     if (mount.body == kNoBody) continue;
-    const urdf::Inertia& own = robot.links[static_cast<std::size_t>(joint.child)].inertia;
+    const urdf::Link& link = robot.links[static_cast<std::size_t>(joint.child)];
+    if (auto error = check_inertia(link)) return error;
     urdf::Inertia& body = chain.bodies[static_cast<std::size_t>(mount.body)];
-    body = body + mount.T_body_link * own;
-    chain.mass += own.mass;
+    body = body + mount.T_body_link * link.inertia;
+    chain.mass += link.inertia.mass;
   }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -200,7 +212,7 @@ std::variant<Chain, urdf::Error> make_chain(const Robot& robot, const std::strin
   flatten(joints, chain);
   set_drives(moving, chain);
   if (auto error = take_limits(moving, chain)) return *error;
-  take_bodies(robot, moving, chain);
+  if (auto error = take_bodies(robot, moving, chain)) return *error;
   return chain;
 }
 

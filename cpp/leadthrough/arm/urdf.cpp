@@ -67,18 +67,6 @@ std::optional<Error> check_joint(const Joint& joint) {
   return std::nullopt;
 }
 
-std::optional<Error> check_inertia(const Link& link) {
-  const std::string where = "link '" + link.name + "'";
-  const Inertia& inertia = link.inertia;
-  if (!(inertia.mass >= 0.0) || !std::isfinite(inertia.mass))
-    return Error{where, "its mass " + std::to_string(inertia.mass) + " is negative or not finite"};
-  if (!inertia.center.allFinite() || !inertia.moments.allFinite())
-    return Error{where, "its inertia is not finite"};
-  if ((inertia.moments.diagonal().array() < 0.0).any())
-    return Error{where, "a moment of inertia is negative"};
-  return std::nullopt;
-}
-
 Joint to_joint(const ::urdf::Joint& source) {
   Joint joint;
   joint.name = source.name;
@@ -127,7 +115,6 @@ std::variant<Robot, Error> to_robot(const ::urdf::ModelInterface& model) {
   std::vector<::urdf::LinkConstSharedPtr> sources{model.getRoot()};
   robot.links.push_back(to_link(*sources.front()));
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    if (auto error = check_inertia(robot.links[i])) return *error;
     for (const auto& source : sources[i]->child_joints) {
       Joint joint = to_joint(*source);
       if (auto error = check_joint(joint)) return *error;

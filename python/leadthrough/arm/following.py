@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
-from leadthrough import check
+from leadthrough import check, rotations
 from leadthrough.arm.ik_failure import failure, require_reachable, with_reason
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration
@@ -27,6 +27,7 @@ from leadthrough.arm.tip_path import CollisionTest, TipPath, Track, tube_around
 from leadthrough.arm.tracking import (
     Start,
     Tracker,
+    as_demonstrated,
     axes_to_try,
     best_track,
     branch_track,
@@ -54,6 +55,7 @@ _IN_TIME: tuple[OnRateLimit, ...] = ("deviate", "raise")
 _RATE, _DEMONSTRATED_RATE = 1.0, 10.0
 # Default tolerances, m and rad: everywhere, and where they keep the branch of demonstrated joints.
 _TOLERANCES, _BRANCH_TOLERANCES = (1e-5, 1e-5), (2e-3, 0.05)
+_SHOWN_TOLERANCES = (1e-4, 1e-3)  # if these joints are on the path already
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,15 +73,18 @@ class FollowOptions(ShortRepr):
             towards the motion's own joints.
         free: axes of the poses left free, as in `IkOptions`. By default none; an arm of fewer than
             six joints that cannot follow frees as many rotations as it lacks joints, about the axes
-            of the tip that give the smallest orientation error. `path_report` reports the error.
+            of the tip, or all three, whichever gives the smallest orientation error that way.
+            `path_report` reports the error.
             Only with "slow" and "exceed_limits".
         max_step: the most that a joint may move between two samples, rad or m, > 0; a larger step
             is a jump.
         position_tolerance: error in m that counts as reached, > 0; by default 1e-5. All samples but
             those beside a singularity come ten times closer. By default a motion of poses may be
             missed there by 2e-3 where that keeps the arm near the motion's own joints, which the
-            exact path would leave by more than 1 rad or a jump; `path_report` says by how much.
-        orientation_tolerance: error in rad that counts as reached, > 0; the same holds, and 0.05.
+            exact path would leave by more than 1 rad or a jump; and by 1e-4 where it would leave
+            them by more than 0.1 rad though they are on it to 1e-3; `path_report` says by how much.
+        orientation_tolerance: error in rad that counts as reached, > 0; the same holds, with 0.05
+            and 1e-3.
     """
 
     posture: Motion | ArrayLike | None = None
@@ -110,6 +115,11 @@ class FollowOptions(ShortRepr):
         """Errors in m and rad that are allowed to keep near the motion's own joints."""
         return self._stated_or(_BRANCH_TOLERANCES)
 
+    @property
+    def shown_tolerances(self) -> tuple[float, float]:
+        """Errors in m and rad that are allowed to stay where the motion's own joints are."""
+        return self._stated_or(_SHOWN_TOLERANCES)
+
     def _stated_or(self, default: tuple[float, float]) -> tuple[float, float]:
         stated = self.position_tolerance, self.orientation_tolerance
         position, orientation = (
@@ -130,8 +140,24 @@ def reachable_start(
     joints = demonstrated_joints(arm._chain, motion)
     ends = (None, None) if joints is None else tuple(joints.positions[[0, -1]])
     near = (ends[0] if start is None else start, ends[1])
-    require_reachable(arm, path, free=options.free, tolerances=options.tolerances, near=near)
+    shown = joints is not None and _reaches_ends(arm, path, joints, options.branch_tolerances)
+    allowed = options.branch_tolerances if shown else options.tolerances
+    require_reachable(arm, path, free=options.free, tolerances=allowed, near=near)
     return start
+
+
+def _reaches_ends(
+    arm: ArmModel, path: TipPath, joints: JointTrajectory, allowed: tuple[float, float]
+) -> bool:
+    """Whether the joints that go along with a path are at its ends."""
+    positions, orientations = arm.forward_kinematics(joints.positions[[0, -1]])
+    far = np.linalg.norm(positions - path.positions[[0, -1]], axis=1)
+    turns = (
+        rotations.distance(orientations, path.orientations[[0, -1]])
+        if len(path.orientations)
+        else 0.0
+    )
+    return bool(far.max() <= allowed[0] and np.max(turns) <= allowed[1])
 
 
 def follow(
@@ -177,6 +203,10 @@ def follow(
             lambda freed: starts(freed, near, rate, others=others),
             lambda freed: _track_function(freed, on_rate_limit, allowed),
             allowed,
+        )
+    if joints is not None and q0 is None and options.free is None and not in_time:
+        track = as_demonstrated(
+            tracker, track, leaving=options.shown_tolerances, ending=options.branch_tolerances
         )
     q = track.q
     if track.reached < len(path) or (around is not None and not around.clear_along(q)):

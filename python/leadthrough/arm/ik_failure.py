@@ -26,13 +26,12 @@ _AT_LIMIT = 1e-4
 _HELPS = 1e-3
 # Samples of the rest of a path that are looked at for how far it goes beyond.
 _LOOKED_AT = 9
-_ROUNDING = 1e-6  # m beyond the reach
 # A position this many reaches away is not meant: it is in mm.
 _IMPLAUSIBLE = 20.0
 # A pose is not reached if this thorough a search says so, twice.
 _ITERATIONS, _RESTARTS, _SEEDS = 20_000, 200, (0, 1)
 _SIX = 6  # joints, with which an arm can have any position and orientation
-_MIN_TOLERANCES = (1e-6, 1e-5)  # m and rad, of the ends
+_MIN_TOLERANCES = (1e-6, 1e-5)  # m and rad, of the ends and the reach
 _REASONS = {
     "unreachable": "no joint positions reach the pose",
     "limits": "the joint limits keep the tip from the pose",
@@ -149,9 +148,9 @@ def require_reachable(
     if left & {"x", "y", "z"}:
         return  # then the position need not be reached
     away = np.linalg.norm(path.positions - _shoulder(arm), axis=1)
-    beyond = away - arm._chain.reach
-    if beyond.max() > _ROUNDING:
-        raise _too_far(arm, path, away)
+    slack = max(tolerances[0], _MIN_TOLERANCES[0])
+    if away.max() > arm._chain.reach + slack:
+        raise _too_far(arm, path, away, slack)
     oriented = not left and len(path.orientations) > 0 and len(arm.joint_names) >= _SIX
     for i in dict.fromkeys((len(path) - 1, 0)):
         orientation = path.orientations[i : i + 1] if oriented else np.empty((0, 4))
@@ -170,9 +169,9 @@ def _shoulder(arm: ArmModel) -> Float64Array:
     return np.asarray(positions[0] + orientations[0] @ first.position)
 
 
-def _too_far(arm: ArmModel, path: TipPath, away: Float64Array) -> IkFailure:
+def _too_far(arm: ArmModel, path: TipPath, away: Float64Array, slack: float) -> IkFailure:
     reach = arm._chain.reach
-    i, worst = int(np.argmax(away > reach + _ROUNDING)), int(np.argmax(away))
+    i, worst = int(np.argmax(away > reach + slack)), int(np.argmax(away))
     unit = "; give positions in m, not mm" if away[worst] > _IMPLAUSIBLE * reach else ""
     message = (
         f"sample {i} at {path.times[i]:.6g} s: unreachable (the motion goes up to "

@@ -52,6 +52,9 @@ _SAME_POSTURE = 1e-2
 _LOOK_AHEAD = 40
 # A joint this far from the demonstrated one, rad (m), may be in another branch.
 _OTHER_BRANCH = 1.0
+# Demonstrated joints this near to a path, m, are on it. A track that is this far from them, rad
+# (m), or turns the tip by so much, rad, leaves them.
+_ON_PATH, _LEAVES, _TURNED = 1e-3, 0.1, 1e-3
 # Factor of the errors that are offered as tolerances: they are printed with two digits.
 _WIDER = 1.1
 # A joint this near to a limit, as a fraction of its range, costs as much as double speed.
@@ -172,6 +175,29 @@ def branch_track(
     return _track_on_branch(tracker.chain, path, allowed, tracker.max_step)
 
 
+def as_demonstrated(
+    tracker: Tracker, track: Track, *, leaving: tuple[float, float], ending: tuple[float, float]
+) -> Track:
+    """The track, or one near the path's postures if it leaves them without need, or ends.
+
+    The errors allowed then are given for either. Beside a singularity an exact path may take joints
+    far away for some micrometres, and so may an axis that is free.
+    """
+    path, ends = tracker.path, track.reached < len(tracker.path)
+    if not len(path.orientations) or (not ends and not _leaves(tracker.chain, path, track)):
+        return track
+    near = _track_on_branch(tracker.chain, path, ending if ends else leaving, tracker.max_step)
+    return near if near.reached == len(path) else track
+
+
+def _leaves(chain: core.Chain, path: TipPath, track: Track) -> bool:
+    """Whether a track goes far from its path's postures though these are on the path."""
+    if np.abs(_errors(chain, path, path.postures)).max() > _ON_PATH:
+        return False
+    away = np.abs(track.q - path.postures).max()
+    return bool(away > _LEAVES or _orientation_error(chain, path, track) > _TURNED)
+
+
 def off_branch(track: Track) -> str:
     """How far a track near demonstrated joints is from its path, and how to allow that."""
     far, angle = (
@@ -212,7 +238,7 @@ def axes_to_try(
     missing = min(6 - joints, len(_ROTATIONS)) if len(path.orientations) else 0
     if missing <= 0 or in_time:
         return [()]
-    return [(), *combinations(_ROTATIONS, missing)]
+    return list(dict.fromkeys([(), *combinations(_ROTATIONS, missing), _ROTATIONS]))
 
 
 def least_rotated(chain: core.Chain, path: TipPath, tracks: Sequence[Track]) -> Track:

@@ -20,6 +20,7 @@ _MAX_THREADS = 8  # of a check of collisions
 _TIP_TOLERANCE = "1e-4,1e-3"  # m and rad
 _NOISE = (1e-5, 2e-3)  # rad (m): less is rounding, more the motion's own
 _ROUNDED = 1e-2  # rad (m), the tolerance of a path that is free of a hand's tremor
+_TORQUE_USED = 0.9  # of the limits with --torques
 
 
 def retime(
@@ -57,7 +58,8 @@ def retime(
             default 1e-4,1e-3. A recording's white noise is smoothed first, and how much is printed.
         keep_timing: Reach no point of the path earlier than it does now.
         tip_speed: Speed limit of the tip, in m/s.
-        torques: Also keep within the joint torque limits.
+        torques: Also keep within 90 % of the joint torque limits; what is left is for the
+            controller, which has to bear friction and loads that the model does not know.
         start: Joint positions, such as 0,-0.5,1, at which the arm rests before; an approach from
             there onto the motion is written with it.
     """
@@ -79,7 +81,7 @@ def retime(
         tolerance = path_tolerance
     law = partial(
         lt.keep_timing if keep_timing else lt.retime,
-        limits=arm.limits,
+        limits=_with_torque_reserve(arm.limits) if torques else arm.limits,
         rate=rate,
         path_tolerance=tolerance,
         tip_speed=None if tip_speed is None else lt.timing.TipSpeed(tip_speed, arm.jacobian),
@@ -115,6 +117,11 @@ def retime(
             output.hint(ctx, "check", out, *output.arm_words(ctx))
         else:
             output.advise(f"run {out} on the robot")
+
+
+def _with_torque_reserve(limits: lt.arm.JointLimits) -> lt.arm.JointLimits:
+    effort = limits.effort
+    return limits if effort is None else replace(limits, effort=_TORQUE_USED * effort)
 
 
 def _at_tip(arm: lt.Arm, text: str) -> lt.timing.TipTolerance:
@@ -166,6 +173,7 @@ def guard(
     obstacle: options.Obstacles = None,
     margin: options.Margin = 0.005,
     rate: float | None = None,
+    torques: bool = False,
     start: str | None = None,
     format: options.FormatName = None,
     as_json: options.AsJson = False,
@@ -180,6 +188,7 @@ def guard(
 
     Options:
         rate: Commands per second; by default those of the motion.
+        torques: Also keep within the joint torque limits.
         start: Joint positions, such as 0,-0.5,1, at which the arm rests; by default those of the
             first sample.
     """
@@ -196,7 +205,10 @@ def guard(
     scene = lt.Scene(parse.obstacles(obstacle), margin)
     recorded = 1.0 / float(np.diff(joints.times).min(initial=1.0))
     per_second = recorded if rate is None else rate
-    admits = lt.Guard(arm, scene, rate=per_second, max_samples=sys.maxsize)
+    dynamics = arm.inverse_dynamics if torques else None
+    admits = lt.Guard(
+        arm, scene, rate=per_second, max_samples=sys.maxsize, inverse_dynamics=dynamics
+    )
     if start is not None:
         here, chunk = parse.numbers(start, "--start"), joints
     else:

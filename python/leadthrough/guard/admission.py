@@ -22,6 +22,7 @@ Kind = Literal[
     "velocity",
     "acceleration",
     "jerk",
+    "torque",
     "contact",
     "not finite",
     "no continuation",

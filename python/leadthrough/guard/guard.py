@@ -37,6 +37,7 @@ from leadthrough.guard.rules import (
 )
 from leadthrough.motion import Event, JointTrajectory
 from leadthrough.shapes import Obstacle, Scene, SceneLike, as_scene
+from leadthrough.timing.request import InverseDynamics
 
 _MIN_RATE, _MAX_RATE = 1.0, 1e4  # Hz
 _CHANGED_PART = 16  # times as long a sample takes that has to be changed
@@ -69,6 +70,9 @@ class Guard(ShortRepr):
         max_samples: samples of a chunk that are looked at, >= 16, so that the answer comes in time;
             of a chunk that has to be changed at most a sixteenth, and fewer where it has to run
             much more slowly. The rest is cut off, with the reason "cut short".
+        inverse_dynamics: maps q, velocities and accelerations (n, joints) to efforts, such as
+            `arm.inverse_dynamics`, in which a payload counts; with it, the efforts of all commands
+            satisfy their limits as well.
 
     Raises:
         InvalidInput: if a limit is not known.
@@ -82,12 +86,14 @@ class Guard(ShortRepr):
         *,
         rate: float,
         max_samples: int = 4096,
+        inverse_dynamics: InverseDynamics | None = None,
     ) -> None:
         self._arm = arm
+        self._torques = inverse_dynamics
         self._most = check.integer(max_samples, "max_samples", at_least=_CHANGED_PART)
         self._period = 1.0 / check.number(rate, "rate", at_least=_MIN_RATE, at_most=_MAX_RATE)
         self._scene = as_scene(scene)
-        self._rules = rules_for(arm, self._scene, self._period)
+        self._rules = rules_for(arm, self._scene, self._period, inverse_dynamics)
         self._age = 0.0  # periods since the obstacles were seen
         self._stream: Float64Array | None = None  # states; `_at` is that of the present command
         self._at = 0
@@ -98,7 +104,7 @@ class Guard(ShortRepr):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
-        self._rules = rules_for(self._arm, self._scene, self._period)
+        self._rules = rules_for(self._arm, self._scene, self._period, self._torques)
 
     @property
     def arm(self) -> Arm | DualArm:
@@ -297,7 +303,7 @@ class Guard(ShortRepr):
                 given.events, places[: len(rows)], start=given.start, period=self._period
             )
             return self._admitted(stopping, "changed", reasons, start=given.start, events=events)
-        whole = rows if contact is not None and contact.bodies else None
+        whole = rows if contact is not None and (contact.bodies or contact.joint) else None
         if contact is not None:
             reasons += (_contact_reason(contact, places, given.start, self._period),)
             rows = rows[: int(contact.sample)]
@@ -405,8 +411,9 @@ def _contact_reason(contact: Contact, places: Float64Array, start: float, period
     row = int(contact.sample)
     beyond = row - len(places) + 1.0 if row >= len(places) else 0.0
     place = float(places[min(row, len(places) - 1)]) + beyond if len(places) else 0.0
-    kind: Kind = "contact" if contact.bodies else "cut short"
-    return Reason(kind, start + period * max(0.0, place), bodies=contact.bodies)
+    kind: Kind = "contact" if contact.bodies else "torque" if contact.joint else "cut short"
+    time = start + period * max(0.0, place)
+    return Reason(kind, time, contact.joint, bodies=contact.bodies, ratio=contact.ratio)
 
 
 _ROUNDING = 1e-9  # rad or m

@@ -15,8 +15,9 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import Arm, DualArm, JointLimits, check_arms
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.guard.admission import CommandedState
+from leadthrough.guard.admission import CommandedState, parts_of
 from leadthrough.shapes import Scene, compiled
+from leadthrough.timing.request import InverseDynamics, checked_dynamics, efforts
 
 ALL_WORK = sys.maxsize
 _WORK_OF_STOP = 4000  # pairs of shapes that are looked at along a stop
@@ -39,15 +40,19 @@ Slower = tuple[StoppingTrajectory, Float64Array]
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Two bodies that come nearer than their margin, or the end of what was looked at.
+    """Two bodies nearer than their margin, a joint's torque, or the end of what was looked at.
 
     Attributes:
         sample: before which row, with the fraction of the step from the one before.
-        bodies: by name; None where the work ended that was allowed.
+        bodies: by name; None where the work ended that was allowed, or a torque is too large.
+        joint: by name, whose torque is too large, or None.
+        ratio: of the torque to its limit.
     """
 
     sample: float
     bodies: tuple[str, str] | None
+    joint: str | None = None
+    ratio: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +63,7 @@ class Rules:
     period: float  # between commands, s
     limits: core.StepLimits  # of the joints
     scene: core.GuardedScene  # the arm and its obstacles
+    torques: InverseDynamics | None = None  # that the joints' effort limits bound
 
     def excess(self, start: Float64Array, rows: Float64Array) -> tuple[int, int, int, float] | None:
         """The first limit that rows (n, 3 joints) exceed: its order, row, joint and ratio."""
@@ -72,14 +78,28 @@ class Rules:
         before: int = 0,
         most_work: int = ALL_WORK,
     ) -> Contact | None:
-        """The first contact along rows; None if the margins are kept."""
+        """The first contact along rows, or torque too large; None if the margins are kept."""
         if before >= len(rows):
             return None
         first = rows[before - 1] if before else start[0]
         found = core.first_contact(self.scene, first, rows[before:], age + before, most_work)
-        if found is None:
+        contact = (
+            None if found is None else Contact(before + found[0], found[1:] if found[1] else None)
+        )
+        clear = rows if contact is None else rows[: int(contact.sample)]
+        return self._overload(clear, before) or contact
+
+    def _overload(self, rows: Float64Array, before: int) -> Contact | None:
+        """The first torque too large at rows from one on."""
+        if self.torques is None or before >= len(rows):
             return None
-        return Contact(before + found[0], found[1:] if found[1] else None)
+        states = map(np.ascontiguousarray, parts_of(rows[before:]))
+        ratios = np.abs(efforts(self.torques, *states)) / self.joints.effort
+        row, joint = np.unravel_index(int(np.argmax(ratios > 1.0)), ratios.shape)
+        if not ratios[row, joint] > 1.0:
+            return None
+        name = self.joints.joint_names[joint]
+        return Contact(float(before + row), None, name, float(ratios[row, joint]))
 
     def stop(self, start: Float64Array) -> Float64Array:
         """The fastest stop (n, 3 joints); at rest one command, which has to keep the rules too."""
@@ -152,11 +172,16 @@ class Rules:
         return StoppingTrajectory(stopped[0], executed) if found is None else None
 
 
-def rules_for(arm: Arm | DualArm, scene: Scene, period: float) -> Rules:
+def rules_for(
+    arm: Arm | DualArm, scene: Scene, period: float, torques: InverseDynamics | None = None
+) -> Rules:
     """The rules of an arm in a scene."""
     check_arms(arm)
+    if torques is not None and arm.limits.effort is None:
+        raise InvalidInput("limits: expected effort limits beside inverse_dynamics, got none")
     limits = step_limits(arm.limits, period)
-    return Rules(arm.limits, period, limits, guarded_scene(arm, scene, period))
+    guarded = guarded_scene(arm, scene, period)
+    return Rules(arm.limits, period, limits, guarded, checked_dynamics(torques))
 
 
 def row_of(state: CommandedState | ArrayLike, joints: int) -> Float64Array:

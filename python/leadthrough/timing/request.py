@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.arm.model import ArmModel
 from leadthrough.check import Float64Array, Frozen, InvalidInput
 
 Jacobian = Callable[[Float64Array], Float64Array]
@@ -185,6 +186,17 @@ def checked_dynamics(inverse_dynamics: InverseDynamics | None) -> InverseDynamic
     if inverse_dynamics is not None:
         _check_function(inverse_dynamics, "inverse_dynamics")
     return inverse_dynamics
+
+
+def efforts(
+    dynamics: InverseDynamics, q: Float64Array, qd: Float64Array, qdd: Float64Array
+) -> Float64Array:
+    """Efforts (n, joints) of states (n, joints), N m (N)."""
+    if getattr(dynamics, "__func__", None) is ArmModel.inverse_dynamics:
+        return dynamics(q, qd, qdd)  # all at once
+    name = "inverse_dynamics(q, qd, qdd)"
+    rows = zip(q, qd, qdd, strict=True)
+    return np.array([check.array(dynamics(*row), name, shape=(q.shape[1],)) for row in rows])
 
 
 def _check_function(value: object, name: str) -> None:

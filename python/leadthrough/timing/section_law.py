@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits, refuse_zeros
-from leadthrough.arm.model import ArmModel
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.timing.limits_report import check_positions
-from leadthrough.timing.request import InverseDynamics, Jacobian, Request
+from leadthrough.timing.request import InverseDynamics, Jacobian, Request, efforts
 from leadthrough.timing.samples import AT_REST, MAX_SAMPLES, Samples
 from leadthrough.timing.sections import Section
 from leadthrough.trajectories import Spline
@@ -339,9 +338,9 @@ def _with_efforts(
 ) -> _PathBounds:
     """The bounds, with the joints' efforts kept inside their limits."""
     still = np.zeros_like(path.positions)
-    rest = _efforts(dynamics, path.positions, still, still)
-    gain = _efforts(dynamics, path.positions, still, path.first) - rest
-    bend = _efforts(dynamics, path.positions, path.first, path.second) - rest
+    rest = efforts(dynamics, path.positions, still, still)
+    gain = efforts(dynamics, path.positions, still, path.first) - rest
+    bend = efforts(dynamics, path.positions, path.first, path.second) - rest
     return _PathBounds(bounds.fastest, gain, bend, -effort - rest, effort - rest)
 
 
@@ -370,7 +369,7 @@ def _effort_ratio(motion: Samples, limits: JointLimits, request: Request) -> flo
     if request.inverse_dynamics is None:
         return 0.0
     some = motion.some(_JUDGED_SAMPLES)
-    used = _efforts(request.inverse_dynamics, some.positions, some.velocities, some.accelerations)
+    used = efforts(request.inverse_dynamics, some.positions, some.velocities, some.accelerations)
     return float((np.abs(used) / _effort(limits)).max())
 
 
@@ -381,17 +380,6 @@ def _tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) -
         matrix = check.array(jacobian(row), "jacobian(q)", shape=("rows", len(row)))
         speeds.append(np.linalg.norm(matrix[:3] @ velocity))
     return np.array(speeds)
-
-
-def _efforts(
-    dynamics: InverseDynamics, q: Float64Array, qd: Float64Array, qdd: Float64Array
-) -> Float64Array:
-    """Efforts (n, joints) of states (n, joints), N m (N)."""
-    if getattr(dynamics, "__func__", None) is ArmModel.inverse_dynamics:
-        return dynamics(q, qd, qdd)  # all at once
-    name = "inverse_dynamics(q, qd, qdd)"
-    rows = zip(q, qd, qdd, strict=True)
-    return np.array([check.array(dynamics(*row), name, shape=(q.shape[1],)) for row in rows])
 
 
 def _on_schedule(

@@ -102,6 +102,23 @@ TEST(Chain, RefusesJointsThatFloat) {
             "planar and floating joints cannot be part of an arm");
 }
 
+TEST(Chain, RefusesNegativeMassesAndMomentsOfLinksThatItMoves) {
+  // To "b", which has the inertia, and to "c" beside it.
+  const auto arm = [](const std::string& mass, const std::string& ixx, const std::string& tip) {
+    return make_chain(
+        std::get<urdf::Robot>(urdf::parse(
+            "<robot name='r'>" + test::link("a") + "<link name='b'><inertial><mass value='" + mass +
+            "'/><inertia ixx='" + ixx + "' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>" +
+            "</link>" + test::link("c") + test::joint("one", "continuous", "a", "b", kAxis) +
+            test::joint("two", "continuous", "a", "c", kAxis) + "</robot>")),
+        "a", tip);
+  };
+  EXPECT_TRUE(std::holds_alternative<Chain>(arm("1", "1", "b")));
+  EXPECT_EQ(why(arm("-1", "1", "b")), "its mass -1.000000 is negative");
+  EXPECT_EQ(why(arm("1", "-1", "b")), "a moment of inertia is negative");
+  EXPECT_TRUE(std::holds_alternative<Chain>(arm("-1", "-1", "c")));
+}
+
 TEST(Chain, AJointThatMimicsMovesWithItsLeader) {
   const auto robot =
       three_joints(kAxis, kAxis + kLimit + "<mimic joint='three' multiplier='-2' offset='0.1'/>");

@@ -141,16 +141,6 @@ TEST(Urdf, NumbersThatAreNotFiniteAreRefused) {
             "joint 'j': limit upper: expected 1 finite number, got '1e999'");
 }
 
-TEST(Urdf, NegativeMassesAndMomentsAreRefused) {
-  const auto body = [](const std::string& mass, const std::string& ixx) {
-    return robot("<link name='a'><inertial><mass value='" + mass + "'/><inertia ixx='" + ixx +
-                 "' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>");
-  };
-  EXPECT_EQ(refusal(body("1", "1")), "");
-  EXPECT_EQ(refusal(body("-1", "1")), "link 'a': its mass -1.000000 is negative or not finite");
-  EXPECT_EQ(refusal(body("1", "-1")), "link 'a': a moment of inertia is negative");
-}
-
 TEST(Urdf, EveryRobotIsOneTree) {
   EXPECT_EQ(refusal(robot("")), "robot: has no link");
   EXPECT_EQ(refusal(robot(link("a") + link("a"))), "link 'a': the name appears twice");

@@ -81,3 +81,47 @@ def test_a_tolerance_that_was_asked_for_holds_and_the_error_names_one_that_works
     report = arm.path_report(arm.follow(motion, options=options), motion)
     assert 1e-5 < report.position_error.max() < position
     assert 1e-5 < report.orientation_error.max() < orientation
+
+
+def test_joints_that_are_on_the_path_are_kept_where_it_would_take_them_away():
+    """The least singular value of the pose is 0.004 at the end: exactly on it joints go 0.2 rad."""
+    urdf = foreign_arms.urdf_in_package("example-robot-data", "hextilt_flying_arm_5.urdf")
+    arm = lt.Arm.from_urdf(urdf, base="flying_arm_5__base_link", tip="flying_arm_5__link_5")
+    times = np.linspace(0.0, 2.0, 101)
+    first = np.array([0.229, -0.385, -0.767, -0.808, 0.523])
+    shown = lt.JointTrajectory(
+        times, first + 0.5 * minimum_jerk(times / 2.0)[:, None], joint_names=arm.joint_names
+    )
+    poses = arm.poses(shown)
+    off = np.column_stack([np.sin(times), times - 1.0, np.cos(times)])
+    for size in (1e-5, 5e-5):  # the larger cannot be reached exactly
+        motion = lt.PoseTrajectory(
+            times, poses.positions + size * off, poses.orientations, joints=shown
+        )
+        followed = arm.follow(motion)
+        assert np.abs(followed.positions - shown.positions).max() < 0.1
+        report = arm.path_report(followed, motion)
+        assert report.position_error.max() < size and report.orientation_error.max() < 1e-3
+
+
+def test_an_arm_of_two_joints_follows_the_mean_of_its_demonstrations():
+    """Means of poses are some micrometres off the surface that two joints reach."""
+    urdf = foreign_arms.urdf_in_package("example-robot-data", "double_pendulum_continuous.urdf")
+    limits = lt.arm.JointLimits(
+        ["joint1", "joint2"], *2.0 * np.array([[-3.0] * 2, [3.0] * 2, [1.0] * 2])
+    )
+    arm = lt.Arm.from_urdf(urdf, base="base_link", tip="link2", limits=limits)
+    rng = np.random.default_rng(3)
+    rise = minimum_jerk(np.linspace(0.0, 1.0, 101))[:, None]
+    shown = []
+    for _ in range(3):
+        first, way = rng.normal([0.3, 0.6], 0.05), rng.normal([0.5, -0.4], 0.05)
+        q = lt.JointTrajectory(
+            np.linspace(0.0, 2.0, 101), first + rise * way, joint_names=arm.joint_names
+        )
+        shown.append(lt.Demonstration(arm.poses(q)))
+    motion = lt.learn(shown).generate()
+    followed = arm.follow(motion)
+    assert np.abs(followed.positions - motion.joints.positions).max() < 0.02
+    report = arm.path_report(followed, motion)
+    assert report.position_error.max() < 1e-3 and report.orientation_error.max() < 1e-2

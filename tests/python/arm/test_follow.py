@@ -244,20 +244,28 @@ def moved(offset):
     return lt.PoseTrajectory(shown.times, positions, shown.orientations, joints=shown.joints)
 
 
-@pytest.mark.parametrize("offset", [(0.0, 0.02, 0.0), (0.0, -0.02, 0.0), (0.02, 0.0, -0.01)])
-def test_five_joints_keep_the_position_and_have_the_least_orientation_error(offset):
+@pytest.mark.parametrize(
+    ("offset", "most"),
+    [
+        ((0.0, 0.02, 0.0), 0.05),
+        ((0.0, -0.02, 0.0), 0.05),
+        ((0.02, 0.0, -0.01), 0.05),
+        ((0.06, -0.01, -0.02), 0.25),  # no single axis lets them follow
+    ],
+)
+def test_five_joints_keep_the_position_and_have_the_least_orientation_error(offset, most):
     motion = moved(offset)
     report = FIVE.path_report(FIVE.follow(motion), motion)
     assert report.position_error.max() < 1e-5
     errors = []
-    for axis in ("rx", "ry", "rz"):
+    for axes in (["rx"], ["ry"], ["rz"], ["rx", "ry", "rz"]):
         try:
-            made = FIVE.follow(motion, options=FollowOptions(free=[axis]))
+            made = FIVE.follow(motion, options=FollowOptions(free=axes))
         except IkFailure:
             continue
         errors.append(FIVE.path_report(made, motion).orientation_error.max())
     assert report.orientation_error.max() == pytest.approx(min(errors), abs=1e-9)
-    assert report.orientation_error.max() < 0.05
+    assert report.orientation_error.max() < most
 
 
 def test_a_path_within_five_joints_is_followed_with_no_axis_free_and_another_is_not():

@@ -4,6 +4,7 @@ import copy
 import pickle
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -423,3 +424,37 @@ def test_a_copied_guard_goes_on_as_the_one_it_was_copied_from(guard, copied):
     mine, theirs = guard.admit(rows), other.admit(rows)
     assert str(mine) == str(theirs)
     assert np.array_equal(mine.to_rest.positions, theirs.to_rest.positions)
+
+
+@pytest.mark.parametrize("turns", [0.5, 1.0, 2.0])
+def test_torques_with_the_payload_stay_inside_their_limits(panda, turns):
+    """Of chunks that exceed them on purpose: they are slowed, up to the rest at their end."""
+    loaded, rows = panda.with_payload(2.0, (0.0, 0.0, 0.05)), wave(0.3, turns)
+
+    def torques(motion):
+        return loaded.inverse_dynamics(motion.positions, motion.velocities, motion.accelerations)
+
+    free = lt.Guard(loaded, rate=RATE).admit(rows, Q).to_rest
+    held = np.abs(loaded.gravity_torques(free.positions)).max(axis=0)
+    effort = np.maximum(0.9 * np.abs(torques(free)).max(axis=0), 1.02 * held)
+    weak = replace(loaded, limits=replace(loaded.limits, effort=effort))
+    guard = lt.Guard(weak, rate=RATE, inverse_dynamics=loaded.inverse_dynamics)
+    answer = guard.admit(rows, Q)
+    assert answer.safe and answer.verdict == "changed" and len(answer.motion)
+    (reason,) = (each for each in answer.reasons if each.kind == "torque")
+    assert reason.ratio > 1.0
+    assert f"{reason.joint} exceeds its torque limit at" in str(reason)
+    assert (np.abs(torques(answer.to_rest)) <= effort).all()
+    assert pickle.loads(pickle.dumps(guard)).admit(rows).verdict == guard.admit(rows).verdict
+
+
+def test_torques_are_only_bounded_where_limits_are_known(panda):
+    unknown = replace(panda, limits=replace(panda.limits, effort=None))
+    refused(
+        "limits: expected effort limits beside inverse_dynamics",
+        lt.Guard,
+        unknown,
+        rate=RATE,
+        inverse_dynamics=panda.inverse_dynamics,
+    )
+    refused("inverse_dynamics: expected a function", lt.Guard, panda, rate=RATE, inverse_dynamics=1)

@@ -1,6 +1,7 @@
 """`leadthrough simulate` and `leadthrough check --physics`."""
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -49,6 +50,25 @@ def test_the_arm_is_a_real_one_unless_an_ideal_one_is_asked_for():
     assert ideal < 1e-9
     assert 1e-4 < real < 5e-3
     assert given > 1e-4
+
+
+def test_a_motion_that_asks_too_much_torque_is_fit_once_timed_as_said(swing):
+    arm = lt.Arm.load("panda")
+    still = np.zeros_like(swing.positions)
+    effort = 1.02 * np.abs(arm.inverse_dynamics(swing.positions, still, still)).max(axis=0) + 5.0
+    rows = zip(arm.joint_names, effort, arm.limits.acceleration, arm.limits.jerk, strict=True)
+    limits = "".join(
+        f"{name} = {{ effort = {most:.3f}, acceleration = {bend}, jerk = {jerk} }}\n"
+        for name, most, bend, jerk in rows
+    )
+    Path("weak.toml").write_text(f"[joints]\n{limits}")
+    weak = ("--robot", "panda", "--limits", "weak.toml")
+    run("retime", "swing.npz", *weak, "-o", "quick.npz")
+    (hint,) = re.findall(
+        r"^next: leadthrough (.*)", run("simulate", "quick.npz", *weak, code=1).stdout, re.MULTILINE
+    )
+    run(*hint.split())
+    assert "fit to run   yes" in run("simulate", hint.split()[-1], *weak).stdout
 
 
 def test_controllers_and_disturbances_are_taken():
