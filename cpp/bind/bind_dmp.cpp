@@ -302,7 +302,9 @@ void bind_common(py::class_<State>& type) {
 void bind_dmp(py::module_& module) {
   py::class_<Forces, std::shared_ptr<Forces>>(module, "DmpForces")
       .def(py::init(&make_forces), py::arg("nodes").noconvert(), py::arg("fade").noconvert(),
-           py::arg("rate"), py::arg("rhythmic"));
+           py::arg("rate"), py::arg("rhythmic"))
+      .def_readonly("nodes", &Forces::nodes)
+      .def_readonly("fade", &Forces::fade);
   py::class_<Path, std::shared_ptr<Path>> path(module, "DmpPath");
   path.def(py::init<>())
       .def(py::init(&make_path), py::arg("breaks").noconvert(), py::arg("coefficients").noconvert())
@@ -330,9 +332,12 @@ void bind_dmp(py::module_& module) {
     return py::make_tuple(c.reference.breaks, c.reference.coefficients, c.gain, c.drive);
   });
   py::class_<Curve, std::shared_ptr<Curve>> curve(module, "DmpCurve");
-  curve.def(py::init(&make_curve), py::arg("controls").noconvert(), py::arg("steps").noconvert(),
-            py::arg("speeds").noconvert(), py::arg("covered").noconvert(), py::arg("zyz"),
-            py::arg("rhythmic"));
+  curve
+      .def(py::init(&make_curve), py::arg("controls").noconvert(), py::arg("steps").noconvert(),
+           py::arg("speeds").noconvert(), py::arg("covered").noconvert(), py::arg("zyz"),
+           py::arg("rhythmic"))
+      .def_readonly("steps", &Curve::steps)
+      .def_readonly("covered", &Curve::covered);
   bind_reduce(curve, [](const Curve& c) {
     return py::make_tuple(c.controls, c.steps, c.speeds, c.covered,
                           c.representation == Representation::kZyz,

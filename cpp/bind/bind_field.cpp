@@ -1,3 +1,4 @@
+#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -6,7 +7,9 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "bind/cells.hpp"
@@ -15,6 +18,7 @@
 #include "leadthrough/field/distance_transform.hpp"
 #include "leadthrough/field/eikonal.hpp"
 #include "leadthrough/field/nearest_source.hpp"
+#include "leadthrough/field/policy.hpp"
 
 namespace py = pybind11;
 
@@ -234,6 +238,50 @@ py::tuple find_directions(const CArray<Real>& arrival, const std::vector<double>
   return py::make_tuple(name(status), n, directions);
 }
 
+using Disc = std::tuple<Eigen::VectorXd, Eigen::VectorXd, double, double>;
+
+template <typename Real>
+MarchingPolicy make_policy(const CArray<Real>& arrival, const Eigen::VectorXd& spacing,
+                           const Eigen::VectorXd& origin, const Eigen::VectorXd& goal,
+                           const Eigen::Ref<const Rows>& positions, const Eigen::VectorXd& speeds,
+                           double mean_speed, double slowing, const std::optional<Disc>& barrier) {
+  Eigen::VectorXd shape(arrival.ndim());
+  for (py::ssize_t i = 0; i < arrival.ndim(); ++i) shape[i] = static_cast<double>(arrival.shape(i));
+  std::optional<StartBarrier> disc;
+  if (barrier) {
+    const auto& [middle, normal, width, thickness] = *barrier;
+    disc = {middle, normal, width, thickness};
+  }
+  return MarchingPolicy({shape, spacing, origin, arrival.data(),
+                         std::make_shared<CArray<Real>>(arrival), goal, positions, speeds,
+                         mean_speed, slowing, disc});
+}
+
+// How many of the points (n, d) have a result, and the results; the next row is then the point
+// that has no velocity.
+template <typename Change>
+py::tuple at_each(const Eigen::Ref<const Rows>& points, const Change& change) {
+  Rows rows = points;
+  Eigen::Index n = 0;
+  {
+    const Unlocked unlocked;
+    for (; n < rows.rows(); ++n) {
+      check_interrupt(n);
+      Eigen::Map<Eigen::VectorXd> point(rows.row(n).data(), rows.cols());
+      if (change(point) != DescentStatus::kOk) break;
+    }
+  }
+  return py::make_tuple(n, std::move(rows));
+}
+
+template <typename Real>
+void bind_policy_of(py::class_<MarchingPolicy>& type) {
+  type.def(
+      py::init(&make_policy<Real>), py::arg("arrival").noconvert(), py::arg("spacing").noconvert(),
+      py::arg("origin").noconvert(), py::arg("goal").noconvert(), py::arg("positions").noconvert(),
+      py::arg("speeds").noconvert(), py::arg("mean_speed"), py::arg("slowing"), py::arg("barrier"));
+}
+
 // The functions that exist in both precisions.
 template <typename Real>
 void bind_marches(py::module_& module, const std::string& precision) {
@@ -265,6 +313,22 @@ void bind_field(py::module_& module) {
   module.def("distance_transform", &transform, py::arg("mask").noconvert(), py::arg("spacing"));
   bind_descent<float>(module);
   bind_descent<double>(module);
+  py::class_<MarchingPolicy> policy(module, "MarchingPolicy");
+  bind_policy_of<float>(policy);
+  bind_policy_of<double>(policy);
+  policy
+      .def(
+          "velocities",
+          [](const MarchingPolicy& own, const Eigen::Ref<const Rows>& points) {
+            return at_each(points, [&](auto& point) { return own.velocity(point, point); });
+          },
+          py::arg("points").noconvert())
+      .def(
+          "moved",
+          [](const MarchingPolicy& own, const Eigen::Ref<const Rows>& points, double span) {
+            return at_each(points, [&](auto& point) { return own.step(span, point); });
+          },
+          py::arg("points").noconvert(), py::arg("span"));
 }
 
 }  // namespace leadthrough

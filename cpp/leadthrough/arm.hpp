@@ -25,6 +25,7 @@ class Arm {
 
   // Names and limits of the joints.
   const Chain& chain() const { return chain_; }
+  const CollisionModel& collision_model() const { return model_; }
   bool within_limits(const Joints& q) const;
 
   Transform forward_kinematics(const Joints& q) const;

@@ -4,6 +4,7 @@ Each loop makes a million steps of 1 ms, one after the other, and each step is t
 clock, with Python's garbage collection on, as in a plain program. Steps that take long are looked
 at: the system may have run another process meanwhile (`getrusage` counts that), Python may have
 collected garbage (its callbacks tell), or the step itself may be slow. The table prints all three.
+A second table has steps of exported skills in C++, which read the clock as often.
 """
 
 from __future__ import annotations
@@ -11,9 +12,12 @@ from __future__ import annotations
 import gc
 import json
 import resource
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +25,7 @@ import numpy as np
 
 import leadthrough as lt
 
+_ROOT = Path(__file__).parents[2]
 STEPS = 1_000_000
 DT = 1e-3  # s
 PERIOD = 1000  # steps, after which a motion begins again and a target turns
@@ -72,6 +77,21 @@ def run(out: Path, *, steps: int) -> None:
         print(_text(rows[-1]), flush=True)
     out.mkdir(parents=True, exist_ok=True)
     (out / "control_loop.json").write_text(json.dumps([asdict(row) for row in rows], indent=2))
+    _print_cpp_loops(out / "exported")
+
+
+def _print_cpp_loops(folder: Path) -> None:
+    """Prints the rows of the loops in C++, of exported skills, a million steps each."""
+    build = _ROOT / "build" / "core"
+    target = ["--target", "leadthrough_time_steps"]
+    run = partial(subprocess.run, check=True, stdout=subprocess.DEVNULL)
+    run(["cmake", build, "-DLEADTHROUGH_TESTS=ON"])
+    run(["cmake", "--build", build, *target])
+    run([sys.executable, _ROOT / "tests" / "cpp" / "leadthrough" / "export_skills.py", folder])
+    panda = _ROOT / "robots" / "panda" / "panda.urdf"
+    command = [build / "tests" / "cpp" / "leadthrough_time_steps", folder, panda]
+    print("\n| step in C++ of | median | 99.9 % | worst |\n|---|---|---|---|", flush=True)
+    subprocess.run(command, check=True)
 
 
 def loops() -> Iterator[tuple[str, Step]]:

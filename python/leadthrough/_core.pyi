@@ -499,6 +499,8 @@ class DmpForces:
     def __init__(
         self, nodes: Float64Array, fade: Float64Array, rate: float, rhythmic: bool
     ) -> None: ...
+    nodes: Final[Float64Array]
+    fade: Final[Float64Array]
 
 class DmpPath:
     @overload
@@ -547,6 +549,8 @@ class DmpCurve:
         zyz: bool,
         rhythmic: bool,
     ) -> None: ...
+    steps: Final[Float64Array]
+    covered: Final[Float64Array]
 
 class AvoidanceScene:
     def __init__(
@@ -793,6 +797,23 @@ def descend(
     goal: Sequence[float],
     step: float,
 ) -> tuple[str, Float64Array]: ...
+
+class MarchingPolicy:
+    def __init__(
+        self,
+        arrival: Float32Array | Float64Array,
+        spacing: Float64Array,
+        origin: Float64Array,
+        goal: Float64Array,
+        positions: Float64Array,
+        speeds: Float64Array,
+        mean_speed: float,
+        slowing: float,
+        barrier: tuple[Float64Array, Float64Array, float, float] | None,
+    ) -> None: ...
+    def velocities(self, points: Float64Array) -> tuple[int, Float64Array]: ...
+    def moved(self, points: Float64Array, span: float) -> tuple[int, Float64Array]: ...
+
 def directions(
     arrival: Float32Array | Float64Array, spacing: Sequence[float], points: Float64Array
 ) -> tuple[str, int, Float64Array]: ...

@@ -7,56 +7,60 @@
 namespace leadthrough {
 namespace {
 
-// A function is exp(g); here g and its derivatives, a value for each centre.
-struct Exponents {
-  Eigen::RowVectorXd value, slope, bend;
-
-  explicit Exponents(Eigen::Index count) : value(count), slope(count), bend(count) {}
-
-  void at(double phase, const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
-          bool periodic) {
-    slope = (phase - centres.transpose().array()).matrix();  // the distances, until the last line
-    if (periodic) {
-      slope *= kTurn;
-      value = sharpness * (slope.array().cos() - 1.0);
-      bend = -kTurn * kTurn * sharpness * slope.array().cos();
-      slope = -kTurn * sharpness * slope.array().sin();
-    } else {
-      value = -0.5 * sharpness * slope.array().square();
-      bend.setConstant(-sharpness);
-      slope *= -sharpness;
-    }
-  }
-};
-
 // Those of orders from the first to the last, below each other.
 Rows basis_of_orders(const Eigen::Ref<const Eigen::VectorXd>& phases,
                      const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
                      bool periodic, int first, int last) {
   const Eigen::Index count = phases.size();
   Rows result((last - first + 1) * count, centres.size());
-  Exponents exponents(centres.size());
-  Eigen::RowVectorXd values(centres.size());
-  const auto f = values.array();
-  const auto slope = exponents.slope.array();
+  NormalisedBasis basis(centres, sharpness, periodic);
   for (Eigen::Index i = 0; i < count; ++i) {
     check_interrupt(i);
-    const auto row = [&](int order) { return result.row((order - first) * count + i).array(); };
-    exponents.at(phases[i], centres, sharpness, periodic);
-    values = exponents.value.array().exp();
-    values /= values.sum();
-    if (first == 0) row(0) = f;
-    // f = b / sum b, whose logarithm has the slope g' - sum f g'.
-    const double rise = last > 0 ? (f * slope).sum() : 0.0;
-    if (first <= 1 && last >= 1) row(1) = f * (slope - rise);
-    if (last < 2) continue;
-    const auto bend = exponents.bend.array() + slope.square();
-    row(2) = f * (bend - (f * bend).sum() - 2.0 * rise * (slope - rise));
+    const Rows& rows = basis.at(phases[i], last);
+    for (int order = first; order <= last; ++order)
+      result.row((order - first) * count + i) = rows.row(order);
   }
   return result;
 }
 
 }  // namespace
+
+NormalisedBasis::NormalisedBasis(Eigen::VectorXd centres, double sharpness, bool periodic)
+    : centres_(centres.transpose()),
+      value_(centres.size()),
+      slope_(centres.size()),
+      bend_(centres.size()),
+      sharpness_(sharpness),
+      periodic_(periodic),
+      rows_(3, centres.size()) {}
+
+// A function is f = exp(g) / sum exp(g), whose logarithm has the slope g' - sum f g'.
+const Rows& NormalisedBasis::at(double phase, int most) {
+  slope_ = (phase - centres_.array()).matrix();  // the distances, until they are g'
+  if (periodic_) {
+    slope_ *= kTurn;
+    bend_ = slope_.array().cos();
+    value_ = sharpness_ * (bend_.array() - 1.0);
+    bend_ *= -kTurn * kTurn * sharpness_;
+    slope_ = -kTurn * sharpness_ * slope_.array().sin();
+  } else {
+    value_ = -0.5 * sharpness_ * slope_.array().square();
+    bend_.setConstant(-sharpness_);
+    slope_ *= -sharpness_;
+  }
+  value_ = value_.array().exp();
+  value_ /= value_.sum();
+  const auto f = value_.array();
+  const auto slope = slope_.array();
+  rows_.row(0) = value_;
+  if (most == 0) return rows_;
+  const double rise = (f * slope).sum();
+  rows_.row(1) = f * (slope - rise);
+  if (most == 1) return rows_;
+  const auto bend = bend_.array() + slope.square();
+  rows_.row(2) = f * (bend - (f * bend).sum() - 2.0 * rise * (slope - rise));
+  return rows_;
+}
 
 Rows normalised_basis(const Eigen::Ref<const Eigen::VectorXd>& phases,
                       const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,

@@ -12,6 +12,21 @@ Rows normalised_basis(const Eigen::Ref<const Eigen::VectorXd>& phases,
                       const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
                       bool periodic, int order);
 
+// The same at one phase after the other, in work space of its own.
+class NormalisedBasis {
+ public:
+  NormalisedBasis(Eigen::VectorXd centres, double sharpness, bool periodic);
+
+  // Row i: the derivatives of order i by the phase, up to order `most`; until the next call.
+  const Rows& at(double phase, int most);
+
+ private:
+  Eigen::RowVectorXd centres_, value_, slope_, bend_;
+  double sharpness_;
+  bool periodic_;
+  Rows rows_;
+};
+
 // Those of order 0 and their derivatives up to order `most`, below each other.
 Rows basis_and_derivatives(const Eigen::Ref<const Eigen::VectorXd>& phases,
                            const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,

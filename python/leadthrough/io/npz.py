@@ -95,6 +95,18 @@ def write_arrays(path: StrPath, arrays: Mapping[str, Any]) -> None:
         np.savez(file, allow_pickle=False, **arrays)
 
 
+def write_tables(path: StrPath, kind: str, tables: Mapping[str, Any]) -> None:
+    """Writes what `leadthrough/skill.hpp` reads in C++: numbers, and texts as bytes."""
+    arrays = {"exported": kind} | dict(tables)
+    write_arrays(path, {name: _plain(value) for name, value in arrays.items()})
+
+
+def _plain(value: Any) -> NDArray[Any]:
+    if isinstance(value, str):
+        return np.frombuffer(value.encode(), dtype=np.uint8)
+    return np.ascontiguousarray(value, dtype="<f8")
+
+
 def _content(motion: Motion) -> dict[str, Any]:
     content: dict[str, Any] = {"times": motion.times}
     if isinstance(motion, JointTrajectory):

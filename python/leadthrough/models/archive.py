@@ -254,6 +254,35 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         archive = archived(self)
         write(path, self.kind, *archive, certificate=self.certificate, choice=self.choice)
 
+    def export(self, path: str | PathLike[str]) -> None:
+        """Writes the skill to a file that `leadthrough/skill.hpp` in C++ runs.
+
+        Its steps are then those of this skill to the bit, without Python. The file has tables
+        instead of settings: `load_skill` reads what `save` writes. Of several modes it has the
+        first; of Fast Marching, the policy to the demonstrations' goal.
+
+        Args:
+            path: the file; one that exists is replaced in one go.
+
+        Raises:
+            UnsupportedQuery: unless it is a DMP of the form "blended" (of poses with the
+                orientation "anchored"), a ProMP of points or joints with the basis "gaussian" or
+                "rhythmic", or of Fast Marching.
+            InvalidInput: if the file cannot be written.
+        """
+        npz.write_tables(path, self.kind, self._tables())
+
+    def _tables(self) -> Mapping[str, Any]:
+        """Tables by name, for `export`."""
+        raise self._not_exported()
+
+    def _not_exported(self) -> UnsupportedQuery:
+        return UnsupportedQuery(
+            "export: expected a DMP of the form 'blended' (of poses, with the orientation "
+            "'anchored'), a ProMP of points or joints with a basis other than 'bspline', or Fast "
+            f"Marching, got {getattr(self, 'model', self)!r}"
+        )
+
     @cached_property
     def _own_motion(self) -> Motion | None:
         """Its own motion, to compare queries with; None without demonstrations."""

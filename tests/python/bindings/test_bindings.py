@@ -17,6 +17,7 @@ OPTIONAL = {
     "clear_path": ("axes", "model", "start"),
     "condition_at": ("time", "position", "noise"),
     "Chain.pose": ("q",),
+    "MarchingPolicy.__init__": ("barrier",),
     "jacobian_of_one": ("q",),
     "solve_ik": ("form",),
     "solve_ik_batch": ("form",),
@@ -30,6 +31,7 @@ FREE = dict(
         """
     ArrivalField(cells speed)  ArrivalField.update(speed)  Chain.forward_kinematics(q)
     Chain.pose(q)  DmpForces(nodes)  DmpPath(coefficients)  Dynamics.mass_matrix(q)
+    MarchingPolicy(arrival)  MarchingPolicy.moved(points)  MarchingPolicy.velocities(points)
     PursuitOptions(acceleration velocity)
     Shape.distances(points)  SpeedMap.at(cells)  TimedPath(coefficients)  Walls.distances(cells)
     all_finite(values)  arc_lengths(points)  bezier_values(fractions points)

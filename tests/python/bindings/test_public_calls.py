@@ -209,6 +209,10 @@ def test_primitives_end_at_their_goals():
         for made in (skill, skill.preview()):
             around = np.pad(made.generate(obstacles=[ball]).positions, ((0, 0), (0, 1)))
             assert ball.distance(around).min() > 0.0
+    policy = skill.policy_to()
+    place = arches[0].positions[5]
+    moved = policy.step(place, 1e-3) - place
+    np.testing.assert_allclose(moved, 1e-3 * policy(place), rtol=1e-6)
 
 
 def test_curves_are_compared_and_timed():

@@ -123,6 +123,15 @@ class Channels(Generic[StateT]):
         course = learned.demonstrated_course
         return core.dmp_rollout(learned.forces, course, ends.start, ends.start_slope, PHASES)
 
+    def moving_course(self) -> dict[str, Float64Array]:
+        """Arrays that the course of the form "blended" between other positions is made from."""
+        progress = self.progress
+        return {
+            "breaks": progress.breaks,
+            "moving": self._demonstrated_reference,
+            "progress": progress.coefficients,
+        }
+
     def _moved_course(self, ends: Ends) -> core.DmpCourse:
         """The course of the form "blended" between other ends than demonstrated."""
         known = self.system.ends

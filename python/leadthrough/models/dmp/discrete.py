@@ -29,6 +29,7 @@ from leadthrough.models.dmp.learning import (
 )
 from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.query import check_final_velocity, check_state, check_step
+from leadthrough.models.dmp.transformation import RATE
 from leadthrough.models.modes import learned_by_mode
 from leadthrough.models.protocol import Demonstrations, Outliers, Skill, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, even_phases
@@ -292,6 +293,28 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
         settings, arrays = super().to_archive()
         own = {"duration": self.duration, "size": self.size}
         return {**asdict(self.model), **own, **settings}, arrays
+
+    def _tables(self) -> dict[str, Any]:
+        system, channels, known = self.system, self._channels, self.orientation
+        anchored = known is None or known.representation == "anchored"
+        if system.form != "blended" or not anchored:
+            raise self._not_exported()
+        turned = {} if known is None else known.arrays()
+        if known is not None:
+            turned |= {"steps": known.curve.steps, "covered": known.curve.covered}
+        return {
+            "joint_names": "\n".join(self.joint_names or ()),
+            "duration": self.duration,
+            "rate": RATE,
+            "nodes": system.forces.nodes,
+            "fade": system.forces.fade,
+            "start": system.ends.start,
+            "goal": system.ends.goal,
+            "start_slope": system.ends.start_slope,
+            "demonstrated": system.demonstrated_course.coefficients,
+            **channels.moving_course(),
+            **turned,
+        }
 
     @cached_property
     def _channels(self) -> PointChannels | PoseChannels:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
+from os import PathLike
 from typing import Any, ClassVar, Generic, Literal, cast
 
 import numpy as np
@@ -433,6 +434,10 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             for name, value in each.arrays().items()
         }
         return settings, arrays
+
+    def export(self, path: str | PathLike[str]) -> None:
+        """Writes `policy_to()` as its `export` does."""
+        self._policy.export(path)
 
     @property
     def _all(self) -> tuple[Experience, ...]:

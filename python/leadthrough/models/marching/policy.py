@@ -8,13 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from os import PathLike
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
+from leadthrough.io import npz
 from leadthrough.models import phase
 from leadthrough.models.marching.experience import Experience
 from leadthrough.motion import lerp
@@ -22,9 +24,6 @@ from leadthrough.planning import ArrivalField, Grid, arrival_times, direction
 from leadthrough.planning.maps import Scales, grid_over, speeds_along, with_detours
 from leadthrough.preprocess.resample import arc_length, by_arc_length
 from leadthrough.shapes import Shape, check_shapes
-
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
 
 Times = NDArray[np.float32] | Float64Array
 
@@ -44,12 +43,10 @@ _TO_BARRIER, _TO_GOAL = 2.0, 4.0
 # Half width: in radii, so that it closes the tube, and as a fraction of length times saturation,
 # so that the path past it takes longer than the motion; at most a part of the extent.
 _RADII, _LENGTHS, _EXTENT = 2.5, 0.75, 0.25
-_NEIGHBOURS = 8
 _STEP = 5  # every fifth of the samples of a demonstration's progress
 # People start and end at rest; a policy of the position alone must leave the start.
 _MIN_SPEED = 0.1  # of the mean speed
-_MAX_STEP, _PART = 100.0, 0.1  # s; cells that one move is long, at most
-_STRAIGHT = 1.0 - 1e-9  # cosine between the velocity and the goal's direction near it
+_MAX_STEP = 100.0  # s
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,50 +63,69 @@ class Policy(ShortRepr):
 
     def __call__(self, position: ArrayLike) -> Float64Array:
         """Velocity (d,) at a position, or (n, d) at rows; per second, zero at the goal."""
-        return self._at_each(self._velocity, position)
+        return self._at_each(self._compiled.velocities, position)
 
     def step(self, position: ArrayLike, dt: float) -> Float64Array:
         """The position (d,) that the tool reaches from a position within dt s, or rows (n, d)."""
         span = check.number(dt, "dt", above=0.0, at_most=_MAX_STEP)
-        return self._at_each(lambda point: self._moved(point, span), position)
+        return self._at_each(lambda points: self._compiled.moved(points, span), position)
+
+    def export(self, path: str | PathLike[str]) -> None:
+        """Writes the policy to a file that `leadthrough::load_policy` in C++ reads.
+
+        Its velocities and steps are then the same to the bit, without Python. The file has the
+        field, 8 bytes a cell.
+
+        Args:
+            path: the file; one that exists is replaced in one go.
+
+        Raises:
+            InvalidInput: if the file cannot be written.
+        """
+        npz.write_tables(path, "marching policy", self._tables())
 
     def _at_each(
-        self, function: Callable[[Float64Array], Float64Array], position: ArrayLike
+        self, function: Callable[[Float64Array], tuple[int, Float64Array]], position: ArrayLike
     ) -> Float64Array:
         d = self.grid.dimensions
         points = check.array_of_rank(position, "position", shapes=((d,), ("n", d)))
-        if points.ndim == 1:
-            return function(points)
-        return np.array([function(point) for point in points]).reshape(points.shape)
+        count, found = function(np.ascontiguousarray(points.reshape(-1, d)))
+        if count < len(found):  # at this point there is no velocity, and here is why
+            direction(self.arrival, self.grid, found[count : count + 1])
+        return found.reshape(points.shape)
 
-    def _moved(self, point: Float64Array, span: float) -> Float64Array:
-        """The point (d,) after moves of a tenth of a cell at most, and an exact one to the goal."""
-        cell = float(self.grid.spacing.max())
-        while span > 0.0:
-            velocity = self._velocity(point)
-            ahead = self.goal - point
-            left, speed = float(np.linalg.norm(ahead)), float(np.linalg.norm(velocity))
-            if left <= cell and velocity @ ahead >= _STRAIGHT * left * speed:
-                return np.asarray(point - ahead * np.expm1(-span * speed / max(left, 1e-300)))
-            part = min(span, _PART * cell / max(speed, 1e-300))
-            point, span = point + part * velocity, span - part
-        return point
-
-    def _velocity(self, point: Float64Array) -> Float64Array:
-        cell = float(self.grid.spacing.max())
-        speed = self.speeds.at(point, blur=cell)
-        if self.barrier is not None and self.barrier.is_passed(point):
-            if self._is_at(self.barrier, point):
-                return np.asarray(speed * self.barrier.normal)
-            return np.asarray(direction(self.arrival, self.grid, point[None])[0] * speed)
-        ahead = self.goal - point
-        left = float(np.linalg.norm(ahead))
-        rate = self.speeds.mean / self.slowing
-        if left <= cell:  # the field means nothing within the goal's cell
-            return np.asarray(ahead * min(rate, speed / cell))
-        return np.asarray(
-            direction(self.arrival, self.grid, point[None])[0] * min(speed, rate * left)
+    @cached_property
+    def _compiled(self) -> core.MarchingPolicy:
+        """The policy as the compiled core takes it."""
+        grid, speeds, disc = self.grid, self.speeds, self.barrier
+        return core.MarchingPolicy(
+            self.arrival,
+            grid.spacing,
+            grid.origin,
+            self.goal,
+            speeds.positions,
+            speeds.speeds,
+            speeds.mean,
+            self.slowing,
+            None if disc is None else (disc.middle, disc.normal, disc.width, disc.thickness),
         )
+
+    def _tables(self) -> dict[str, ArrayLike]:
+        """The same by name, for a file."""
+        grid, speeds, disc = self.grid, self.speeds, self.barrier
+        barrier = {} if disc is None else vars(disc)
+        return {
+            "arrival": self.arrival,
+            "shape": grid.shape,
+            "spacing": grid.spacing,
+            "origin": grid.origin,
+            "goal": self.goal,
+            "positions": speeds.positions,
+            "speeds": speeds.speeds,
+            "mean_speed": speeds.mean,
+            "slowing": self.slowing,
+            **{f"barrier_{name}": value for name, value in barrier.items()},
+        }
 
     def around(self, obstacles: Sequence[Shape], *, position: ArrayLike | None = None) -> Policy:
         """The policy for the same goal among other obstacles, which may have moved."""
@@ -215,11 +231,6 @@ class StartBarrier:
         along, across = self._parts(points)
         return np.asarray((np.abs(along) <= self.thickness) & (across <= self.width))
 
-    def is_passed(self, point: Float64Array) -> bool:
-        """Whether a point (d,) lies beyond the barrier, where the motion starts, or beside it."""
-        along, across = self._parts(point)
-        return bool((along > -self.thickness) | (across > self.width))
-
     def cells(self, grid: Grid) -> tuple[NDArray[np.int64], ...]:
         """Indices of the cells whose centres lie in it."""
         reach = self.width + self.thickness
@@ -269,21 +280,8 @@ class DemonstratedSpeeds:
     def __init__(self, known: Sequence[Experience]) -> None:
         positions, speeds = zip(*(_along(each) for each in known), strict=True)
         self.mean = float(np.mean([each.length / each.duration for each in known]))
-        self._positions = np.concatenate(positions)
-        self._speeds = np.maximum(np.concatenate(speeds), _MIN_SPEED * self.mean)
-        self._count = min(_NEIGHBOURS, len(self._positions))
-
-    def at(self, point: Float64Array, *, blur: float) -> float:
-        """The speed at a point (d,), in its unit per second."""
-        distances, nearest = self._tree.query(point, self._count)
-        weights = 1.0 / (np.atleast_1d(distances) + blur)
-        return float(weights @ self._speeds[np.atleast_1d(nearest)] / weights.sum())
-
-    @cached_property
-    def _tree(self) -> cKDTree:
-        from scipy.spatial import cKDTree
-
-        return cKDTree(self._positions)
+        self.positions = np.concatenate(positions)  # (n, d)
+        self.speeds = np.maximum(np.concatenate(speeds), _MIN_SPEED * self.mean)  # (n,)
 
 
 def _along(known: Experience) -> tuple[Float64Array, Float64Array]:

@@ -276,7 +276,8 @@ class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
         asked = conditioning.asked(self.coordinates, query.start, query.goal)
         skill = conditioning.moved(skill, asked) if asked else skill
         times = even_times(skill.duration, query.dt)
-        return skill._motion(skill.weights.mean, times)
+        drawing = Drawing(skill.coordinates, skill.basis, times, skill.duration)
+        return drawing.motions(skill.weights.mean[None], threads=1)[0]
 
     def novelty(self, *, start: Target | None = None, goal: Target | None = None) -> float:
         """Distance of a start and a goal from the demonstrated ones, in standard deviations.
@@ -476,6 +477,20 @@ class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
             arrays["curves"], arrays["paces"] = self.experience.curves, self.experience.paces
         return settings, arrays
 
+    def _tables(self) -> dict[str, Any]:
+        basis, width = self.basis, self.coordinates.width
+        if basis.kind == "bspline" or self.coordinates.kind == "poses":
+            raise self._not_exported()
+        return {
+            "joint_names": "\n".join(self.coordinates.joint_names),
+            "duration": self.duration,
+            "rhythmic": basis.is_rhythmic,
+            "centres": basis.centres,
+            "sharpness": basis.sharpness,
+            "columns": width,
+            "weights": self.weights.mean.reshape(width, -1).T,
+        }
+
     def with_weights(self, weights: Gaussian) -> ProMPSkill[MotionT_co]:
         """The skill with another distribution of the weights, before the limits.
 
@@ -500,13 +515,6 @@ class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
     def _phases(self, times: ArrayLike, name: str, at_least: int = 0) -> Float64Array:
         cyclic = self.basis.is_rhythmic
         return phases_at(times, name, duration=self.duration, repeats=cyclic, at_least=at_least)
-
-    def _motion(self, weights: Float64Array, times: Float64Array) -> MotionT_co:
-        phases = times / self.duration
-        curves = weights.reshape(self.coordinates.width, -1).T
-        orders = (0, 1, 2) if self.coordinates.kind == "joints" else (0,)
-        values = [self.basis(phases, each) @ curves * self.duration**-each for each in orders]
-        return self.coordinates.motion(times, phases, *values)
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> ProMPSkill:
