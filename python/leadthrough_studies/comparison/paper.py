@@ -8,7 +8,7 @@ TABLE_2: dict[str, tuple[float | None, float, str]] = {
     "UMIC": (8.79e5, 143.2, "UMIC"),
     "Modified DS": (4.07e5, 56.9, "Modified DS"),
     "FML": (1.23e5, 12.48, "FML, paper's setting"),
-    "FML, auto-learning": (None, 9.17, ""),
+    "FML, auto-learning": (None, 9.17, "FML, auto-learning"),
 }
 # Global stability, multiple demonstrations, learning in one step, higher dimensions, as printed.
 TABLE_1: dict[str, tuple[str, str, str, str]] = {

@@ -6,7 +6,8 @@
 - Courses of points in space and motions of poses, recorded (with LEADTHROUGH_DATA) and simulated:
   each demonstration left out in turn, with its start and goal given (`material`).
 - Responses: a goal that has moved; pushes at a quarter, half and three quarters of the path, after
-  which each model goes on by its own online call (`pushes`), also of a tool that is held.
+  which each model goes on by its own online call (`pushes`), also of a tool that is held, and of
+  joints. The same with a simulated Panda in the loop, whose tip a hand pushes (`pushed_arm`).
 - Sets of recordings in a folder of yours (`--recordings`): each demonstration left out in turn.
 - Stability of the dynamical systems: ten thousand starts for each motion.
 - Arms: the motions that were made, on a Panda and a UR3.
@@ -18,22 +19,31 @@ Rivals of other libraries take part where these are installed (`rivals`; the ext
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from leadthrough.io import lasa
 from leadthrough_studies.comparison import material
-from leadthrough_studies.comparison.methods import COURSES, POINTS, POSES, RECORDED, SYSTEMS
+from leadthrough_studies.comparison.methods import (
+    COURSES,
+    JOINTS,
+    ONLINE,
+    POINTS,
+    POSES,
+    RECORDED,
+    SYSTEMS,
+)
+from leadthrough_studies.comparison.push_trials import push, push_arm
 from leadthrough_studies.comparison.recordings import sets_in
 from leadthrough_studies.comparison.report import report
 from leadthrough_studies.comparison.rivals import MISSING, NOT_INSTALLED
-from leadthrough_studies.comparison.trials import draw, examine, leave_out, move, push, trace
+from leadthrough_studies.comparison.trials import draw, examine, leave_out, move, trace
 from leadthrough_studies.study import Study, Task
 
 PROTOCOLS = ("IN", "LOO")
-_QUICK = ("Angle", "GShape")
+_QUICK, _QUICK_JOINTS = ("Angle", "GShape"), ("DMP", "AlignedMean")
 
 
 @dataclass(frozen=True)
@@ -47,6 +57,9 @@ class ComparisonConfig:
         courses: courses of points in space, with their recordings.
         motions_of_poses: motions of poses, with their recordings.
         poses: keys of POSES.
+        motions_of_joints: motions of joints, which are pushed only.
+        joints: keys of JOINTS.
+        online: of ONLINE, methods that lead a simulated arm.
         left_out: number of demonstrations that are tested of each motion; None for all.
         folds: number of demonstrations that inner cross-validation leaves out; 0 for none.
         pushed: number of left-out demonstrations of each motion for the pushes; None for all.
@@ -61,6 +74,9 @@ class ComparisonConfig:
     courses: tuple[tuple[str, str], ...] = ()
     motions_of_poses: tuple[tuple[str, str], ...] = ()
     poses: tuple[str, ...] = tuple(POSES)
+    motions_of_joints: tuple[str, ...] = ()
+    joints: tuple[str, ...] = tuple(JOINTS)
+    online: tuple[str, ...] = ONLINE
     left_out: int | None = None
     folds: int = 2
     pushed: int | None = 3
@@ -79,6 +95,9 @@ def configure(quick: bool, seed: int) -> ComparisonConfig:
             _QUICK,
             courses=courses[:1],
             motions_of_poses=poses[:1],
+            motions_of_joints=material.MOTIONS_OF_JOINTS,
+            joints=_QUICK_JOINTS,
+            online=_QUICK_JOINTS,
             left_out=1,
             folds=0,
             pushed=1,
@@ -86,13 +105,18 @@ def configure(quick: bool, seed: int) -> ComparisonConfig:
             seed=seed,
         )
     return ComparisonConfig(
-        tuple(lasa.motions()), courses=courses, motions_of_poses=poses, seed=seed
+        tuple(lasa.motions()),
+        courses=courses,
+        motions_of_poses=poses,
+        motions_of_joints=material.MOTIONS_OF_JOINTS,
+        seed=seed,
     )
 
 
 def of_recordings(config: ComparisonConfig, folder: Path) -> ComparisonConfig:
     """The configuration with the sets in a folder, and nothing else."""
     nothing: dict[str, Any] = {"motions": (), "courses": (), "motions_of_poses": ()}
+    nothing |= {"motions_of_joints": ()}
     return replace(config, recordings=sets_in(folder), **nothing)
 
 
@@ -137,11 +161,11 @@ def tasks(config: ComparisonConfig) -> list[Task]:
 
 
 def _pushes(config: ComparisonConfig) -> list[Task]:
-    """A task for every motion and method, with pushes."""
-    drawings = tuple((name, "") for name in config.motions)
+    """A task for every motion and method with pushes, and one on the arm, which draws nothing."""
+    drawings, joints = (_unrecorded(each) for each in (config.motions, config.motions_of_joints))
     return [
         Task(
-            push,
+            function,
             {
                 "part": part,
                 "name": name,
@@ -155,10 +179,17 @@ def _pushes(config: ComparisonConfig) -> list[Task]:
             ("drawings", drawings, config.points),
             ("courses", config.courses, config.points),
             ("poses", config.motions_of_poses, config.poses),
+            ("joints", joints, config.joints),
         )
+        for function in (push, push_arm)
         for name, file in motions
         for method in methods
+        if function is push or (part != "drawings" and method in config.online)
     ]
+
+
+def _unrecorded(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    return tuple((name, "") for name in names)
 
 
 STUDY = Study(configure, tasks, report, of_recordings)
