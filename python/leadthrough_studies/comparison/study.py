@@ -63,6 +63,7 @@ class ComparisonConfig:
         left_out: number of demonstrations that are tested of each motion; None for all.
         folds: number of demonstrations that inner cross-validation leaves out; 0 for none.
         pushed: number of left-out demonstrations of each motion for the pushes; None for all.
+        pushed_on_arm: the same of a simulated arm.
         starts: number of starts of each test of stability.
         recordings: sets of recorded demonstrations, with their files.
         seed: of simulated demonstrations; methods draw with their own seeds.
@@ -80,6 +81,7 @@ class ComparisonConfig:
     left_out: int | None = None
     folds: int = 2
     pushed: int | None = 3
+    pushed_on_arm: int | None = 1
     starts: int = 10_000
     recordings: tuple[tuple[str, str], ...] = ()
     seed: int = 0
@@ -170,7 +172,7 @@ def _pushes(config: ComparisonConfig) -> list[Task]:
                 "part": part,
                 "name": name,
                 "method": method,
-                "left_out": config.pushed,
+                "left_out": left_out,
                 "seed": config.seed,
             },
             {"file": Path(file)} if file else {},
@@ -181,7 +183,7 @@ def _pushes(config: ComparisonConfig) -> list[Task]:
             ("poses", config.motions_of_poses, config.poses),
             ("joints", joints, config.joints),
         )
-        for function in (push, push_arm)
+        for function, left_out in ((push, config.pushed), (push_arm, config.pushed_on_arm))
         for name, file in motions
         for method in methods
         if function is push or (part != "drawings" and method in config.online)
