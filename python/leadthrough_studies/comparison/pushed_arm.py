@@ -33,6 +33,7 @@ _FORCE, _PUSHED = 30.0, 0.3  # N and s
 _OFF = 0.02  # m; friction holds the tip up to 1 cm off
 _GAIN = 50.0  # 1/s, of the joints behind the tool's target
 _PUSHED_AT = (0.25, 0.5, 0.75)
+_GONE = 0.15  # fraction of the path, at most, that a motion covers while it is pushed
 _AFTER = 1.0  # s that the arm has after the duration of the motion
 _MIDDLE = (0.5, 0.0, 0.3)  # m, of points, which the tool draws pointing down
 _DOWN = np.array([0.0, 1.0, 0.0, 0.0])
@@ -62,9 +63,9 @@ def responses(skill: Any, tested: Motion) -> Row:
         row = int(at * len(path))
         side = across(path[row + 1] - path[row - 1])
         after = _pushed(arm, skill, tested, at, _FORCE * side)
-        nearest = int(np.linalg.norm(path - after[0], axis=1).argmin())
-        moved.append(float(np.linalg.norm(path[nearest] - after[0])))
-        errors.append(faded_errors(path[nearest:], after[0], after))
+        gone = np.linalg.norm(path[row : row + int(_GONE * len(path))] - after[0], axis=1)
+        moved.append(float(gone.min()))
+        errors.append(faded_errors(path[row + int(gone.argmin()) :], after[0], after))
     parts = zip(_PUSHED_AT, errors, strict=True)
     return {
         "push_Frechet_mm": 1e3 * float(np.mean([each[0] for each in errors])),

@@ -43,6 +43,7 @@ from leadthrough_studies.comparison.trials import draw, examine, leave_out, move
 from leadthrough_studies.study import Study, Task
 
 PROTOCOLS = ("IN", "LOO")
+_AS_SMALL_AS_A_PUSH = ("symbol17",)  # of the arm
 _QUICK, _QUICK_JOINTS = ("Angle", "GShape"), ("DMP", "AlignedMean")
 
 
@@ -163,7 +164,8 @@ def tasks(config: ComparisonConfig) -> list[Task]:
 
 
 def _pushes(config: ComparisonConfig) -> list[Task]:
-    """A task for every motion and method with pushes, and one on the arm, which draws nothing."""
+    """A task for every motion and method with pushes, and one on the arm if the motion is long."""
+    flat = {*config.motions, *_AS_SMALL_AS_A_PUSH}
     drawings, joints = (_unrecorded(each) for each in (config.motions, config.motions_of_joints))
     return [
         Task(
@@ -186,7 +188,7 @@ def _pushes(config: ComparisonConfig) -> list[Task]:
         for function, left_out in ((push, config.pushed), (push_arm, config.pushed_on_arm))
         for name, file in motions
         for method in methods
-        if function is push or (part != "drawings" and method in config.online)
+        if function is push or (name not in flat and method in config.online)
     ]
 
 
