@@ -21,8 +21,9 @@ TABLE_1: dict[str, tuple[str, str, str, str]] = {
 }
 PIXELS_PER_MM = 8.3
 REMARK = (
-    "Table 2 names no convention of its sums. FML's own row is met by the sum of a motion's seven "
-    "areas in square pixels, 8.3 per mm, and by V_rmse in mm/s. The rows of its rivals are not met "
+    "Table 2 names neither a convention of its sums nor a scale. FML's own row would be met by the "
+    "sum of a motion's seven areas in square pixels, if there were 8.3 per mm, which the paper does "
+    "not say: no agreement is claimed. The rows of its rivals are not met "
     "so: a motion that stands still has a V_rmse of 22 mm/s. They come near if speeds are in "
     "pixels per second and areas are sums over the 30 motions in square pixels: both are beside "
     "the printed numbers. By that convention FML's row would be a quarter of what we find. "

@@ -107,7 +107,7 @@ def configure(quick: bool, seed: int) -> ComparisonConfig:
             left_out=1,
             folds=0,
             pushed=1,
-            starts=500,
+            starts=200,
             seed=seed,
         )
     return ComparisonConfig(
