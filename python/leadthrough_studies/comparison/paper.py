@@ -22,9 +22,9 @@ TABLE_1: dict[str, tuple[str, str, str, str]] = {
 PIXELS_PER_MM = 8.3
 REMARK = (
     "Table 2 names neither a convention of its sums nor a scale. FML's own row would be met by the "
-    "sum of a motion's seven areas in square pixels, if there were 8.3 per mm, which the paper does "
-    "not say: no agreement is claimed. The rows of its rivals are not met "
-    "so: a motion that stands still has a V_rmse of 22 mm/s. They come near if speeds are in "
+    "sum of a motion's seven areas in square pixels, with 8.3 per mm, which it does not say: no "
+    "agreement is claimed. The rows of its rivals are not met so: a motion that stands still has "
+    "a V_rmse of 22 mm/s. They come near if speeds are in "
     "pixels per second and areas are sums over the 30 motions in square pixels: both are beside "
     "the printed numbers. By that convention FML's row would be a quarter of what we find. "
     "Compare orders rather than numbers."
