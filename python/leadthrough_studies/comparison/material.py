@@ -3,6 +3,7 @@
 - Courses: a symbol that a person traced six times with a Panda (panda_symbol; its pauses, which
   differ, are cut short), and the reaches of the ur3 study, in an empty workspace and over a box.
 - Poses: the recordings of RoboTasks, and a Panda's reach by a simulated person, of the human study.
+- Joints: those of the same reach.
 
 Recordings are taken from the folder that LEADTHROUGH_DATA names; without it they are left out.
 """
@@ -13,7 +14,7 @@ import math
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -32,6 +33,7 @@ _PAUSE = 0.1  # s; longer ones are cut
 _PERSONS = 6
 _REACHES = {"reach beside a table": 1, "reach over a box": 2}
 _BY_HAND = "reach by hand"
+MOTIONS_OF_JOINTS = (_BY_HAND + ", joints",)
 
 
 def courses() -> dict[str, Path | None]:
@@ -70,8 +72,16 @@ def poses(name: str, file: Path | None, seed: int) -> list[Demonstration[PoseTra
     if file is not None:
         return read(str(file))
     arm = lt.Arm.load(reach.ROBOT)
-    shown = reach.human(_PERSONS, np.random.default_rng(seed))
-    return [Demonstration(_of_tool(arm, each.motion), name) for each in shown]
+    return [Demonstration(_of_tool(arm, each.motion), name) for each in joints(seed)]
+
+
+def joints(seed: int) -> list[Demonstration[Any]]:
+    """The demonstrations of the reach by hand, in joints.
+
+    Args:
+        seed: seed of the random number generator.
+    """
+    return reach.human(_PERSONS, np.random.default_rng(seed))
 
 
 def _of_tool(arm: lt.Arm, motion: Motion) -> PoseTrajectory:

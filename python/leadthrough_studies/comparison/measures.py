@@ -79,9 +79,9 @@ def response_to_goal(made: Made, shown: Float64Array, *, unit: float = 1.0) -> R
             the new goal.
         unit: mm per unit of the positions.
     """
-    path, size = _path_and_size(shown)
+    path, size = path_and_size(shown)
     row = _COMPARED // 2
-    goal = path[-1] + _MOVED * size * _across(path[row + 1] - path[row - 1])
+    goal = path[-1] + _MOVED * size * across(path[row + 1] - path[row - 1])
     moved = made(path[0], goal)
     carried = _carried(path, path[0], goal)
     return {
@@ -105,17 +105,18 @@ def response_to_pushes(
         clock: whether the skill has a clock of its own, so that a held tool is another question.
         unit: mm per unit of the positions.
     """
-    path, size = _path_and_size(shown)
+    path, size = path_and_size(shown)
     errors: dict[str, list[float]] = {"push": [], "fade": [], "held": []}
     for at in _PUSHED_AT:
         row = int(at * _COMPARED)
-        place = path[row] + _PUSH * size * _across(path[row + 1] - path[row - 1])
-        after = by_arc_length(pushed(at, place, 0.0), _COMPARED)
-        held = by_arc_length(pushed(at, place, _HELD), _COMPARED) if clock else after
-        fading = [frechet_distance(_faded(path[row:], place, part), after) for part in _FADING]
-        errors["push"].append(fading[0])
-        errors["fade"].append(min(fading))
-        errors["held"].append(frechet_distance(_faded(path[row:], place, 1.0), held))
+        place = path[row] + _PUSH * size * across(path[row + 1] - path[row - 1])
+        after = pushed(at, place, 0.0)
+        held = pushed(at, place, _HELD) if clock else after
+        for name, error in zip(
+            ("push", "fade"), faded_errors(path[row:], place, after), strict=True
+        ):
+            errors[name].append(error)
+        errors["held"].append(faded_errors(path[row:], place, held)[0])
     parts = zip(_PUSHED_AT, errors["push"], strict=True)
     return {
         "push_Frechet_mm": unit * float(np.mean(errors["push"])),
@@ -125,20 +126,40 @@ def response_to_pushes(
     }
 
 
-def _path_and_size(shown: Float64Array) -> tuple[Float64Array, float]:
+def faded_errors(
+    left: Float64Array, place: Float64Array, after: Float64Array
+) -> tuple[float, float]:
+    """Fréchet distances of a motion after a push from the rest of a demonstration.
+
+    Args:
+        left: the rest (n, d) of the demonstration.
+        place: position (d,) after the push, to which the rest is shifted.
+        after: positions (m, d) of the motion.
+
+    Returns:
+        The distance with the shift fading over all of the rest, and the least over parts of it.
+    """
+    compared = by_arc_length(after, _COMPARED)
+    fading = [frechet_distance(_faded(left, place, part), compared) for part in _FADING]
+    return fading[0], min(fading)
+
+
+def path_and_size(shown: Float64Array) -> tuple[Float64Array, float]:
     """The positions (n, d) at equal steps of arc length, and the largest distance from the end."""
     path = by_arc_length(shown, _COMPARED)
     return path, float(np.linalg.norm(path - path[-1], axis=1).max())
 
 
-def _across(along: Float64Array) -> Float64Array:
+def across(along: Float64Array) -> Float64Array:
     """A direction (d,) across another; in space a horizontal one, if there is one."""
     if len(along) == 2:
-        across = np.array([-along[1], along[0]])
-    else:
+        side = np.array([-along[1], along[0]])
+    elif len(along) == 3:
         upright = abs(along[2]) > 0.99 * np.linalg.norm(along)
-        across = np.cross([1.0, 0.0, 0.0] if upright else [0.0, 0.0, 1.0], along)
-    return np.asarray(across / np.linalg.norm(across))
+        side = np.cross([1.0, 0.0, 0.0] if upright else [0.0, 0.0, 1.0], along)
+    else:  # of joints, as far as they go together
+        side = 1.0 - along * along.sum() / (along @ along)
+    return np.asarray(side / np.linalg.norm(side))
 
 
 def _carried(path: Float64Array, start: Float64Array, goal: Float64Array) -> Float64Array:

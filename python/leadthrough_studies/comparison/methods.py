@@ -144,6 +144,27 @@ class PeerPrimitive:
             return primitive
 
 
+@dataclass(frozen=True)
+class AutoLearning:
+    """Fast marching that learns its own paths from the demonstrations' starts, if kappa is low.
+
+    Attributes:
+        model: of fast marching.
+        threshold: of kappa, by Prados et al. 2023.
+    """
+
+    model: Any
+    threshold: float = 0.6
+
+    def fit(self, demonstrations: Shown) -> Any:
+        """The model's skill, with the paths that it has learned."""
+        skill = self.model.fit(demonstrations)
+        for each in demonstrations:
+            path = skill.generate(start=each.motion.positions[0])
+            skill = skill.auto_learn(path, threshold=self.threshold)
+        return skill
+
+
 def _of(name: str, *settings: Mapping[str, Any]) -> tuple[Model, ...]:
     """A registered model, with each of several settings; with none, as it is by default."""
     kind = model_entry(name).load()
@@ -166,19 +187,23 @@ SYSTEMS: dict[str, tuple[Model, ...]] = {
     "Modified DS": _of("modified-ds", *_with("units", 50, 100, 200)),
 }
 
-# Prados et al. 2023: 25 pixels and one cell a pixel, at 8.3 pixels per mm.
-_PAPER = {
-    "area_of_influence": 25.0 / 8.3,
-    "saturation": 0.1,
-    "resolution": 1.0 / 8.3,
-    "method": "map",
-}
+# Prados et al. 2023: 25 pixels and one cell a pixel, at 8.3 pixels per mm; in space cells of 1 cm.
+_PAPER = {"area_of_influence": 25.0 / 8.3, "saturation": 0.1, "resolution": 1.0 / 8.3}
+_PAPER_IN_SPACE = {"area_of_influence": 0.05, "saturation": 0.25, "resolution": 0.01}
+
+
+def _papers(**settings: float) -> dict[str, tuple[Model, ...]]:
+    """The paper's own method, without and with auto-learning."""
+    models = _of("fast-marching", {**settings, "method": "map"})
+    learning = tuple(AutoLearning(each) for each in models)
+    return {"FML, paper's setting": models, "FML, auto-learning": learning}
+
 
 # By name, for points. The package's own models stand at their defaults.
 POINTS: dict[str, tuple[Model, ...]] = {
     "FastMarching": _of("fast-marching"),
     "AlignedMean": _of("aligned-mean"),
-    "FML, paper's setting": _of("fast-marching", _PAPER),
+    **_papers(**_PAPER),
     "DMP": _of("dmp"),
     "ProMP": _of("promp"),
     "GMR": _of("gmr"),
@@ -212,14 +237,8 @@ if "movement-primitives" not in MISSING:
     POINTS[_NEAREST] = (PeerPrimitive(weights=20), PeerPrimitive(weights=50))
 POINTS |= _INSTALLED
 
-# For courses in m: the paper's setting in space has cells of 1 cm.
-COURSES: dict[str, tuple[Model, ...]] = {
-    **POINTS,
-    "FML, paper's setting": _of(
-        "fast-marching",
-        {"area_of_influence": 0.05, "saturation": 0.25, "resolution": 0.01, "method": "map"},
-    ),
-}
+# For courses in m.
+COURSES: dict[str, tuple[Model, ...]] = {**POINTS, **_papers(**_PAPER_IN_SPACE)}
 
 # For poses. UMIC is left out: its constraint at samples says little in six dimensions.
 POSES: dict[str, tuple[Model, ...]] = {
@@ -235,6 +254,24 @@ POSES: dict[str, tuple[Model, ...]] = {
 if "movement-primitives" not in MISSING:
     POSES[_NEAREST] = (CartesianPrimitive(),)
 POSES |= {name: tuple(OfPoses(each) for each in models) for name, models in _INSTALLED.items()}
+
+# For joints: the same without fast marching, which takes points and poses.
+JOINTS: dict[str, tuple[Model, ...]] = {
+    name: POINTS.get(name, models) for name, models in POSES.items() if name != "FastMarching"
+}
+
+# Models that lead a simulated arm: those of the package but the systems to avoid.
+ONLINE = (
+    "FastMarching",
+    "AlignedMean",
+    "DMP",
+    "ProMP",
+    "GMR",
+    "SEDS, likelihood",
+    "LPV-DS",
+    "CLF-DM",
+    "Modified DS",
+)
 
 # For sets of recordings, of points and of poses: what demonstrations of any kind can be given to.
 RECORDED: dict[str, tuple[Model, ...]] = {

@@ -20,12 +20,13 @@ from leadthrough.models import DynamicalSkill, FastMarchingSkill
 from leadthrough.motion import Motion, Target
 from leadthrough.preprocess.resample import arc_length
 
-# A tool's position, or for poses position and orientation, after some time, s, from another.
-Step: TypeAlias = Callable[[Any, float], Any]
+# A model's next target, a period later: from a measured tool, or from its own last target.
+Call: TypeAlias = Callable[[Any], Any]
 
 _STEPS = 200  # per duration of the motion
 _MAX_DURATIONS = 10  # of a policy that has no clock
 _AT_REST = 1e-4  # of the motion's extent per step: such a policy has ended
+_CORRECTED = 0.95  # fraction of the path after which a motion is not changed any more
 # Gain of phase stopping: with a tool held a tenth of the motion's size away, the phase runs at a
 # tenth of its pace.
 _WAITING = 900.0
@@ -58,14 +59,76 @@ def after_push(
     now = time_at(own, at)
     if hasattr(skill, "begin"):
         return _stepped(skill, skill.step(skill.begin(**query), now), place, own, held)
+    if policy := _policy(skill, goal):
+        return _led(_of_policy(policy, place, own.duration / _STEPS), place, own)
+    return rest(_corrected(skill, now, place, query), now, place)
+
+
+def online_call(skill: Any, *, start: Target, goal: Target | None, period: float) -> Call:
+    """The online call of a model of the package, from the start of its motion on.
+
+    Args:
+        skill: the model's.
+        start: of the motion.
+        goal: of the motion; None for the skill's own.
+        period: between calls, s.
+    """
+    query = {"start": start, "goal": goal}
+    if hasattr(skill, "begin"):
+        return _of_primitive(skill, skill.begin(**query), period)
+    if policy := _policy(skill, goal):
+        return _of_policy(policy, start, period)
+    return _of_motion(skill, query, period)
+
+
+def _policy(skill: Any, goal: Target | None) -> Callable[[Any, float], Any] | None:
+    """The tool after some time, s, from another; None for a model without a policy."""
     if isinstance(skill, FastMarchingSkill):
-        policy = skill.policy_to(None if goal is None else _position(goal))
-        return _led(policy.step, _position(place), own)
+        step = skill.policy_to(None if goal is None else _position(goal)).step
+        return lambda tool, dt: step(_position(tool), dt)
     if isinstance(skill, DynamicalSkill):
-        return _led(lambda tool, dt: skill.step(tool, dt, goal=goal), place, own)
+        return lambda tool, dt: skill.step(tool, dt, goal=goal)
+    return None
+
+
+def _of_primitive(skill: Any, state: Any, period: float) -> Call:
+    def call(measured: Any) -> Any:
+        nonlocal state
+        state = skill.step(state, period, measured=measured)
+        turned = getattr(state, "orientation", None)
+        return state.position if turned is None else (state.position, turned)
+
+    return call
+
+
+def _of_policy(policy: Callable[[Any, float], Any], tool: Any, period: float) -> Call:
+    def call(measured: Any) -> Any:
+        nonlocal tool
+        tool = policy(tool if measured is None else measured, period)
+        return tool
+
+    return call
+
+
+def _of_motion(skill: Any, query: dict[str, Any], period: float) -> Call:
+    motion, now = skill.generate(**query), 0.0
+    last = time_at(motion, _CORRECTED)
+
+    def call(measured: Any) -> Any:
+        nonlocal motion, now
+        if measured is not None and now < last:
+            motion = _corrected(skill, now, measured, query)
+        now += period
+        return motion.at(min(motion.times[0] + now, motion.times[-1]))
+
+    return call
+
+
+def _corrected(skill: Any, now: float, place: Target, query: dict[str, Any]) -> Motion:
+    """The motion of a model without steps that is at a place at a time, s, from its start."""
     if hasattr(skill, "condition"):
-        return rest(skill.condition(now, place).generate(goal=goal), now, place)
-    return rest(skill.corrected(now, place, **query).generate(**query), now, place)
+        return skill.condition(now, place).generate(goal=query["goal"])  # type: ignore[no-any-return]
+    return skill.corrected(now, place, **query).generate(**query)  # type: ignore[no-any-return]
 
 
 def time_at(motion: Motion, fraction: float) -> float:
@@ -103,13 +166,12 @@ def _stepped(skill: Any, state: Any, place: Target, own: Motion, held: float) ->
         state = skill.step(state, step)
 
 
-def _led(step: Step, place: Target, own: Motion) -> Float64Array:
+def _led(call: Call, place: Target, own: Motion) -> Float64Array:
     """A policy without a clock, followed until it comes to rest."""
     slow = _AT_REST * float(np.ptp(own.positions, axis=0).max())
-    path, tool = [_position(place)], place
+    path = [_position(place)]
     for _ in range(_MAX_DURATIONS * _STEPS):
-        tool = step(tool, own.duration / _STEPS)
-        path.append(_position(tool))
+        path.append(_position(call(None)))
         if np.linalg.norm(path[-1] - path[-2]) < slow:
             break
     return np.array(path)

@@ -32,6 +32,7 @@ _PUSHES = (
     "push_at_50_mm",
     "push_at_75_mm",
 )
+_PUSHES_OF_THE_ARM = ("displaced_mm", *(name for name in _PUSHES if name != "held_Frechet_mm"))
 _COSTS = ("fit_cpu_s", "generate_cpu_s")
 _ON_ARM = ("executed", "reachable", "without_leap", "clear", "slower", "begins_at")
 _ON_ARMS = tuple(f"{arm}_{name}" for arm in ARMS for name in _ON_ARM)
@@ -90,7 +91,11 @@ def report(config: Any, rows: list[Row]) -> Report:
         "stability": _stability(config, rows),
     }
     pages = {"comparison": page_parts(table, summary, figures)}
-    return Report(table, figures, summary, pages, {"pushes": pushes_table(rows)})
+    pushes = {
+        "pushes": pushes_table(rows, "pushes", _PUSHES),
+        "pushed_arm": pushes_table(rows, "pushed arm", _PUSHES_OF_THE_ARM),
+    }
+    return Report(table, figures, summary, pages, pushes)
 
 
 def _of_recordings(config: Any, rows: list[Row]) -> Report:
@@ -140,28 +145,22 @@ def _others(config: Any, rows: list[Row]) -> list[Row]:
     ]
 
 
-def pushes_table(rows: list[Row]) -> list[Row]:
+def pushes_table(rows: list[Row], study: str, columns: tuple[str, ...]) -> list[Row]:
     """The mean responses of every method to pushes, of all drawings and of each other motion."""
-    table = []
-    for row in selected(rows, study="pushes"):
-        labels = {"motion": _pushed_motion(row), "method": row["method"]}
-        if labels not in table:
-            table.append(labels)
-    return [{**labels, **_means_after_pushes(rows, labels)} for labels in table]
-
-
-def _pushed_motion(row: Row) -> str:
-    return "drawings" if row["part"] == "drawings" else str(row["task"])
-
-
-def _means_after_pushes(rows: list[Row], labels: Row) -> Row:
-    own = [
-        row
-        for row in selected(rows, study="pushes", method=labels["method"])
-        if _pushed_motion(row) == labels["motion"]
+    pushed: dict[tuple[str, str], list[Row]] = {}
+    for row in selected(rows, study=study):
+        motion = "drawings" if row["part"] == "drawings" else str(row["task"])
+        pushed.setdefault((motion, row["method"]), []).append(row)
+    return [
+        {
+            "motion": motion,
+            "method": method,
+            "n": len(own),
+            "refused": sum("refused" in row for row in own),
+            **{name: mean(own, name) for name in columns},
+        }
+        for (motion, method), own in pushed.items()
     ]
-    found = {name: mean(own, name) for name in _PUSHES}
-    return {"n": len(own), "refused": sum("refused" in row for row in own), **found}
 
 
 def _line(part: str, method: str, rows: list[Row], columns: tuple[str, ...]) -> Row:

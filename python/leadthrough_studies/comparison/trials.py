@@ -27,7 +27,6 @@ from leadthrough_studies.comparison.methods import (
     chosen,
 )
 from leadthrough_studies.comparison.on_arms import ARMS, before, on_all, on_paper
-from leadthrough_studies.comparison.pushes import after_push
 from leadthrough_studies.study import Row
 
 # Of the velocity error at samples like those that systems are fitted to.
@@ -64,9 +63,10 @@ def draw(*, motion: str, method: str, protocol: str, left_out: int | None, folds
     def row(learned: Learned, tested: Demonstration[Any]) -> Row:
         return _drawn(method, learned, tested.motion)
 
-    learn = _learner(POINTS[method], error, folds)
+    learn = learner(POINTS[method], error, folds)
     return [
-        {**labels, **each} for each in _tested(shown, learn, row, left_out, inside=protocol == "IN")
+        {**labels, **each}
+        for each in tested_in_turn(shown, learn, row, left_out, inside=protocol == "IN")
     ]
 
 
@@ -87,10 +87,10 @@ def trace(
     def row(learned: Learned, tested: Demonstration[Any]) -> Row:
         return _traced(learned, tested.motion)
 
-    learn = _learner(COURSES[method], _error_of_course, folds)
+    learn = learner(COURSES[method], _error_of_course, folds)
     shown = material.course(name, file, seed)
     labels = {"study": "courses", "task": name, "method": method}
-    return [{**labels, **each} for each in _tested(shown, learn, row, left_out)]
+    return [{**labels, **each} for each in tested_in_turn(shown, learn, row, left_out)]
 
 
 def move(
@@ -110,10 +110,10 @@ def move(
     def row(learned: Learned, tested: Demonstration[Any]) -> Row:
         return _moved(learned, tested.motion)
 
-    learn = _learner(POSES[method], _error_of_poses, folds)
+    learn = learner(POSES[method], _error_of_poses, folds)
     shown = material.poses(name, file, seed)
     labels = {"study": "poses", "task": name, "method": method}
-    return [{**labels, **each} for each in _tested(shown, learn, row, left_out)]
+    return [{**labels, **each} for each in tested_in_turn(shown, learn, row, left_out)]
 
 
 def leave_out(*, name: str, method: str, left_out: int | None, folds: int, file: Path) -> list[Row]:
@@ -138,71 +138,9 @@ def leave_out(*, name: str, method: str, left_out: int | None, folds: int, file:
         made = reproduced(skill, tested.motion)
         return float(recordings.errors(tested.motion, made)["Frechet"])
 
-    learn = _learner((RECORDED_POSES if poses else RECORDED)[method], error, folds)
+    learn = learner((RECORDED_POSES if poses else RECORDED)[method], error, folds)
     labels = {"study": "recordings", "set": name, "method": method}
-    return [{**labels, **each} for each in _tested(shown, learn, row, left_out)]
-
-
-def push(
-    *, part: str, name: str, method: str, left_out: int | None, seed: int, file: Path | None = None
-) -> list[Row]:
-    """A row with the responses to pushes for every demonstration that is left out.
-
-    Models take the setting in the middle of those among which cross-validation chooses.
-
-    Args:
-        part: "drawings", "courses" or "poses"; the last two with start and goal given.
-        name: name of the motion.
-        method: key of POINTS, COURSES or POSES.
-        left_out: number of demonstrations that are left out; None for all.
-        seed: seed of the random number generator, for simulated demonstrations.
-        file: its recording, if it has one.
-    """
-    shown: Sequence[Demonstration[Any]]
-    if part == "drawings":
-        models, shown = POINTS[method], lasa.load(name)
-    elif part == "courses":
-        models, shown = COURSES[method], material.course(name, file, seed)
-    else:
-        models, shown = POSES[method], material.poses(name, file, seed)
-
-    def row(learned: Learned, tested: Demonstration[Any]) -> Row:
-        return _pushed(learned, tested.motion, ends=part != "drawings")
-
-    learn = _learner(models, lambda *_: 0.0, 0)
-    labels = {"study": "pushes", "task": name, "part": part, "method": method}
-    return [{**labels, **each} for each in _tested(shown, learn, row, left_out)]
-
-
-def _pushed(learned: Learned, tested: Any, *, ends: bool) -> Row:
-    """The responses of a skill to pushes; `ends` for a motion in m with its goal given."""
-
-    def target(position: Any) -> Any:
-        if not isinstance(tested, PoseTrajectory):
-            return position
-        nearest = np.linalg.norm(tested.positions - position, axis=1).argmin()
-        return position, tested.orientations[int(nearest)]
-
-    start, goal = tested.positions[0], tested.positions[-1]
-    if isinstance(tested, PoseTrajectory):
-        start, goal = (start, tested.orientations[0]), (goal, tested.orientations[-1])
-
-    def pushed(at: float, place: Any, held: float) -> Any:
-        return after_push(
-            learned.skill,
-            start=start,
-            goal=goal if ends else None,
-            at=at,
-            place=target(place),
-            held=held,
-        )
-
-    return measures.response_to_pushes(
-        pushed,
-        tested.positions,
-        clock=hasattr(learned.skill, "begin"),
-        unit=1e3 if ends else 1.0,
-    )
+    return [{**labels, **each} for each in tested_in_turn(shown, learn, row, left_out)]
 
 
 def examine(*, motion: str, method: str, starts: int) -> list[Row]:
@@ -219,7 +157,7 @@ def examine(*, motion: str, method: str, starts: int) -> list[Row]:
     return [{**labels, **measures.stability(skill, starts)}]
 
 
-def _tested(
+def tested_in_turn(
     shown: Sequence[Demonstration[Any]],
     learn: Callable[[Sequence[Demonstration[Any]]], Learned],
     row: Callable[[Learned, Demonstration[Any]], Row],
@@ -241,7 +179,7 @@ def _tested(
     return rows
 
 
-def _learner(
+def learner(
     models: Sequence[Model], error: Callable[[Any, Demonstration[Any]], float], folds: int
 ) -> Callable[[Sequence[Demonstration[Any]]], Learned]:
     """Chooses a model by the errors of left-out demonstrations, and fits it to all."""

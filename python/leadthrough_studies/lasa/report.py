@@ -28,10 +28,11 @@ TABLE_2 = {
     "FML with auto-learning": (None, 9.17),
 }
 REMARK = (
-    "SEA_sum_px2 is the sum over the 7 demonstrations of a motion, in px^2 at 8.3 px/mm. With this "
-    "convention our results agree with the paper's own row (protocol IN). The paper's rows for "
-    "other methods cannot be reproduced from the recordings in mm: a motion that stands still has "
-    "a V_rmse of 22 mm/s, but the paper prints 57 to 173. These rows are quoted, not compared with."
+    "SEA_sum_px2 is the sum over the 7 demonstrations of a motion, in px^2 at 8.3 px/mm. The paper "
+    "states neither the sum nor the scale, so that no agreement with its own row (protocol IN) is "
+    "claimed. Its rows for other methods cannot be reproduced from the recordings in mm: a motion "
+    "that stands still has a V_rmse of 22 mm/s, but the paper prints 57 to 173. These rows are "
+    "quoted, not compared with."
 )
 
 

@@ -36,6 +36,8 @@ from leadthrough.models.dynamical.model import DynamicalModel, Samples
 _DAMPING = 30.0
 _MIN_DAMPING = 6.0
 _RIDGE, _RIDGE_OF_DAMPING = 1e-4, 1e-3
+# Deviation of a push's velocity in the test of stability, in sizes of the motion per duration.
+_PUSH = 2.0
 # Width of the kernels, in mean distances of a centre from its nearest.
 _WIDTH = 1.2
 # x . grad V >= this times |x|^2 times the mean damping.
@@ -76,6 +78,10 @@ class KernelPotential(Field):
     def states(self, x: Float64Array) -> Float64Array:
         """The positions (n, d), moving as the policy says."""
         return np.hstack([x, self.velocity(x)])
+
+    def pushed_states(self, x: Float64Array, rng: np.random.Generator) -> Float64Array:
+        """The positions (n, d) with the policy's velocity and that of a push."""
+        return self.states(x) + np.hstack([0.0 * x, _PUSH * rng.standard_normal(x.shape)])
 
     def rate(self, states: Float64Array) -> Float64Array:
         """Derivatives (n, 2 d) of positions and velocities."""

@@ -14,7 +14,7 @@ from leadthrough.timing import retime
 from leadthrough_studies import physics
 from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.study import Report, Row, selected
-from leadthrough_studies.ur3 import setups, statements
+from leadthrough_studies.ur3 import maps, setups, statements
 from leadthrough_studies.ur3.statements import over_persons
 
 _NOT_IN_THE_TABLE = ("study", "path", "joints")
@@ -50,6 +50,9 @@ def report(config: Any, rows: list[Row]) -> Report:
         figures["sweep"] = _sweep_figure(config, selected(swept, seed=config.seed))
     if taught:
         figures["teaching"] = _teaching_figure(taught)
+    if selected(rows, study="maps"):
+        figures["figures_2_to_5"] = maps.plane_figure(config.seed)
+        figures["figures_12_to_15"] = maps.dilation_figure()
     told = Report(
         table=[_without(row, *_NOT_IN_THE_TABLE) for row in experiments],
         figures=figures,
@@ -60,6 +63,7 @@ def report(config: Any, rows: list[Row]) -> Report:
         tables={
             "persons": _persons(repeated),
             "sweep": _corners(config, swept),
+            "maps": maps.maps_table(rows),
             **statements.tables(rows),
         },
     )

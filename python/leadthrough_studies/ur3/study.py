@@ -5,7 +5,8 @@ cells of 1 cm, area of influence of 5 cells, saturation 0.25; paths with kappa b
 learned. `plan_motion` takes the whole arm along every path, 5 mm clear of the table and the box,
 continuously between samples, and clear of itself; the rows report how far the tip leaves its path
 for that. Ten seeds of the simulated person show what of this is chance, with the product of both
-maps around obstacles and with the paper's eq. 7. `statements` measures the paper's general ones.
+maps around obstacles and with the paper's eq. 7. `statements` measures the paper's general ones;
+`maps` those on FM and FM^2, and draws figures 2 to 5 and 12 to 15.
 
 The paper prints values of kappa below its saturation of 0.25. The mean of a map with values in
 [0.25, 1], eq. 6, cannot be that low. So the rows state three values: of the map of the raw
@@ -30,7 +31,7 @@ from leadthrough_studies import metrics, physics
 from leadthrough_studies.demonstrator import Teaching
 from leadthrough_studies.metrics import speed_along
 from leadthrough_studies.study import Row, Study, Task, cpu_time
-from leadthrough_studies.ur3 import statements
+from leadthrough_studies.ur3 import maps, statements
 from leadthrough_studies.ur3.on_the_arm import on_the_arm
 from leadthrough_studies.ur3.report import report
 from leadthrough_studies.ur3.setting import Setting
@@ -150,6 +151,7 @@ def _statements(config: Ur3Config, setting: dict[str, Any]) -> list[Task]:
             Task(statements.of_mazes, {"seed": seed, "count": config.mazes})
             for seed in _persons(config)
         ),
+        *(Task(maps.of_map, {"seed": seed}) for seed in _persons(config)),
         *(
             Task(statements.of_tubes, {"pace": pace, "setting": setting, "seed": seed})
             for seed in _persons(config)

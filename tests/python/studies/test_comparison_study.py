@@ -16,11 +16,12 @@ from leadthrough_studies.comparison import (
     measures,
     methods,
     on_arms,
+    pushed_arm,
     rivals,
     study,
 )
 from leadthrough_studies.comparison.methods import NearestShifted
-from leadthrough_studies.comparison.pushes import after_push
+from leadthrough_studies.comparison.pushes import after_push, online_call, time_at
 from leadthrough_studies.study import Report, run, selected
 
 U = np.linspace(0.0, 1.0, 1000)
@@ -44,6 +45,9 @@ def test_all_parts_are_in_the_report_and_a_second_start_has_nothing_left_to_do(t
         courses=(("reach over a box", ""),),
         motions_of_poses=(("bow", str(file)),),
         poses=FEW,
+        motions_of_joints=material.MOTIONS_OF_JOINTS,
+        joints=("DMP",),
+        online=("DMP",),
         left_out=1,
         folds=0,
         pushed=1,
@@ -61,8 +65,12 @@ def test_all_parts_are_in_the_report_and_a_second_start_has_nothing_left_to_do(t
         assert row["SEA_mm2"] < 1000.0
         assert row["end_mm"] < 1e-6
     pushes = outcome.report.tables["pushes"]
-    assert len(pushes) == 3 * len(FEW)
-    for row in pushes:
+    of_the_arm = outcome.report.tables["pushed_arm"]
+    assert len(pushes) == 3 * len(FEW) + 1
+    assert [row["method"] for row in of_the_arm] == ["DMP"]
+    for row in of_the_arm:
+        assert 20.0 < row["displaced_mm"] < 200.0
+    for row in [*pushes, *of_the_arm]:
         assert row["refused"] == 0
         assert 0.0 < row["push_any_fade_mm"] <= row["push_Frechet_mm"]
     printed = {line["method"]: line for line in outcome.report.summary["table_2"]}
@@ -104,6 +112,40 @@ def test_a_pushed_tool_goes_on_from_there_to_the_goal_at_its_present_phase(name)
     np.testing.assert_allclose(path[-1], [40.0, 0.0], atol=0.5)
     assert path[:, 0].min() > 19.0  # no new motion from the start
     assert np.linalg.norm(path[1] - place) < 2.0
+
+
+@pytest.mark.parametrize("name", [name for name in GO_ON if name != "shift"])
+def test_online_calls_repeat_the_skills_own_motion_until_the_tool_is_measured_elsewhere(name):
+    skill, period = GO_ON[name].fit([bent(height) for height in (9.0, 10.0, 11.0)]), 0.01
+    own, place = skill.generate(start=np.zeros(2)), np.array([20.0, 14.0])
+    call = online_call(skill, start=np.zeros(2), goal=None, period=period)
+    half = int(time_at(own, 0.5) / period)
+    made = np.array([call(None) for _ in range(half)])
+    apart = np.linalg.norm(made[:, None] - own.positions[None], axis=2).min(axis=1)
+    assert apart.max() < 0.5
+    np.testing.assert_allclose(made[-1], own.at(own.times[0] + period * half), atol=3.0)
+    after = [call(place), *(call(None) for _ in range(3 * half))]
+    assert np.linalg.norm(after[0] - place) < 1.0
+    np.testing.assert_allclose(after[-1], [40.0, 0.0], atol=1.0)
+
+
+def test_a_pushed_arm_goes_on_to_the_goal_where_friction_leaves_it():
+    shown = pushed_arm.before_the_arm(material.course("reach over a box", None, 0))
+    row = pushed_arm.responses(DMP().fit(shown[1:]), shown[0].motion)
+    assert 20.0 < row["displaced_mm"] < 200.0  # it yields, and only as long as it is pushed
+    assert row["push_at_75_mm"] < row["displaced_mm"]
+
+
+def test_auto_learning_keeps_the_demonstrations_and_adds_paths_of_low_kappa():
+    shown = lt.io.lasa.load("Angle")
+    plain = methods.POINTS["FML, paper's setting"][0].fit(shown)
+    same, more = (
+        replace(methods.POINTS["FML, auto-learning"][0], threshold=threshold).fit(shown)
+        for threshold in (0.0, 1.0)
+    )
+    assert (same.velocity_map == plain.velocity_map).all()
+    assert (more.velocity_map >= plain.velocity_map).all()
+    assert more.velocity_map.sum() > plain.velocity_map.sum()
 
 
 def test_a_held_primitive_waits_and_then_makes_the_motion_that_a_push_leaves():

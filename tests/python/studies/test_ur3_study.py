@@ -180,3 +180,14 @@ def test_rows_are_reproducible_except_for_measured_times(outcome):
 
 def _ends(setup):
     return SETUPS[setup].start, SETUPS[setup].goal
+
+
+def test_fm2_keeps_off_walls_with_gentler_turns_and_fm_is_shortest(outcome):
+    table = {row["way"]: row for row in outcome[0].report.tables["maps"]}
+    assert all(row["length_m_median"] > 0.9 * np.sqrt(2.0) for row in table.values())  # the chord
+    assert table["FM"]["length_m_median"] == min(row["length_m_median"] for row in table.values())
+    assert table["FM"]["clearance_m_median"] < 0.01  # a cell
+    near = table["area of influence 0.05 m"]["clearance_m_median"]
+    assert 0.03 < near < table["FM2"]["clearance_m_median"]
+    assert table["FM2"]["sharpest_rad_median"] < table["FM"]["sharpest_rad_median"]
+    assert {"figures_2_to_5", "figures_12_to_15"} <= set(outcome[0].report.figures)

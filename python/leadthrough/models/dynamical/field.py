@@ -72,6 +72,14 @@ class Field(Frozen, ABC):
         """Initial states (n, s) of motions from positions (n, d)."""
         return x
 
+    def pushed_states(
+        self,
+        x: Float64Array,
+        rng: np.random.Generator,  # noqa: ARG002 - of velocities, where states have one
+    ) -> Float64Array:
+        """States (n, s) at positions (n, d) after a push."""
+        return self.states(x)
+
     def rate(self, states: Float64Array) -> Float64Array:
         """Derivatives (n, s) of states (n, s); the first d columns of a state are the position."""
         return self.velocity(states)
@@ -142,7 +150,8 @@ class StabilityReport(ShortRepr):
 
     Attributes:
         starts: number of starts.
-        arrived: number that came within 1 % of the motion's size of the goal.
+        arrived: number that came within 1 % of the motion's size of the goal; of a system with
+            momentum, after a push at the start and to rest there: slower than that per duration.
         rising: number whose energy did not fall at one of their samples.
         resting: number of points of a fine grid, away from the goal, at which the system is nearly
             at rest.
@@ -173,7 +182,10 @@ def _rollout(field: Field, start: Float64Array) -> tuple[Float64Array, Float64Ar
     times: list[float] = []
     states: list[Float64Array] = []
     rates: list[Float64Array] = []
-    for time, state, rate in _steps(field, start[None], near=_LAST, longest=MAX_DURATION):
+    begun = field.states(start[None])
+    for time, state, rate in _steps(
+        field, begun, columns=len(start), near=_LAST, longest=MAX_DURATION
+    ):
         if not times or time[0] > times[-1]:  # otherwise the step was refused
             times.append(float(time[0]))
             states.append(state[0].copy())
@@ -183,21 +195,24 @@ def _rollout(field: Field, start: Float64Array) -> tuple[Float64Array, Float64Ar
     return np.array(times), x[:, :d], x[:, d:] if x.shape[1] > d else np.array(rates)[:, :d]
 
 
-def endpoints(field: Field, starts: Float64Array, *, near: float, longest: float) -> Endpoints:
-    """Last states of the trajectories from positions (m, d), and whether their energies fell."""
-    falling = np.ones(len(starts), dtype=bool)
-    time, state = np.zeros(len(starts)), field.states(starts)
-    for now, states, _ in _steps(field, starts, near=near, longest=longest):
+def endpoints(
+    field: Field, state: Float64Array, *, columns: int, near: float, longest: float
+) -> Endpoints:
+    """Last states of the trajectories from states (m, s), and whether their energies fell."""
+    falling, time = np.ones(len(state), dtype=bool), np.zeros(len(state))
+    for now, states, _ in _steps(field, state, columns=columns, near=near, longest=longest):
         moved = np.flatnonzero(now > time)
         falling[moved] &= field.power(states[moved]) < 0.0
         time, state = now.copy(), states
-    return Endpoints(time, state.copy(), _near(state, starts.shape[1], near), falling)
+    return Endpoints(time, state.copy(), _near(state, columns, near), falling)
 
 
 def advanced(field: Field, x: Float64Array, span: float) -> Float64Array:
     """Positions (m, d) that trajectories from positions (m, d) reach within a time."""
-    *_, (_, states, _) = _steps(field, x, near=0.0, longest=span, first=min(span, _MAX_STEP))
-    return np.asarray(states[:, : x.shape[1]])
+    d, first = x.shape[1], min(span, _MAX_STEP)
+    begun = field.states(x)
+    *_, (_, states, _) = _steps(field, begun, columns=d, near=0.0, longest=span, first=first)
+    return np.asarray(states[:, :d])
 
 
 def goal_trajectory(field: Field, start: Float64Array) -> GoalTrajectory:
@@ -251,7 +266,8 @@ def stability_report(
             rng.uniform(lower, upper, (count - half, positions.shape[1])),
         ]
     )
-    reached = endpoints(field, starts, near=NEAR, longest=MAX_DURATION)
+    begun = field.pushed_states(starts, rng)
+    reached = endpoints(field, begun, columns=begun.shape[1], near=NEAR, longest=MAX_DURATION)
     return StabilityReport(
         count,
         int(reached.arrived.sum()),
@@ -278,21 +294,29 @@ def _resting(
     return int((speed < _AT_REST * np.minimum(distance[away], 1.0)).sum())
 
 
-def _near(states: Float64Array, size: int, near: float) -> NDArray[np.bool_]:
-    return np.asarray((states[:, :size] ** 2).sum(axis=1) <= near**2)
+def _near(states: Float64Array, columns: int, near: float) -> NDArray[np.bool_]:
+    return np.asarray((states[:, :columns] ** 2).sum(axis=1) <= near**2)
 
 
 def _steps(
-    field: Field, starts: Float64Array, *, near: float, longest: float, first: float = _FIRST
+    field: Field,
+    begun: Float64Array,
+    *,
+    columns: int,
+    near: float,
+    longest: float,
+    first: float = _FIRST,
 ) -> Iterator[tuple[Float64Array, Float64Array, Float64Array]]:
-    """Times (m,), states (m, s) and rates (m, s) after every round of steps, from the start on."""
-    size = starts.shape[1]
-    states = field.states(starts).copy()
-    times = np.zeros(len(starts))
-    steps = np.full(len(starts), first)
+    """Times (m,), states (m, s) and rates (m, s) after every round of steps, from the start on.
+
+    A trajectory ends where the first columns of its state are near 0: position, or all.
+    """
+    size, states = field.size, begun.copy()
+    times = np.zeros(len(begun))
+    steps = np.full(len(begun), first)
     rates = field.rate(states)
     yield times, states, rates
-    going = np.flatnonzero(~_near(states, size, near))
+    going = np.flatnonzero(~_near(states, columns, near))
     for _ in range(_MAX_STEPS):
         if len(going) == 0:
             return
@@ -313,6 +337,6 @@ def _steps(
         change = _SAFETY / np.cbrt(np.maximum(ratio, 1e-9))
         steps[going] = np.minimum(long * np.clip(change, _SHRINK, _GROW), _MAX_STEP)
         yield times, states, rates
-        on_way = ~_near(states[going], size, near) & (times[going] < longest)
+        on_way = ~_near(states[going], columns, near) & (times[going] < longest)
         on_way &= _near(states[going], size, MAX_DISTANCE)
         going = going[on_way]

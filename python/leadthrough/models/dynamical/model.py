@@ -204,8 +204,8 @@ class DynamicalModel(Unfitted, ABC):
 
 def _pace(field: Field, samples: Samples) -> float:
     """Median ratio of the system's time from the demonstrations' starts to their own."""
-    starts = np.array([each[0] for each in samples.positions])
-    reached = endpoints(field, starts, near=NEAR_GOAL, longest=MAX_DURATION)
+    starts = field.states(np.array([each[0] for each in samples.positions]))
+    reached = endpoints(field, starts, columns=field.size, near=NEAR_GOAL, longest=MAX_DURATION)
     if not reached.arrived.any():
         raise FitError(
             "demonstrations: the learned system does not reach the goal from any of their "

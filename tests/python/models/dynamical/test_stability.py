@@ -106,6 +106,20 @@ def test_energies_and_their_derivatives_agree(name):
     assert (power < 0.0).all()
 
 
+def test_a_pushed_mass_arrives_only_at_rest():
+    """A free mass flies past the goal, within 1 % of the size; only friction lets it arrive."""
+    field = fitted("UMIC").field
+    rng = np.random.default_rng(0)
+    pushed = field.pushed_states(np.ones((200, 2)), rng)
+    assert (pushed[:, :2] == 1.0).all()
+    assert (pushed[:, 2:] - field.velocity(np.ones((200, 2)))).std(axis=0).min() > 1.0
+    force = {"heights": 0.0 * field.heights, "stiffness": 0.0 * field.stiffness}
+    free = replace(field, **force, damping=1e-6 * field.damping)
+    for mass, arrives in ((free, False), (field, True)):
+        skill = replace(fitted("UMIC"), field=mass)
+        assert (skill.stability(100).arrived > 0) is arrives
+
+
 def test_an_unstable_system_is_reported():
     skill = fitted("LPV-DS")
     field = type(skill.field)(skill.field.gates, -skill.field.matrices, skill.field.metric)
