@@ -28,6 +28,7 @@ from leadthrough.trajectories import Spline
 
 # Points of the grid over a path: the fewest, for each of its pieces, and the most.
 _MIN_POINTS, _POINTS_A_PIECE, _MAX_POINTS = 1000, 8, 50_000
+_POINTS_A_SAMPLE = 4  # that has a time of its own: on coarser grids slow parts come early
 _POINTS_OF_SPREAD = 400
 # If all joints move slightly, those moving by less than this fraction of the most are at rest.
 _FRACTION_AT_REST = 1e-3
@@ -104,7 +105,8 @@ def _passing(
     """The fastest motion along a section that rests nowhere inside, and its bottlenecks."""
     q = section.spline.evaluate(np.linspace(*section.spline.domain, _POINTS_OF_SPREAD))
     rates = _rates_within(limits, q.max(axis=0) - q.min(axis=0))
-    path = _timed_path(section.spline, rates.scale)
+    timed = 0 if request.earliest_times is None else len(section.rows)
+    path = _timed_path(section.spline, rates.scale, points=_POINTS_A_SAMPLE * timed)
     check_positions(path.positions, limits)
     speeds = (
         _end_speed(path, 0, request.start_velocity, "start_velocity"),
@@ -127,9 +129,9 @@ def _passing(
     )
 
 
-def _timed_path(spline: Spline, scale: Float64Array) -> core.TimedPath:
+def _timed_path(spline: Spline, scale: Float64Array, *, points: int) -> core.TimedPath:
     pieces, terms, joints = spline.coefficients.shape
-    points = min(max(_MIN_POINTS, _POINTS_A_PIECE * pieces), _MAX_POINTS)
+    points = min(max(points, _MIN_POINTS, _POINTS_A_PIECE * pieces), _MAX_POINTS)
     table = spline.coefficients.reshape(pieces * terms, joints)
     return core.TimedPath(spline.knots, table, scale, points + 1)
 

@@ -72,6 +72,24 @@ def test_after_a_stretch_that_was_too_fast_the_motion_catches_up_and_comes_never
     assert motion.duration < 6.0 + 0.06
 
 
+@pytest.mark.parametrize("seed", [1, 5, 9, 13])
+def test_nothing_is_reached_early_after_a_slow_beginning(seed):
+    """Some of the recording's slowest parts are shorter than a step of the law's grid."""
+    rng = np.random.default_rng(seed)
+    share = np.linspace(0.0, 1.0, int(rng.integers(800, 1500)))
+    duration = rng.uniform(6.0, 12.0)
+    pace = 0.15 * np.sin(np.pi * share) ** 2
+    for middle, size in zip(rng.uniform(0.15, 0.7, 2), rng.uniform(1.0, 3.0, 2), strict=True):
+        pace += size * np.exp(-(((share - middle) / 0.03) ** 2)) * 6.0 / duration
+    way = np.cumsum(pace)
+    q = MIDDLE + 0.5 * np.sin(3.0 * np.outer(way / way[-1], 1.0 + 0.1 * np.arange(7)))
+    shown = lt.JointTrajectory(duration * share, q)
+    motion = lt.keep_timing(shown, PANDA)
+    rows = slice(len(share) // 30, -len(share) // 30)
+    assert lateness(shown, motion, rows).min() > -2e-3
+    assert check_limits(motion, PANDA).ok
+
+
 def test_a_stop_that_was_not_shown_is_made_up_for():
     shown, limits = hasty(), PANDA
     motion = lt.keep_timing(shown, limits, dwell_times={250: 0.5})
