@@ -13,7 +13,7 @@ from leadthrough_studies.study import run, selected
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
-    config = ChunksConfig(("panda",), ("none", "obstacle"), streams=1, segments=2)
+    config = STUDY.configure(quick=True, seed=0)
     return run(STUDY, config, out=tmp_path_factory.mktemp("chunks"), on="local:1")
 
 
@@ -21,10 +21,10 @@ def test_ours_keeps_limits_and_margins_where_the_others_do_not(outcome):
     assert not outcome.failures
     table = outcome.report.table
     ours = selected(table, fault="all", method="ours")[0]
-    assert (ours["streams"], ours["beyond_limits"], ours["with_contacts"]) == (2, 0, 0)
+    assert (ours["streams"], ours["beyond_limits"], ours["with_contacts"]) == (7, 0, 0)
     for method in PEERS:
         row = selected(table, fault="all", method=method)[0]
-        assert (row["beyond_limits"], row["with_contacts"]) == (2, 1)
+        assert (row["beyond_limits"], row["with_contacts"]) == (7, 1)
 
 
 def test_ours_is_on_time_and_smooth(outcome):

@@ -16,12 +16,10 @@ from leadthrough_studies.singularity.paths import (
     slowest_direction,
     start,
 )
-from leadthrough_studies.singularity.study import STUDY, SingularityConfig
+from leadthrough_studies.singularity.study import STUDY
 from leadthrough_studies.study import run, selected
 
-CONFIG = SingularityConfig(
-    dampings=(0.0, 0.1, 0.5), alphas=(1e-4,), units=(1.0,), blocks=1, draws=10
-)
+CONFIG = STUDY.configure(quick=True, seed=0)
 PANDA = Arm.load("panda")
 NUMBERS = pytest.mark.parametrize("number", APPROACHES)
 
