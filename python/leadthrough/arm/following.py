@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import leadthrough._core as core
-from leadthrough import check, rotations
+from leadthrough import check
 from leadthrough.arm.ik_failure import failure, require_reachable, with_reason
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.arm.model import ArmModel
-from leadthrough.arm.recorded_joints import demonstrated_joints
+from leadthrough.arm.recorded_joints import demonstrated_joints, reach_ends
 from leadthrough.arm.tip_path import CollisionTest, TipPath, Track, tube_around
 from leadthrough.arm.tracking import (
     Start,
@@ -140,24 +140,10 @@ def reachable_start(
     joints = demonstrated_joints(arm._chain, motion)
     ends = (None, None) if joints is None else tuple(joints.positions[[0, -1]])
     near = (ends[0] if start is None else start, ends[1])
-    shown = joints is not None and _reaches_ends(arm, path, joints, options.branch_tolerances)
+    shown = joints is not None and reach_ends(arm._chain, joints, motion, options.branch_tolerances)
     allowed = options.branch_tolerances if shown else options.tolerances
     require_reachable(arm, path, free=options.free, tolerances=allowed, near=near)
     return start
-
-
-def _reaches_ends(
-    arm: ArmModel, path: TipPath, joints: JointTrajectory, allowed: tuple[float, float]
-) -> bool:
-    """Whether the joints that go along with a path are at its ends."""
-    positions, orientations = arm.forward_kinematics(joints.positions[[0, -1]])
-    far = np.linalg.norm(positions - path.positions[[0, -1]], axis=1)
-    turns = (
-        rotations.distance(orientations, path.orientations[[0, -1]])
-        if len(path.orientations)
-        else 0.0
-    )
-    return bool(far.max() <= allowed[0] and np.max(turns) <= allowed[1])
 
 
 def follow(

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 import leadthrough._core as core
-from leadthrough import sanity
+from leadthrough import rotations, sanity
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.motion import (
@@ -82,6 +82,21 @@ def _without_others(trajectory: Motion, names: tuple[str, ...]) -> Motion:
     if not isinstance(trajectory, JointTrajectory) or len(own) != len(names):
         return trajectory
     return columns_of(trajectory, own, tuple(recorded[i] for i in own))
+
+
+def reach_ends(
+    chain: core.Chain,
+    joints: JointTrajectory,
+    motion: Trajectory | PoseTrajectory,
+    allowed: tuple[float, float],
+) -> bool:
+    """Whether joints that go along with a motion are at its ends, within errors in m and rad."""
+    positions, orientations = chain.forward_kinematics(joints.positions[[0, -1]])
+    far = float(np.linalg.norm(positions - motion.positions[[0, -1]], axis=1).max())
+    turned = 0.0
+    if isinstance(motion, PoseTrajectory):
+        turned = float(np.max(rotations.distance(orientations, motion.orientations[[0, -1]])))
+    return far <= allowed[0] and turned <= allowed[1]
 
 
 def demonstrated_joints(chain: core.Chain, motion: Motion) -> JointTrajectory | None:
