@@ -36,6 +36,7 @@ _TREMOR = 0.02
 _USUAL = 90  # percentile of the speeds while something moves
 _FEWEST = 5  # samples of a window
 _ROUNDING = 1e-12  # of the extent; a slower motion is rounding
+_LONG = 0.05  # fraction of the duration; shorter rests are slow parts of the motion
 # s: a short window finds the beginning to a tenth of a second; noise may need a longer one.
 _WINDOWS = (0.2, 0.3, 0.5)
 
@@ -110,6 +111,20 @@ def rests(
     still = moving < HYSTERESIS
     found = [(float(motion.times[a]), float(motion.times[b - 1])) for a, b in runs(still)]
     return [(start, end) for start, end in found if end - start >= pause]
+
+
+def long_rests(motion: Motion) -> list[tuple[float, float]]:
+    """Start and end, s, of each rest that is longer than a twentieth of a motion."""
+    times = motion.times
+    # Over a longer window, a reversal is as slow as a rest.
+    speeds, window = _clearest_speeds(motion, longest=2.0 * _LONG * motion.duration)
+    window = max(window, _FEWEST * float(np.median(np.diff(times))))
+    still = np.zeros(len(times), dtype=np.bool_)
+    for a, b in runs(speeds.in_multiples_of(speeds.thresholds()) < HYSTERESIS):
+        # Slopes rise as soon as half their window is in motion.
+        still |= (times >= times[a] - 0.5 * window) & (times <= times[b - 1] + 0.5 * window)
+    found = [] if still.all() else [(float(times[a]), float(times[b - 1])) for a, b in runs(still)]
+    return [(start, end) for start, end in found if end - start > _LONG * motion.duration]
 
 
 def white_noise(values: Float64Array) -> Float64Array:
@@ -220,11 +235,18 @@ def trim(
 
 def _moving(motion: Motion, speed: float | None, angular_speed: float | None) -> Float64Array:
     """Speeds (n,) in multiples of their thresholds, by the shortest window that noise allows."""
-    for window in _WINDOWS:
+    speeds, _ = _clearest_speeds(motion)
+    return speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
+
+
+def _clearest_speeds(motion: Motion, *, longest: float = math.inf) -> tuple[Speeds, float]:
+    """Speeds by the shortest window that noise allows, and that window, s."""
+    for each in _WINDOWS:
+        window = min(each, longest)
         speeds = speeds_of(motion, window)
         if not speeds.noise_dominates:
             break
-    return speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
+    return speeds, window
 
 
 def rest_at_ends(whole: Motion, trimmed: Motion) -> tuple[float, float]:
