@@ -71,8 +71,10 @@ class Chords:
         ready = (ratio - _RETURNING[0]) / (_RETURNING[1] - _RETURNING[0])
         return np.asarray(np.clip(ready, 0.0, 1.0))
 
-    def adapted(self, ends: Float64Array, shifted: Float64Array) -> Float64Array:
-        """The curves (m, k, n, d) with ends (m, 2, d), part shifted as given and part rotated."""
+    def adapted(
+        self, ends: Float64Array, shifted: Float64Array, part: float = ROTATED
+    ) -> Float64Array:
+        """The curves (m, k, n, d) with ends (m, 2, d), a part rotated and the rest as given."""
         wanted = ends[:, 0] - ends[:, 1]
         length = np.linalg.norm(wanted, axis=1)[:, None]
         b = wanted / np.maximum(length, _TINY)
@@ -86,7 +88,7 @@ class Chords:
         rotated += self._along[..., None] * b[:, None, None]
         rotated *= np.where(sound, scale, 1.0)[..., None, None]
         rotated += ends[:, None, 1:]
-        fraction = ROTATED * np.where(sound, self._directed, 0.0)[..., None, None]
+        fraction = part * np.where(sound, self._directed, 0.0)[..., None, None]
         return np.asarray((1.0 - fraction) * shifted + fraction * rotated)
 
 
