@@ -31,8 +31,8 @@ _SURE = 0.975
 _COMPARED = 100  # even rows, at which a prediction is compared with the left-out curve
 _MOST_LEFT_OUT = 16  # demonstrations, evenly chosen
 # Ends this far from those of every demonstration, in extents, and farther than these are apart, say
-# nothing about the fade: up to half of the nominal path is then rotated and scaled with its chord.
-_FAR, _SIMILAR = 0.3, 0.5
+# nothing about the fade: up to 0.6 of the nominal path is then rotated and scaled with its chord.
+_FAR, _SIMILAR = 0.3, 0.6
 _TINY = 1e-300
 
 
