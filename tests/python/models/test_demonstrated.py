@@ -102,6 +102,7 @@ ALIGNED_LEARNERS = (
     kind("GMR", starts=1),
     kind("DMP"),
     kind("DMP", "poses"),
+    kind("DMP", "joints"),
 )
 
 
