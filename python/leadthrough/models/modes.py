@@ -1,9 +1,9 @@
 """Modes and common phases of demonstrations, which models find before they average any.
 
 Demonstrations of one mode that are misaligned in time pass the same part of the path at the same
-phase: elastic alignment takes their differences in timing out. Clocks stop during rests that not all
-share, and aligned phases advance with the median pace, so that a pause of one demonstration is none of
-the motion, and one of all is.
+phase: clocks stop during rests that not all share, and elastic alignment takes further differences
+in timing out. Aligned phases advance with the median pace, so that a pause of one demonstration is
+none of the motion, and one of all is.
 """
 
 from __future__ import annotations
