@@ -36,6 +36,8 @@ _TREMOR = 0.02
 _USUAL = 90  # percentile of the speeds while something moves
 _FEWEST = 5  # samples of a window
 _ROUNDING = 1e-12  # of the extent; a slower motion is rounding
+_UNCLEAR = 5.0  # times the speed of a hand at rest: noise of recordings stays below 2.5
+_LONG = 0.05  # fraction of the duration; shorter rests are slow parts of the motion
 # s: a short window finds the beginning to a tenth of a second; noise may need a longer one.
 _WINDOWS = (0.2, 0.3, 0.5)
 
@@ -64,8 +66,14 @@ class Speeds:
     @property
     def noise_dominates(self) -> bool:
         """Whether the noise, and not the usual speed, sets a threshold of something that moves."""
+        return self.noise_level > 1.0
+
+    @property
+    def noise_level(self) -> float:
+        """Speeds that noise alone has, over those of a hand at rest in something that moves."""
         both = zip((self.linear, self.angular), self.noise.T, strict=True)
-        return any(np.median(noise) > _tremor(speeds, noise) > 0.0 for speeds, noise in both)
+        levels = [(np.median(noise), _tremor(speeds, noise)) for speeds, noise in both]
+        return max((float(noise / rest) for noise, rest in levels if rest > 0.0), default=0.0)
 
     def in_multiples_of(self, thresholds: Thresholds) -> Float64Array:
         """Speeds (n,) in multiples of their threshold; of poses the larger of the two."""
@@ -110,6 +118,22 @@ def rests(
     still = moving < HYSTERESIS
     found = [(float(motion.times[a]), float(motion.times[b - 1])) for a, b in runs(still)]
     return [(start, end) for start, end in found if end - start >= pause]
+
+
+def long_rests(motion: Motion) -> list[tuple[float, float]]:
+    """Start and end, s, of each rest longer than a twentieth of a motion; none found in noise."""
+    times = motion.times
+    # Over a longer window, a reversal is as slow as a rest.
+    speeds, window = _clearest_speeds(motion, longest=2.0 * _LONG * motion.duration)
+    if speeds.noise_level > _UNCLEAR:
+        return []
+    window = max(window, _FEWEST * float(np.median(np.diff(times))))
+    still = np.zeros(len(times), dtype=np.bool_)
+    for a, b in runs(speeds.in_multiples_of(speeds.thresholds()) < HYSTERESIS):
+        # Slopes rise as soon as half their window is in motion.
+        still |= (times >= times[a] - 0.5 * window) & (times <= times[b - 1] + 0.5 * window)
+    found = [] if still.all() else [(float(times[a]), float(times[b - 1])) for a, b in runs(still)]
+    return [(start, end) for start, end in found if end - start > _LONG * motion.duration]
 
 
 def white_noise(values: Float64Array) -> Float64Array:
@@ -220,11 +244,18 @@ def trim(
 
 def _moving(motion: Motion, speed: float | None, angular_speed: float | None) -> Float64Array:
     """Speeds (n,) in multiples of their thresholds, by the shortest window that noise allows."""
-    for window in _WINDOWS:
+    speeds, _ = _clearest_speeds(motion)
+    return speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
+
+
+def _clearest_speeds(motion: Motion, *, longest: float = math.inf) -> tuple[Speeds, float]:
+    """Speeds by the shortest window that noise allows, and that window, s."""
+    for each in _WINDOWS:
+        window = min(each, longest)
         speeds = speeds_of(motion, window)
         if not speeds.noise_dominates:
             break
-    return speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
+    return speeds, window
 
 
 def rest_at_ends(whole: Motion, trimmed: Motion) -> tuple[float, float]:

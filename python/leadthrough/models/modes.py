@@ -1,8 +1,9 @@
 """Modes and common phases of demonstrations, which models find before they average any.
 
 Demonstrations of one mode that are misaligned in time pass the same part of the path at the same
-phase: elastic alignment takes their differences in timing out. Phases advance with the median pace,
-so that a pause of one demonstration is none of the motion, and one of all is.
+phase: clocks stop during rests that not all share, and elastic alignment takes further differences
+in timing out. Aligned phases advance with the median pace, so that a pause of one demonstration is
+none of the motion, and one of all is.
 """
 
 from __future__ import annotations
@@ -18,11 +19,15 @@ from leadthrough.check import FitError, Float64Array
 from leadthrough.models.archive import FittedSkill
 from leadthrough.models.coordinates import NODES, groups_of, mean_orientations
 from leadthrough.models.curves import Curves, by_arc, elastic, even_phases, features_of, modes_of
-from leadthrough.motion import Motion, MotionT, PoseTrajectory, normalised_times
+from leadthrough.motion import Motion, MotionT, PoseTrajectory, Trajectory, normalised_times
 from leadthrough.preprocess.align import lateness
+from leadthrough.rest import long_rests
 
 # Fraction of the phase that advances with the demonstration's own time, so that it never stops.
 _ADVANCING = 1e-3
+
+# Rests this close, as a fraction of the time in motion, are at the same place.
+_NEAR = 0.05
 
 _MIN_COUNT = 3  # motions, of which two can agree
 _AGREEING = 2  # motions that are rotated alike are a mode; a lone one is refused
@@ -88,6 +93,7 @@ def _curves_of(motions: tuple[Motion, ...]) -> Curves:
 
 @lru_cache(maxsize=4)
 def _phases_of(motions: tuple[Motion, ...]) -> tuple[Float64Array, ...]:
+    motions = _without_lone_rests(motions)
     own = [normalised_times(each.times) for each in motions]
     if not lateness(motions).any():
         return tuple(own)
@@ -99,6 +105,45 @@ def _phases_of(motions: tuple[Motion, ...]) -> tuple[Float64Array, ...]:
         _advancing(np.interp(np.interp(u, each, even), even, clock), u)
         for u, each in zip(own, aligned, strict=True)
     )
+
+
+def _without_lone_rests(motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
+    """The motions on clocks that stop during the rests which not all motions share."""
+    found = [long_rests(each) for each in motions] if len(motions) > 1 else []
+    if not any(found):
+        return motions
+    clocks = [_stopping(each, rests) for each, rests in zip(motions, found, strict=True)]
+    places = [
+        np.interp([start for start, _ in rests], each.times, clock)
+        for each, rests, clock in zip(motions, found, clocks, strict=True)
+    ]
+    return tuple(
+        _clocked(each, [r for r, at in zip(rests, own, strict=True) if not _shared(at, places)])
+        for each, rests, own in zip(motions, found, places, strict=True)
+    )
+
+
+def _shared(place: float, places: Sequence[Float64Array]) -> bool:
+    """Whether every motion rests near to a place."""
+    return all(bool((np.abs(own - place) <= _NEAR).any()) for own in places)
+
+
+def _stopping(motion: Motion, rests: Sequence[tuple[float, float]]) -> Float64Array:
+    """Times (n,) from 0 to 1 on a clock that stops during rests."""
+    clock = motion.times - motion.times[0]
+    for start, end in rests:
+        clock = clock - np.clip(motion.times - start, 0.0, end - start)
+    return np.asarray(clock / clock[-1])
+
+
+def _clocked(motion: Motion, rests: Sequence[tuple[float, float]]) -> Motion:
+    """The shape of a motion on a clock that almost stops during rests."""
+    if not rests:
+        return motion
+    clock = _advancing(_stopping(motion, rests), normalised_times(motion.times))
+    if isinstance(motion, PoseTrajectory):
+        return PoseTrajectory(clock, motion.positions, motion.orientations)
+    return Trajectory(clock, motion.positions)
 
 
 def _advancing(phases: Float64Array, own: Float64Array) -> Float64Array:

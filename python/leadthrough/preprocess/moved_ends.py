@@ -16,9 +16,10 @@ ROTATED = 1.0 / 3.0
 # Between these ratios of a curve's chord to its length, rotation fades in: a motion that returns
 # to its start has no direction to rotate from.
 _RETURNING = (0.05, 0.1)
-# Rotation by more than 154 degrees or scaling by more than 5 says little about the new motion.
-_MIN_COSINE = -0.9
-_SCALES = (0.2, 5.0)
+# Rotation by more than 154 degrees or scaling by more than 5 says little about the new motion, and
+# nothing rotates; inside, it fades in over so much of the cosine and of the scale's logarithm.
+_MIN_COSINE, _MAX_SCALE = -0.9, 5.0
+_FADING_IN = 0.3
 _TINY = 1e-300
 
 
@@ -71,22 +72,25 @@ class Chords:
         ready = (ratio - _RETURNING[0]) / (_RETURNING[1] - _RETURNING[0])
         return np.asarray(np.clip(ready, 0.0, 1.0))
 
-    def adapted(self, ends: Float64Array, shifted: Float64Array) -> Float64Array:
-        """The curves (m, k, n, d) with ends (m, 2, d), part shifted as given and part rotated."""
+    def adapted(
+        self, ends: Float64Array, shifted: Float64Array, part: float = ROTATED
+    ) -> Float64Array:
+        """The curves (m, k, n, d) with ends (m, 2, d), a part rotated and the rest as given."""
         wanted = ends[:, 0] - ends[:, 1]
         length = np.linalg.norm(wanted, axis=1)[:, None]
         b = wanted / np.maximum(length, _TINY)
         cosine = b @ self._directions.T
         scale = length / np.maximum(self._lengths, _TINY)
-        sound = (cosine > _MIN_COSINE) & (scale > _SCALES[0]) & (scale < _SCALES[1])
+        inside = np.log(_MAX_SCALE) - np.abs(np.log(np.maximum(scale, _TINY)))
+        sound = np.clip(np.minimum(cosine - _MIN_COSINE, inside) / _FADING_IN, 0.0, 1.0)
         between = self._directions + b[:, None]
         across = np.einsum("knd,mkd->mkn", self._points, between)
-        across /= np.where(sound, 1.0 + cosine, 1.0)[..., None]
+        across /= np.where(sound > 0.0, 1.0 + cosine, 1.0)[..., None]
         rotated = self._points - across[..., None] * between[:, :, None]
         rotated += self._along[..., None] * b[:, None, None]
-        rotated *= np.where(sound, scale, 1.0)[..., None, None]
+        rotated *= np.where(sound > 0.0, scale, 1.0)[..., None, None]
         rotated += ends[:, None, 1:]
-        fraction = ROTATED * np.where(sound, self._directed, 0.0)[..., None, None]
+        fraction = part * (sound * self._directed)[..., None, None]
         return np.asarray((1.0 - fraction) * shifted + fraction * rotated)
 
 

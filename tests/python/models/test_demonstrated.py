@@ -102,6 +102,7 @@ ALIGNED_LEARNERS = (
     kind("GMR", starts=1),
     kind("DMP"),
     kind("DMP", "poses"),
+    kind("DMP", "joints"),
 )
 
 
@@ -111,6 +112,28 @@ def test_pauses_of_single_demonstrations_change_no_shape(learner):
     made = model.fit([demonstration(at, learner.motion) for at in (0.2, 0.5, 0.8)]).generate()
     apart = frechet_distance(by_arc_length(made.positions, 200), by_arc_length(wanted, 200))
     assert apart < 0.03
+
+
+@pytest.mark.parametrize("learner", (kind("ProMP"), kind("DMP"), kind("GMR", starts=1)), ids=str)
+def test_short_pauses_change_no_letter(learner):
+    shown = [each.motion for each in lt.io.lasa.load("Sharpc")[1:]]
+    stopped = []
+    for motion, at in zip(shown, (350, 850, 550, 250, 750, 450), strict=True):
+        rows = np.insert(motion.positions, [at] * 150, motion.positions[at], axis=0)
+        stopped.append(lt.Trajectory(np.linspace(0.0, 1.15 * motion.duration, len(rows)), rows))
+    wanted, made = (
+        by_arc_length(learner.build().fit(each).generate().positions, 200)
+        for each in (shown, stopped)
+    )
+    assert frechet_distance(made, wanted) < 0.3  # mm, of 40
+
+
+@pytest.mark.parametrize("learner", ALIGNED_LEARNERS, ids=str)
+def test_a_rest_of_all_demonstrations_stays(learner):
+    shown = [demonstration(at, learner.motion) for at in (0.48, 0.5, 0.52)]
+    made = learner.build().fit(shown).generate()
+    speed = np.linalg.norm(np.gradient(made.positions, made.times, axis=0), axis=1)
+    assert np.mean(speed < 0.2 * speed.max()) > 0.2
 
 
 def test_every_mode_stays_in_learned_certified_copied_and_loaded_skills(tmp_path):

@@ -30,6 +30,9 @@ _AVERAGED = 10
 _SURE = 0.975
 _COMPARED = 100  # even rows, at which a prediction is compared with the left-out curve
 _MOST_LEFT_OUT = 16  # demonstrations, evenly chosen
+# Ends this far from those of every demonstration, in extents, and farther than these are apart, say
+# nothing about the fade: up to 0.6 of the nominal path is then rotated and scaled with its chord.
+_FAR, _SIMILAR = 0.3, 0.6
 _TINY = 1e-300
 
 
@@ -171,6 +174,29 @@ class Predictor:
         (weights,) = _weights(aligned.rows[:, [0, -1]], ends[None], [_TIMING.width], None)
         clock = np.interp(phases, even, weights[0] @ aligned.times)
         return rows, phases, np.maximum.accumulate(clock)
+
+    def similar(self, rows: Float64Array, nominal: Float64Array) -> Float64Array:
+        """Rows (n, width) with more of the nominal shape the farther their ends are from all."""
+        ends = rows[[0, -1], : self.size]
+        beyond = float(self._distances(ends[None]).min()) - max(_FAR, self._apart)
+        part = _SIMILAR * float(np.clip(beyond / (1.0 - _FAR), 0.0, 1.0))
+        if part == 0.0 or not self.rotating:
+            return rows
+        chords = Chords(nominal[None, :, : self.size])
+        position = chords.adapted(ends[None], rows[None, None, :, : self.size], part)[0, 0]
+        return np.hstack([position, rows[:, self.size :]])
+
+    def _distances(self, ends: Float64Array) -> Float64Array:
+        """Distances (m, k) of ends (m, 2, d) from those of each demonstration."""
+        demonstrated = self.phased[0].rows[:, [0, -1], : self.size]
+        return np.asarray(np.linalg.norm(demonstrated - ends[:, None], axis=3).max(axis=2))
+
+    @cached_property
+    def _apart(self) -> float:
+        """Distance of the ends of a demonstration from the nearest other ones, at most."""
+        distances = self._distances(self.phased[0].rows[:, [0, -1], : self.size])
+        np.fill_diagonal(distances, np.inf)
+        return float(distances.min(axis=1).max()) if len(distances) > 1 else 0.0
 
     def near(self, rows: Float64Array, nominal: Float64Array) -> Float64Array:
         """Rows (n, width), drawn to nominal ones until none moves much farther than the ends."""

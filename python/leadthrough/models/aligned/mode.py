@@ -84,8 +84,8 @@ class Mode(check.Frozen, Generic[MotionT_co]):
     def _predicted(self, query: CheckedQuery) -> tuple[Float64Array, Float64Array, Float64Array]:
         """As by `Predictor.predicted`, no part of the path moved much farther than the ends."""
         rows, phases, clock = self.predictor.predicted(self.options, self.asked(query))
-        rows = self.predictor.near(smoothed(rows, self.pieces), self._nominal)
-        return rows, phases, clock
+        rows = self.predictor.similar(smoothed(rows, self.pieces), self._nominal)
+        return self.predictor.near(rows, self._nominal), phases, clock
 
     def is_free(self, query: CheckedQuery) -> bool:
         """Whether its path keeps out of the query's obstacles as it is."""

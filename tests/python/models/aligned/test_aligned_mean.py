@@ -4,6 +4,7 @@ import motions
 import numpy as np
 import pytest
 from refusals import refused
+from scipy.spatial import procrustes
 
 import leadthrough as lt
 from leadthrough.errors import FitError, NoPath
@@ -49,6 +50,19 @@ def test_a_start_that_was_amplified_moves_the_path_by_no_more_than_its_offset():
     skill = lt.AlignedMean().fit(shown)
     plain, made = skill.generate(), skill.generate(start=(0.0, 0.2))
     assert apart(plain, made) <= 1.5 * 0.2
+
+
+def test_far_goals_keep_half_of_the_shape_that_a_linear_fade_loses():
+    skill = lt.AlignedMean().fit([stroke((0.0, y)) for y in (-0.02, 0.0, 0.03)])
+    nominal = by_arc_length(skill.generate().positions, 200)
+
+    def lost(path):
+        return procrustes(nominal, by_arc_length(path, 200))[2]
+
+    for x, y in ((1.0, 1.0), (0.3, -0.8), (1.9, -0.5)):
+        goal = np.array([x, y])
+        fade = nominal + np.linspace(0.0, 1.0, 200)[:, None] * (goal - nominal[-1])
+        assert lost(skill.generate(goal=goal).positions) < 0.5 * lost(fade)
 
 
 def test_the_tremor_of_the_hand_is_not_replayed():
