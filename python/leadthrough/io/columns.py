@@ -268,12 +268,24 @@ def _times(table: Table, time: Columns | None, asked: float | None, count: int) 
         return np.arange(count) / rate
     if asked is not None:
         raise InvalidInput(f"rate: the file has a time column, {time[0]!r}; leave rate out")
-    times = table.numbers(time[0]) * (headers.unit(time[0], "time")[1] or 1.0)
+    stamps = table.numbers(time[0])
+    times = stamps * (headers.unit(time[0], "time")[1] or _unit_since_1970(stamps))
     if times.shape != (count,):
         raise InvalidInput(
             f"{time[0]}: expected one time for each of {count} samples, got shape {times.shape}"
         )
     return times
+
+
+def _unit_since_1970(stamps: Float64Array) -> float:
+    """The unit, s, of times of which none is stated: others than s only if these count from 1970.
+
+    From 2001 to 2286 they have ten digits in s, and three more in each smaller unit.
+    """
+    for unit in (1e-3, 1e-6, 1e-9):
+        if len(stamps) and 1e9 <= unit * stamps.flat[0] < 1e10:
+            return unit
+    return 1.0
 
 
 def _joint_names(columns: Columns, positions: Float64Array, request: Request) -> tuple[str, ...]:

@@ -1,4 +1,6 @@
-"""Text tables: one sample per row, cells split at commas, semicolons or tabs, named by a header.
+"""Text tables: one sample per row, cells split at commas, semicolons, tabs or spaces, and a header.
+
+A comma in a number is the decimal one if cells are split at anything else.
 
 The header is the first row that is no comment; where that row is numbers, it is the last comment
 before it. Comments begin with `#` and are skipped, except `# event,<time in s>,"<name>"`; so are
@@ -9,6 +11,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from array import array
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -30,6 +33,8 @@ from leadthrough.motion import Event, Events, JointTrajectory, Motion, PoseTraje
 
 EVENT = "# event,"  # begins the comment of an event
 _DELIMITERS = ",;\t"
+_SPACES = " "  # any number of them, where a header has none of the delimiters
+_BETWEEN = re.compile(r"\s+(?![\[(])")  # cells: a unit in brackets belongs to the name before
 _BLOCK = 2**20  # bytes
 # The text of a line and its number, counted from 1.
 Line = tuple[int, str]
@@ -106,6 +111,7 @@ def _table(file: TextIO, count: int, limits: ReadLimits) -> TextTable:
     events: list[Event] = []
     (start, header), first = _header(_lines(file, 0), events)
     delimiter = max(_DELIMITERS, key=header.count)
+    delimiter = delimiter if delimiter in header else _SPACES
     limits.columns(header.count(delimiter) + 1, f"line {start}")
     names = _split(header, delimiter, start)
     name, times = Counter(names).most_common(1)[0]
@@ -140,9 +146,12 @@ class _Rows:
         self._faults: dict[int, Line] = {}
 
     def add(self, number: int, line: str) -> None:
-        cells: Sequence[str] = line.split(self._delimiter)
-        if '"' in line:
-            cells = _split(line, self._delimiter, number)
+        if self._delimiter != ",":
+            line = line.replace(",", ".")
+        if self._delimiter == _SPACES or '"' in line:
+            cells: Sequence[str] = _split(line, self._delimiter, number)
+        else:
+            cells = line.split(self._delimiter)
         if len(cells) != len(self._names):
             raise InvalidInput(
                 f"line {number}: expected {len(self._names)} cells, as in the header, "
@@ -221,7 +230,7 @@ def _header(lines: Iterator[Line], events: list[Event]) -> tuple[Line, Line | No
 
 
 def _starts_with_number(line: str) -> bool:
-    first = line
+    first = line.split(maxsplit=1)[0]
     for delimiter in _DELIMITERS:
         first = first.split(delimiter, 1)[0]
     try:
@@ -232,6 +241,8 @@ def _starts_with_number(line: str) -> bool:
 
 
 def _split(line: str, delimiter: str, number: int) -> tuple[str, ...]:
+    if delimiter == _SPACES:
+        return tuple(_BETWEEN.split(line.strip()))
     try:
         (cells,) = csv.reader([line.rstrip("\n")], delimiter=delimiter, strict=True)
     except csv.Error as error:

@@ -17,7 +17,7 @@
   `quaternion_xyzw`); `joints`, `joint_positions`, with `velocities` and `accelerations`.
 
 A name may end in its unit (`time_ns`, `joint_1_deg`, `x [mm]`, `t (ms)`); without one the unit is
-that of SI.
+that of SI, but for times since 1970, whose number of digits tells s, ms, us and ns apart.
 """
 
 from __future__ import annotations

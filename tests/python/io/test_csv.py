@@ -226,3 +226,29 @@ def test_errors_about_columns_end_with_the_words_that_choose_them(tmp_path, head
     with pytest.raises(InvalidInput) as caught:
         lt.read_motion(path, columns=columns)
     assert str(caught.value).endswith(words)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t;x;y\n0;1,5;2\n0,5;-3e-1;4\n",
+        "t\tx\ty\n0\t1,5\t2\n0,5\t-0,3\t4\n",
+        "t x y\n0 1.5 2\n0.5 -0.3 4\n",
+        "# t  x  y\n 0.00  1.5 2\n 0.50 -0.3 4\n",
+        "t [ms]  x (m) y\n0 1.5 2\n500 -0,3 4\n",
+    ],
+)
+def test_spaces_split_cells_and_commas_that_split_none_are_decimal(write, text):
+    motion = lt.read_motion(write(text))
+    np.testing.assert_allclose(motion.times, [0.0, 0.5])
+    np.testing.assert_allclose(motion.positions, [[1.5, 2.0], [-0.3, 4.0]])
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("begin", [1_000_000_001, 1_795_000_000, 9_999_999_000])
+def test_times_since_1970_are_read_in_the_unit_of_their_digits(write, unit, begin):
+    stamps = [round(begin / unit) + round(k / unit) for k in range(3)]
+    rows = "\n".join(f"{stamp},{k},0" for k, stamp in enumerate(stamps))
+    motion = lt.read_motion(write(f"timestamp,x,y\n{rows}\n"))
+    np.testing.assert_allclose(np.diff(motion.times), 1.0, rtol=1e-5)
+    assert motion.times[0] == pytest.approx(begin)
