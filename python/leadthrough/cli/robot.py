@@ -43,7 +43,10 @@ _ENDS = (
     ),
 )
 # Names of columns that number the joints.
-_NUMBERED = re.compile(r"((?:q|j|joint|axis|a|theta|position)(?:_d)?[_\[]?)(\d+)\]?", re.IGNORECASE)
+_NUMBERED = re.compile(
+    r"((?:actual_)?(?:q|j|joint|axis|a|theta|(?:joint_)?positions?)(?:_d)?[_\[]?)(\d+)\]?",
+    re.IGNORECASE,
+)
 
 
 def load(name: str, details: ArmDetails) -> lt.Arm:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -34,6 +35,7 @@ def view(
     goal: str | None = None,
     obstacle: options.Obstacles = None,
     layout: options.ReadOptions,
+    clean: bool = False,
     html: options.PagePath = None,
     port: int = 0,
 ) -> None:
@@ -48,6 +50,7 @@ def view(
         demonstrations: Recording to draw, or a folder of them; may be repeated.
         skill: Skill file; in the live page its goal and obstacles can be dragged.
         goal: Goal of the skill: X,Y,Z in m, or a pose X,Y,Z/W,X,Y,Z.
+        clean: Leave faults of the recordings out, as `leadthrough clean` does.
         html: Write the page to this HTML file instead of opening a browser.
         port: Port of the live page; 0 picks a free one.
     """
@@ -64,9 +67,13 @@ def view(
         robots.refuse("--demonstrations", **vars(layout))
     else:
         files, known = reading.listed(demonstrations), robots.ranges(arm)
-        recordings = lt.read_demonstrations(
-            files, **layout.arguments(), joints=known, rest=math.inf
+        how = {**layout.arguments(), "joints": known}
+        found = (
+            reading.cleaned(files, **how)
+            if clean
+            else lt.read_demonstrations(files, **how, rest=math.inf)
         )
+        recordings = [_of_the_arm(arm, each) for each in found]
     with output.naming(path="--html"):
         lt.show.view(
             arm,
@@ -80,6 +87,15 @@ def view(
         )
     if html is not None:
         print(f"wrote {html}: open it in a browser")
+
+
+def _of_the_arm(arm: lt.Arm, shown: lt.Demonstration) -> lt.Demonstration:
+    """A recording with the names of the arm's joints, if it is of joints."""
+    from leadthrough.cli import robot as robots
+
+    if not isinstance(shown.motion, lt.JointTrajectory):
+        return shown
+    return replace(shown, motion=robots.own_joints(arm, shown.motion, shown.name))
 
 
 def teach(

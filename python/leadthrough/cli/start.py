@@ -64,7 +64,7 @@ def start(
         _run(ctx, *timing)
     verdict = _run(ctx, "check", _TIMED, allowed=1)
     shown = [word for file in files for word in ("--demonstrations", file)]
-    _run(ctx, "view", _TIMED, *shown, *how, "--html", _PAGE)
+    _run(ctx, "view", _TIMED, *shown, *how, *clean, "--html", _PAGE)
     output.hint(ctx, "plan", _SKILL, "--move-goal=0.02,0,0.02", "-o", "moved.json")
     raise typer.Exit(verdict)
 

@@ -48,9 +48,17 @@ _PREFIXES = {"velocities": "d", "accelerations": "dd"}
 _ORDERED = re.compile(r"(?P<name>.*?)[_.\-/ ]?(?P<order>wxyz|xyzw)", re.IGNORECASE)
 _COMPONENT = re.compile(r"(?P<part>.*?)[_.\-/ ]?(?P<axis>[wxyz])")
 _NUMBERED_JOINT = re.compile(
-    r"(?P<arm>(.*[_.\-/ ])?((joint|j|q_d|q)[_.\-/ ]?|joint[_.\-/ ][a-z]))"
+    r"(?P<arm>(.*[_.\-/ ])?((joint|j|q_d|q|joint_positions)[_.\-/ ]?|joint[_.\-/ ][a-z]))"
     r"(?P<open>\[)?(?P<number>[0-9]{1,4})(?(open)\])"
 )
+# Words of columns that are not of measured positions, and those that say that they are.
+_OTHER = re.compile(
+    r"(^|[_.\-/ ])(velocit(y|ies)|vel|qd|effort|torque|tau|current|acceleration|target)([_.\-/ ]|$)"
+)
+_MEASURED = re.compile(
+    r"^/?((joint_states|actual|measured|positions?|pos)[_.\-/ ])+|([_.\-/ ](positions?|pos))$"
+)
+_NAMED_JOINT = re.compile(r"(?!robot\d+_joint$).+_joint")  # robot0_joint_pos has all
 _WITH_UNIT = re.compile(
     r"(?P<plain>.+?)(?:[_ ]?\[(?P<a>[a-z]+)\]|[_ ]?\((?P<b>[a-z]+)\)|[_ ](?P<c>[a-z]+))",
     re.IGNORECASE,
@@ -73,8 +81,9 @@ def unit(name: str, role: str) -> tuple[str, float | None]:
 
 
 def joint(name: str) -> str:
-    """The joint's own name in that of its column, without a unit or LeRobot's ".pos"."""
-    return unit(name, "joints")[0].removesuffix(".pos")
+    """The joint's own name in that of its column, without a unit or words such as "position"."""
+    plain = unit(name, "joints")[0]
+    return _MEASURED.sub("", plain) or plain
 
 
 def is_whole(name: str) -> bool:
@@ -106,8 +115,11 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
             found["positions"].append(tuple(axes[axis] for axis in "xyz" if axis in axes))
         elif last_word in _ORIENTATION and len(axes) == 4:
             found["orientations"].append(tuple(axes[axis] for axis in "wxyz"))
-    named = tuple(name for name in names if unit(name, "joints")[0].lower().endswith("_joint"))
-    found["joints"] += [*_numbered_joints(names), *([named] if named else [])]
+    named = tuple(name for name in names if _NAMED_JOINT.fullmatch(joint(name).lower()))
+    measured = tuple(name for name in named if not _OTHER.search(name.lower())) or named
+    numbered = list(_numbered_joints(names))
+    groups = [group for group in numbered if not _OTHER.search(group[0].lower())] or numbered
+    found["joints"] += [*groups, *([measured] if measured else [])]
     if not found["joints"] and not found["positions"]:
         suffix = JOINT_SUFFIXES["velocities"]
         moving = tuple(name for name in names if name + suffix in names)
@@ -146,7 +158,8 @@ def _components(names: Sequence[str]) -> dict[str, dict[str, str]]:
 def _numbered_joints(names: Sequence[str]) -> Iterator[Columns]:
     arms: dict[str, dict[int, str]] = {}
     for name in names:
-        if match := _NUMBERED_JOINT.fullmatch(unit(name, "joints")[0].lower()):
+        plain = unit(name, "joints")[0].lower()
+        if match := _NUMBERED_JOINT.fullmatch(plain) or _NUMBERED_JOINT.fullmatch(joint(plain)):
             arms.setdefault(match["arm"], {})[int(match["number"])] = name
     for joints in arms.values():
         numbers = sorted(joints)

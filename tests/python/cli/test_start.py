@@ -84,6 +84,18 @@ def test_other_names_of_columns_are_proposed_in_their_order(folder):
     assert found == ReadOptions(column=["time=clock", f"joints={header}"])
 
 
+def test_numbered_joints_and_faults_are_no_obstacle(folder):
+    q = rows()
+    q[20, 2] = np.nan
+    names = " ".join(f"actual_q_{k}" for k in range(6))
+    np.savetxt("ur.csv", np.column_stack([TIMES, q]), header=f"timestamp {names}", comments="")
+    told = run("start", "arm.urdf", "ur.csv", "--yes").stdout
+    assert "--clean" in told
+    motion = lt.read_motion("timed.json")
+    assert np.abs(motion.positions[[0, -1]] - rows()[[0, -1]]).max() < 5e-3
+    assert Path("motion.html").stat().st_size > 10_000
+
+
 def test_columns_are_not_chosen_for_the_user_where_others_would_be_left_out(folder):
     extra = np.column_stack([TIMES, rows(), rows()[:, :2]])
     write_table("day.csv", "time,a,b,c,d,e,f,g,h", extra)

@@ -58,6 +58,36 @@ def test_joints_are_found_by_their_names_and_keep_them(write, names):
     assert np.array_equal(motion.positions, [[1, 2], [3, 4]])
 
 
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        "{q} velocity_{q} effort_{q}",
+        "position_{q} velocity_{q}",
+        "position.{q} velocity.{q} torque.{q}",
+        "{q}_position {q}_velocity {q}_effort",
+        "{q}_pos {q}_vel",
+        "/joint_states/{q}/position /joint_states/{q}/velocity",
+        "/joint_states/position/{q} /joint_states/effort/{q}",
+    ],
+)
+@pytest.mark.parametrize("names", ["panda_joint1 panda_joint2", "pan_joint lift_joint"])
+def test_positions_are_told_from_what_else_was_logged_of_the_joints(write, pattern, names):
+    header = [part.format(q=q) for part in pattern.split() for q in names.split()]
+    numbers = ",".join(map(str, range(1, len(header) + 1)))
+    path = write(f"t,{','.join(header)}\n0,{numbers}\n1,{numbers}\n")
+    ranges = dict.fromkeys(names.split(), (-np.pi, np.pi))
+    (recording,) = lt.io.read_recordings([path], joints=ranges)
+    motion = recording.motion()
+    assert motion.joint_names == tuple(names.split())
+    assert np.array_equal(motion.positions, [[1, 2], [1, 2]])
+
+
+def test_the_table_that_a_ur_records_is_read(write):
+    header = "timestamp target_q_0 target_q_1 actual_q_0 actual_q_1 actual_qd_0 actual_qd_1"
+    motion = lt.read_motion(write(f"{header}\n9.5 1 2 3 4 5 6\n9.6 1 2 3.1 4.1 5 6\n"))
+    assert np.array_equal(motion.positions, [[3, 4], [3.1, 4.1]])
+
+
 def test_joints_are_ordered_by_their_numbers(write):
     names = [f"joint_{i}" for i in (10, 1, 2, 3, 4, 5, 6, 7, 8, 9)]
     motion = lt.read_motion(write(f"t,{','.join(names)}\n0,10,1,2,3,4,5,6,7,8,9\n"))
