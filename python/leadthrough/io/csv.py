@@ -222,7 +222,10 @@ def _header(lines: Iterator[Line], events: list[Event]) -> tuple[Line, Line | No
             return (number, line), None
         elif line.strip():
             if comment is None:
-                raise InvalidInput(f"line {number}: expected a header of column names, got numbers")
+                raise InvalidInput(
+                    f"line {number}: expected a header of column names, got numbers; put one "
+                    "above, such as time,joint_1,joint_2"
+                )
             return comment, (number, line)
     if comment is None:
         raise InvalidInput("expected a table with a header, got a file without rows")
