@@ -177,11 +177,22 @@ def rules_for(
 ) -> Rules:
     """The rules of an arm in a scene."""
     check_arms(arm)
-    if torques is not None and arm.limits.effort is None:
-        raise InvalidInput("limits: expected effort limits beside inverse_dynamics, got none")
+    if torques is not None:
+        _require_efforts(arm.limits)
     limits = step_limits(arm.limits, period)
     guarded = guarded_scene(arm, scene, period)
     return Rules(arm.limits, period, limits, guarded, checked_dynamics(torques))
+
+
+def _require_efforts(limits: JointLimits) -> None:
+    if limits.effort is None:
+        raise InvalidInput("limits: expected effort limits beside inverse_dynamics, got none")
+    names = [name for name, most in zip(limits.joint_names, limits.effort, strict=True) if not most]
+    if names:
+        raise InvalidInput(
+            "limits: expected effort limits > 0 beside inverse_dynamics, got 0 of "
+            f"{', '.join(names)}; a file of limits states them"
+        )
 
 
 def row_of(state: CommandedState | ArrayLike, joints: int) -> Float64Array:

@@ -280,7 +280,7 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         return UnsupportedQuery(
             "export: expected a DMP of the form 'blended' (of poses, with the orientation "
             "'anchored'), a ProMP of points or joints with a basis other than 'bspline', or Fast "
-            f"Marching, got {getattr(self, 'model', self)!r}"
+            f"Marching, got a {type(self).__name__} of {getattr(self, 'model', self)!r}"
         )
 
     @cached_property
@@ -469,6 +469,8 @@ def _read(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, NDArray[
             raise InvalidInput(f"path: no such file: {path}")
     try:
         arrays = npz.arrays(Path(path))
+        if "exported" in arrays:
+            raise InvalidInput("it is an export, for C++; load what `save` wrote")
         head = json.loads(str(arrays.pop("head")))
         if head["format"] != FORMAT:
             raise InvalidInput(f"format: expected {FORMAT!r}, got {head['format']!r}")

@@ -457,4 +457,13 @@ def test_torques_are_only_bounded_where_limits_are_known(panda):
         rate=RATE,
         inverse_dynamics=panda.inverse_dynamics,
     )
+    effort = panda.limits.effort.copy()
+    effort[2] = 0.0
+    refused(
+        "limits: expected effort limits > 0 beside inverse_dynamics, got 0 of panda_joint3",
+        lt.Guard,
+        replace(panda, limits=replace(panda.limits, effort=effort)),
+        rate=RATE,
+        inverse_dynamics=panda.inverse_dynamics,
+    )
     refused("inverse_dynamics: expected a function", lt.Guard, panda, rate=RATE, inverse_dynamics=1)

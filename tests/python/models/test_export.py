@@ -35,8 +35,14 @@ def test_what_cpp_does_not_run_is_refused_with_what_it_does(model, motion, tmp_p
 
 def test_an_exported_file_is_no_saved_skill(tmp_path):
     lt.DMP(weights=8).fit([POINTS]).export(tmp_path / "skill.npz")
-    with pytest.raises(InvalidInput, match="expected a saved skill"):
+    with pytest.raises(InvalidInput, match=r"expected a saved skill.*it is an export, for C\+\+"):
         lt.load_skill(tmp_path / "skill.npz")
+
+
+def test_corrections_are_not_lost_without_a_word(tmp_path):
+    corrected = lt.DMP(weights=8).fit([POINTS]).corrected(0.5, [0.1, 0.1])
+    with pytest.raises(UnsupportedQuery, match="got a CorrectedSkill of DMP"):
+        corrected.export(tmp_path / "skill.npz")
 
 
 def test_fast_marching_exports_its_policy(tmp_path):
