@@ -26,8 +26,9 @@ from leadthrough.rest import long_rests
 # Fraction of the phase that advances with the demonstration's own time, so that it never stops.
 _ADVANCING = 1e-3
 
-# Rests this close, as a fraction of the time in motion, are at the same place.
-_NEAR = 0.05
+# Rests this close, in phases of the common path, are at the same place.
+_NEAR = 0.08
+_AT_END = 0.02  # of the phases: a rest of the recording, which `trim` takes off
 
 _MIN_COUNT = 3  # motions, of which two can agree
 _AGREEING = 2  # motions that are rotated alike are a mode; a lone one is refused
@@ -108,24 +109,29 @@ def _phases_of(motions: tuple[Motion, ...]) -> tuple[Float64Array, ...]:
 
 
 def _without_lone_rests(motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
-    """The motions on clocks that stop during the rests which not all motions share."""
+    """The motions on clocks that stop during rests on the way which not all motions share."""
     found = [long_rests(each) for each in motions] if len(motions) > 1 else []
     if not any(found):
         return motions
-    clocks = [_stopping(each, rests) for each, rests in zip(motions, found, strict=True)]
+    aligned = elastic(_curves_of(motions)).times
+    even = even_phases(aligned.shape[1])
     places = [
-        np.interp([start for start, _ in rests], each.times, clock)
-        for each, rests, clock in zip(motions, found, clocks, strict=True)
+        np.interp((np.reshape(rests, (-1, 2)) - each.times[0]) / each.duration, own, even)
+        for each, rests, own in zip(motions, found, aligned, strict=True)
     ]
     return tuple(
-        _clocked(each, [r for r, at in zip(rests, own, strict=True) if not _shared(at, places)])
+        _clocked(each, [rest for rest, at in zip(rests, own, strict=True) if _lone(at, places)])
         for each, rests, own in zip(motions, found, places, strict=True)
     )
 
 
-def _shared(place: float, places: Sequence[Float64Array]) -> bool:
-    """Whether every motion rests near to a place."""
-    return all(bool((np.abs(own - place) <= _NEAR).any()) for own in places)
+def _lone(place: Float64Array, places: Sequence[Float64Array]) -> bool:
+    """Whether a rest on the way, phases from start to end (2,), is not near to one of all."""
+    start, end = place
+    if end < _AT_END or start > 1.0 - _AT_END:
+        return False
+    near = [(own[:, 0] < end + _NEAR) & (own[:, 1] > start - _NEAR) for own in places]
+    return not all(each.any() for each in near)
 
 
 def _stopping(motion: Motion, rests: Sequence[tuple[float, float]]) -> Float64Array:
