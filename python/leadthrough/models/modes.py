@@ -28,7 +28,7 @@ _ADVANCING = 1e-3
 
 # Rests this close, in phases of the common path, are at the same place.
 _NEAR = 0.08
-_AT_END = 0.02  # of the phases: a rest of the recording, which `trim` takes off
+_AT_END = 0.002  # of the phases: a rest of the recording, which `trim` takes off
 
 _MIN_COUNT = 3  # motions, of which two can agree
 _AGREEING = 2  # motions that are rotated alike are a mode; a lone one is refused
@@ -128,7 +128,7 @@ def _without_lone_rests(motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
 def _lone(place: Float64Array, places: Sequence[Float64Array]) -> bool:
     """Whether a rest on the way, phases from start to end (2,), is not near to one of all."""
     start, end = place
-    if end < _AT_END or start > 1.0 - _AT_END:
+    if start < _AT_END or end > 1.0 - _AT_END:
         return False
     near = [(own[:, 0] < end + _NEAR) & (own[:, 1] > start - _NEAR) for own in places]
     return not all(each.any() for each in near)
