@@ -32,18 +32,6 @@ JointState JointQuintic::at(double u) const {
   return {position, slope / h, curve / (h * h)};
 }
 
-PathCurve::PathCurve(const RowsRef& states, double period)
-    : states_(states),
-      period_(period),
-      coefficients_(6 * std::max<Index>(states.rows() - 1, 0), states.cols() / 3) {
-  for (Index i = 0; i + 1 < states.rows(); ++i)
-    for (Index j = 0; j < coefficients_.cols(); ++j) {
-      const JointQuintic quintic(period, joint_state(states, i, j), joint_state(states, i + 1, j));
-      for (std::size_t k = 0; k < 6; ++k)
-        coefficients_(6 * i + static_cast<Index>(k), j) = quintic.coefficient(k);
-    }
-}
-
 namespace {
 
 // The state at the middle one of three samples, by the parabola through them.

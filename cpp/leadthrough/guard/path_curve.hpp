@@ -16,51 +16,44 @@ class JointQuintic {
   JointQuintic(double duration, const JointState& start, const JointState& end);
 
   JointState at(double fraction) const;
-  double coefficient(std::size_t k) const { return coefficients_[k]; }
 
  private:
   double duration_;
   std::array<double, 6> coefficients_;
 };
 
-// Of two states or more.
+// Of two states or more. Coefficients are computed where they are asked for: those of a long motion
+// would take twice its memory.
 class PathCurve {
  public:
-  PathCurve(const RowsRef& states, double period);
+  PathCurve(const RowsRef& states, double period) : states_(states), period_(period) {}
 
   // The state at a place that is passed at `rate` rows a period, with the derivative `bend` of that
   // rate; at a row, exactly its position.
   template <typename Row>
   void at(double place, double rate, double bend, Row row) const {
-    const Eigen::Index joints = states_.cols() / 3;
     const auto last = static_cast<double>(states_.rows() - 2);
     // The comparison takes a place that is no number as the first.
     const auto i = static_cast<Eigen::Index>(place > 0.0 ? std::min(std::floor(place), last) : 0.0);
     const double u = place - static_cast<double>(i);
-    if (u == 0.0 || u == 1.0) return timed(states_.row(u == 0.0 ? i : i + 1), rate, bend, row);
-    const auto c = [&](Eigen::Index k) { return coefficients_.row(6 * i + k); };
-    row.head(joints) = c(0) + u * (c(1) + u * (c(2) + u * (c(3) + u * (c(4) + u * c(5)))));
-    auto slope = row.segment(joints, joints);
-    slope = c(1) + u * (2.0 * c(2) + u * (3.0 * c(3) + u * (4.0 * c(4) + u * 5.0 * c(5))));
-    row.tail(joints) = rate * rate / (period_ * period_) *
-                           (2.0 * c(2) + u * (6.0 * c(3) + u * (12.0 * c(4) + u * 20.0 * c(5)))) +
-                       bend / (period_ * period_) * slope;
-    slope *= rate / period_;
+    for (Eigen::Index j = 0; j < states_.cols() / 3; ++j) {
+      const JointState here = passed(i, j, u);
+      put({here.position, rate * here.velocity,
+           rate * rate * here.acceleration + bend / period_ * here.velocity},
+          j, row);
+    }
   }
 
  private:
-  template <typename State, typename Row>
-  void timed(const State& state, double rate, double bend, Row row) const {
-    const Eigen::Index joints = state.size() / 3;
-    row.head(joints) = state.head(joints);
-    row.segment(joints, joints) = rate * state.segment(joints, joints);
-    row.tail(joints) =
-        rate * rate * state.tail(joints) + bend / period_ * state.segment(joints, joints);
+  JointState passed(Eigen::Index row, Eigen::Index joint, double u) const {
+    const JointState start = joint_state(states_, row, joint);
+    const JointState end = joint_state(states_, row + 1, joint);
+    if (u == 0.0) return start;
+    return u == 1.0 ? end : JointQuintic(period_, start, end).at(u);
   }
 
   RowsRef states_;
   double period_;
-  Rows coefficients_;  // (6 steps, joints)
 };
 
 // Rates of positions (n, joints) at times: those of the parabola through a sample and its

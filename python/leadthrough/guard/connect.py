@@ -142,21 +142,23 @@ class Changed:
 
 def changed(rules: Rules, start: Float64Array, samples: Float64Array) -> Changed:
     """The samples (n, joints), brought inside the limits."""
-    inside = np.clip(samples, rules.joints.lower, rules.joints.upper)
+    lower, upper = rules.joints.lower, rules.joints.upper
+    if (samples.min(axis=0) < lower).any() or (samples.max(axis=0) > upper).any():
+        samples = np.clip(samples, lower, upper)  # of a long log, a copy is as large as the log
     rows, places = [start], [np.full(1, -1.0)]
     complete = True
-    for first, end in pairwise(_pieces(inside, rules.joints.velocity * rules.period)):
-        if end - first < _SHORT_PIECE and end < len(inside):
+    for first, end in pairwise(_pieces(samples, rules.joints.velocity * rules.period)):
+        if end - first < _SHORT_PIECE and end < len(samples):
             continue
         last = rows[-1][-1:]
-        run = _paced(rules, last, inside[first:end])
+        run = _paced(rules, last, samples[first:end])
         if run is None:
             complete = False
             break
         target, at = run
         joined = None if first else joined_on_time(rules, last, target)
         if joined is None and not first and not _jumps(rules, last, target):
-            along = _from_here(rules, last, inside[:end]) or _through_rest(rules, last, run)
+            along = _from_here(rules, last, samples[:end]) or _through_rest(rules, last, run)
             if along is None:
                 complete = False
                 break

@@ -283,9 +283,12 @@ class Guard(ShortRepr):
             at = better.places[len(rows) - 1] + 1.0 if len(rows) else 0.0
             reasons += (Reason("no continuation", given.start + self._period * float(at)),)
         stopping, contact = self._looked_at(rows, _WORK * max(len(given.rows), _SHORT))
-        return self._certified(
-            rows, better.places, given, reasons, stopping=stopping, contact=contact
-        )
+        places = better.places
+        if stopping is not None:
+            # The same rows; of a long log, each copy is as large as the log.
+            rows = stopping.rows[: len(rows)]
+            del better
+        return self._certified(rows, places, given, reasons, stopping=stopping, contact=contact)
 
     def _certified(
         self,

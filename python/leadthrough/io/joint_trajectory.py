@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, NotRequired, TypedDict
 
@@ -103,7 +104,9 @@ class _Form:
         rows = np.column_stack([*groups, due // NANOSECONDS, due % NANOSECONDS])
         layout = self.layout(len(groups), trajectory.positions.shape[1])
         blocks = written_blocks(rows, layout)
-        yield from (self.begin, next(blocks).removeprefix(self.between), *blocks, self.end)
+        yield self.begin + next(blocks).removeprefix(self.between)
+        yield from blocks
+        yield self.end
 
     def read(self, path: Path, limits: ReadLimits) -> ArrayTable | None:
         """The trajectory of a file in this form; None for another one."""
@@ -191,7 +194,7 @@ def write_json(trajectory: JointTrajectory, path: StrPath) -> None:
     """Writes the message as JSON."""
     empty = _JSON.begin + _JSON.end
     head, _, tail = json.dumps(_frame(trajectory), allow_nan=False).partition(empty)
-    _write([head, *_JSON.written(trajectory), tail, "\n"], path)
+    _write(chain([head], _JSON.written(trajectory), [tail, "\n"]), path)
 
 
 def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
@@ -202,7 +205,7 @@ def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
         f"joint_names: {json.dumps(frame['joint_names'], ensure_ascii=False)}\n"
     )
     events = [f"- {json.dumps(each, ensure_ascii=False)}\n" for each in frame.get("events", [])]
-    _write([head, *_YAML.written(trajectory), *(["events:\n", *events] if events else [])], path)
+    _write(chain([head], _YAML.written(trajectory), ["events:\n", *events] if events else []), path)
 
 
 def table_of_json(path: Path) -> ArrayTable:
