@@ -18,7 +18,7 @@ using lanes::Values;
 
 // Balls stand out of their bodies: segments in which nothing moves farther, m, are left to exact
 // distances.
-constexpr float kFineMotion = 0.01F;
+constexpr float kFineMotion = 0.03F;
 // Closer to its margin than this, m, no pair may move that is not certified.
 constexpr double kFinest = 1e-4;
 // Bisections of an edge before a pair counts as too near.
@@ -40,7 +40,6 @@ class EdgeTest::Search {
         reach_(collision::reaches(arm.scene, extent_)),
         normals_(arm.scene.pairs.size(), Eigen::Vector3d::UnitX()) {
     std::iota(all_pairs_.begin(), all_pairs_.end(), std::size_t{0});
-    for (const BodyShape& shape : arm.scene.shapes) poses_.push_back(shape.T_frame_shape);
   }
 
   bool clear(const double* q, const double* end) {
@@ -55,7 +54,7 @@ class EdgeTest::Search {
       for (bool first_look = true;; first_look = false) {
         test_middles(first_look);
         if (middles_.empty()) break;
-        if (!middles_clear()) return false;
+        if (first_look && !middles_clear()) return false;
         if (half_ * balls_.longest_motion() < kFineMotion) break;
         halve();
       }
@@ -201,16 +200,21 @@ class EdgeTest::Search {
     for (std::size_t k = 0; k < moving_count(chain_); ++k)
       values[k] = (1.0 - fraction) * start_[k] + fraction * end_[k];
     collision::joint_frames(chain_, values.data(), frames_);
-    collision::place(arm_.scene.shapes, arm_.scene.frames, frames_, poses_);
   }
 
   bool apart(std::size_t p, double least) {
     const ShapePair& pair = arm_.scene.pairs[p];
     const auto& shapes = arm_.scene.shapes;
     const BodyShape &a = shapes[index(pair.a)], &b = shapes[index(pair.b)];
-    const Transform &A = poses_[index(pair.a)], &B = poses_[index(pair.b)];
+    const Transform A = pose(index(pair.a)), B = pose(index(pair.b));
     return collision::ball_distance(a, A, b, B) >= least ||
            collision::apart(a, A, b, B, least, normals_[p]);
+  }
+
+  Transform pose(std::size_t shape) const {
+    const Transform& own = arm_.scene.shapes[shape].T_frame_shape;
+    const int frame = arm_.scene.frames[shape];
+    return frame > 0 ? frames_[index(frame)] * own : own;
   }
 
   const WholeArm& arm_;
@@ -228,7 +232,6 @@ class EdgeTest::Search {
   MovingValues extent_;  // within which the reaches hold
   std::vector<MovingValues> reach_;
   std::vector<Eigen::Vector3d> normals_;
-  std::vector<Transform> poses_;
   collision::Frames frames_;
 };
 
