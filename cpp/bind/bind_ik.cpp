@@ -22,11 +22,9 @@ IkTarget to_target(const Eigen::Ref<const Eigen::Vector3d>& position,
   return target;
 }
 
-void require_form(const Chain& chain, const std::optional<ClosedForm>& form) {
+void require_form(const Chain& chain, const ClosedForm* form) {
   require(!form || form->joints() == chain.joints());
 }
-
-const ClosedForm* pointer(const std::optional<ClosedForm>& form) { return form ? &*form : nullptr; }
 
 std::optional<JointVector> to_joints(const std::optional<Eigen::VectorXd>& q) {
   require(!q || q->size() <= kMaxJoints);
@@ -83,11 +81,11 @@ py::tuple solve_columns(int joints, const Solve& solve) {
 py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>& position,
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
                     const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
-                    const std::optional<ClosedForm>& form) {
+                    const ClosedForm* form) {
   require(orientations_fit(4, orientation.size()));
   require_form(chain, form);
   IkResult result = without_gil([&] {
-    return solve_ik(chain, to_target(position, orientation), q0, options, 0, pointer(form));
+    return solve_ik(chain, to_target(position, orientation), q0, options, 0, form);
   });
   return to_tuple(result);
 }
@@ -95,10 +93,10 @@ py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>&
 py::tuple solve_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
                       const Eigen::Ref<const Rows4>& orientations,
                       const Eigen::Ref<const Rows>& starts, const IkOptions& options, int threads,
-                      const std::optional<ClosedForm>& form) {
+                      const ClosedForm* form) {
   require_form(chain, form);
   return solve_columns(chain.joints(), [&] {
-    return solve_ik_batch(chain, positions, orientations, starts, options, threads, pointer(form));
+    return solve_ik_batch(chain, positions, orientations, starts, options, threads, form);
   });
 }
 
@@ -107,12 +105,12 @@ py::tuple solve_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positio
 py::tuple solve_all(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>& position,
                     const Eigen::Ref<const Eigen::VectorXd>& orientation,
                     const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
-                    int count, double separation, const std::optional<ClosedForm>& form) {
+                    int count, double separation, const ClosedForm* form) {
   require(orientations_fit(4, orientation.size()));
   require_form(chain, form);
   IkSolutions solutions = without_gil([&] {
     return solve_ik_all(chain, to_target(position, orientation), q0, options, count, separation,
-                        pointer(form));
+                        form);
   });
   IkColumns table = columns(solutions.found, chain.joints());
   return py::make_tuple(std::move(table.q), std::move(table.position_errors),

@@ -86,7 +86,7 @@ class Enumeration {
     const Eigen::Map<const Eigen::VectorXd> values(q.data(), chain_.joints());
     const auto same = [&](const IkResult& other) {
       for (int i = 0; i < chain_.joints(); ++i)
-        if (std::abs(std::remainder(values[i] - other.q[i], kTurn)) > kSame) return false;
+        if (apart_within_turn(values[i], other.q[i]) > kSame) return false;
       return true;
     };
     auto& found = result_.found;

@@ -38,6 +38,12 @@ inline bool wraps(const Chain& chain, int i) {
   return chain.periodic[static_cast<std::size_t>(i)] && chain.upper[i] - chain.lower[i] >= kTurn;
 }
 
+// Between two angles, whole turns left out; `std::remainder` takes ten times as long.
+inline double apart_within_turn(double a, double b) {
+  const double away = a - b;
+  return std::abs(away - kTurn * std::nearbyint(away / kTurn));
+}
+
 // The multiple of 2 pi that brings an angle nearest to another one inside the limits.
 inline double wrapped(double angle, double near, double lower, double upper) {
   angle += kTurn * std::round((near - angle) / kTurn);

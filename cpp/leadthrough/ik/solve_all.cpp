@@ -45,9 +45,9 @@ class Postures {
  private:
   bool same(const JointVector& a, const JointVector& b, double separation) const {
     for (int i = 0; i < chain_.joints(); ++i) {
-      double away = std::abs(a[i] - b[i]);
-      if (wraps(chain_, i)) away = std::abs(std::remainder(away, kTurn));
-      if (away > separation) return false;
+      const bool turns = wraps(chain_, i);
+      if ((turns ? apart_within_turn(a[i], b[i]) : std::abs(a[i] - b[i])) > separation)
+        return false;
     }
     return true;
   }
@@ -84,6 +84,29 @@ IkSolutions first_of(std::vector<IkResult> found, int count, bool complete) {
   return solutions;
 }
 
+// Those of a closed form, which are all different.
+std::vector<IkResult> separated(const Chain& chain, const JointVector& reference,
+                                std::vector<IkResult> found, double separation) {
+  if (!(separation > 0.0)) return found;
+  Postures postures(chain, reference);
+  for (const IkResult& each : found) postures.add(each, separation);
+  return std::move(postures).take();
+}
+
+// Where a closed form may have missed some: only exact convergence tells solutions apart there.
+std::vector<IkResult> searched_exactly(const Chain& chain, const IkTarget& target,
+                                       IkOptions options, const JointVector& start,
+                                       const JointVector& reference, double separation,
+                                       const std::vector<IkResult>& found) {
+  options.tolerance.position = std::min(options.tolerance.position, kExactly);
+  options.tolerance.orientation = std::min(options.tolerance.orientation, kExactly);
+  Postures postures(chain, reference);
+  for (const IkResult& each : found) postures.add(each, 0.0);
+  search_all(chain, target, options, start, reference, separation > 0.0 ? separation : kApart,
+             postures);
+  return std::move(postures).take();
+}
+
 }  // namespace
 
 IkSolutions solve_ik_all(const Chain& chain, const IkTarget& target,
@@ -93,6 +116,17 @@ IkSolutions solve_ik_all(const Chain& chain, const IkTarget& target,
   check_options(chain, options, target.rotation.has_value());
   const JointVector start = project(chain, q0);
   const JointVector reference = options.reference.value_or(start);
+  if (applies(form, target, options)) {
+    Configurations all = all_configurations(chain, *form, target, reference, options.tolerance);
+    if (all.uncertain)
+      return first_of(
+          searched_exactly(chain, target, options, start, reference, separation, all.found), count,
+          false);
+    IkSolutions solutions =
+        first_of(separated(chain, reference, std::move(all.found), separation), count, true);
+    solutions.status = all.status;
+    return solutions;
+  }
   Postures postures(chain, reference);
   const double apart = separation > 0.0 ? separation : kDistinct;
   if (sweeps(form, target, options)) {
@@ -103,24 +137,7 @@ IkSolutions solve_ik_all(const Chain& chain, const IkTarget& target,
     solutions.resolution = sweep_resolution(chain, *form);
     if (!solutions.found.empty()) return solutions;
   }
-  if (!applies(form, target, options)) {
-    search_all(chain, target, options, start, reference, apart, postures);
-    return first_of(std::move(postures).take(), count, false);
-  }
-  const Configurations all = all_configurations(chain, *form, target, reference, options.tolerance);
-  if (!all.uncertain) {
-    for (const IkResult& each : all.found) postures.add(each, separation);
-    IkSolutions solutions = first_of(std::move(postures).take(), count, true);
-    solutions.status = all.status;
-    return solutions;
-  }
-  // Near singularities only exact convergence tells solutions apart.
-  IkOptions exactly = options;
-  exactly.tolerance.position = std::min(options.tolerance.position, kExactly);
-  exactly.tolerance.orientation = std::min(options.tolerance.orientation, kExactly);
-  for (const IkResult& each : all.found) postures.add(each, 0.0);
-  search_all(chain, target, exactly, start, reference, separation > 0.0 ? separation : kApart,
-             postures);
+  search_all(chain, target, options, start, reference, apart, postures);
   return first_of(std::move(postures).take(), count, false);
 }
 

@@ -27,8 +27,7 @@ bool bring_inside(const Chain& chain, const JointVector& reference, Sample& samp
   const JointArray before = sample.q;
   sample.inside = take_turns(chain, reference, sample.q, outside) == 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(chain.joints()); ++k)
-    if (outside[k] && std::abs(std::remainder(sample.q[k] - before[k], kTurn)) > kBetweenSamples)
-      return false;
+    if (outside[k] && apart_within_turn(sample.q[k], before[k]) > kBetweenSamples) return false;
   const Eigen::Map<const Eigen::VectorXd> q(sample.q.data(), chain.joints());
   sample.distance = (q - reference).squaredNorm();
   return true;

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -44,15 +44,6 @@ Columns = tuple[
 ]
 # Of all configurations: rows, errors, iterations, reason, whether these are all, resolution.
 Found = tuple[Float64Array, Float64Array, Float64Array, NDArray[np.int32], int, bool, float]
-
-# Columns of solutions that all converged, read-only.
-_MAX_SOLUTIONS = 64
-_MAX_JOINTS = 16
-_SUCCESS = np.ones(_MAX_SOLUTIONS, dtype=np.bool_)
-_CONVERGED = np.full(_MAX_SOLUTIONS, STATUSES[0], dtype=np.array(STATUSES).dtype)
-_NOT_LIMITING = np.zeros((_MAX_SOLUTIONS, _MAX_JOINTS), dtype=np.bool_)
-for _column in (_SUCCESS, _CONVERGED, _NOT_LIMITING):
-    _column.setflags(write=False)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -229,7 +220,7 @@ def many_starts(
 
 def random_seed(seed: int) -> int:
     """A checked seed of the random number generator."""
-    if check.rank(seed) > 0:
+    if not isinstance(seed, int) and check.rank(seed) > 0:
         raise InvalidInput(
             "seed: expected an integer, the seed of the random number generator, got an array; "
             "pass the configuration to start from as q0"
@@ -257,18 +248,30 @@ def batch_of_results(columns: Columns) -> IkBatch:
     )
 
 
+@cache
+def _of_success(
+    count: int, joints: int
+) -> tuple[NDArray[np.bool_], NDArray[np.str_], NDArray[np.bool_]]:
+    """Columns of solutions that all converged: success, status, limiting; read-only."""
+    converged = np.full(count, STATUSES[0], dtype=np.array(STATUSES).dtype)
+    limiting = np.zeros((count, joints), dtype=np.bool_)
+    success = np.ones(count, dtype=np.bool_)
+    check.freeze((success, converged, limiting))
+    return success, converged, limiting
+
+
 def solutions(found: Found) -> IkSolutions:
     """The core's answer to all configurations of one target."""
     q, position_errors, orientation_errors, iterations, status, complete, resolution = found
-    count, joints = q.shape
+    success, converged, limiting = _of_success(*q.shape)
     return IkSolutions(
         q,
-        _SUCCESS[:count],
-        _CONVERGED[:count],
+        success,
+        converged,
         position_errors,
         orientation_errors,
         iterations,
-        _NOT_LIMITING[:count, :joints],
+        limiting,
         complete,
         STATUSES[status],
         resolution or None,
