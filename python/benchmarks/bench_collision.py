@@ -19,6 +19,8 @@ import leadthrough as lt
 
 TOLERANCE = 1e-5  # m; coal's own is 1e-6
 CELL = 0.01  # m
+MARGIN = 0.005  # m, to obstacles
+EDGE, LOOKED = 0.67, 0.01  # rad
 Distances = Callable[[Any], Any]
 
 
@@ -43,7 +45,35 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
                 error=_error,
                 tolerance=TOLERANCE,
             )
+    yield _edges(40 if quick else 400)
     yield _to_points(20 if quick else 200)
+
+
+def _edges(count: int) -> Benchmark:
+    """A clear motion of straight edges: certified by us, looked at every 0.01 rad by the peer."""
+    arm, boxes = lt.Arm.load("panda"), _boxes()
+    scene, joints = lt.Scene(boxes, MARGIN), len(arm.joint_names)
+    rng = np.random.default_rng(4)
+    q = next(q for q in random_configurations(arm, 100, seed=1) if arm.is_clear(q, scene))
+    path = [q]
+    while len(path) <= count:
+        step = rng.normal(size=joints)
+        end = path[-1] + EDGE * step / np.linalg.norm(step)
+        inside = ((end >= arm.limits.lower) & (end <= arm.limits.upper)).all()
+        if inside and arm.is_clear(lt.JointTrajectory([0.0, 1.0], [path[-1], end]), scene):
+            path.append(end)
+    motion = lt.JointTrajectory(np.arange(len(path)), path)
+    fine = np.linspace(0.0, count, int(count * EDGE / LOOKED) + 1)
+    looked = np.column_stack([np.interp(fine, motion.times, x) for x in motion.positions.T])
+    collides = Peer("panda", arm).collides(boxes)
+    return Benchmark(
+        f"panda: {count} edges of {EDGE} rad certified clear of 5 boxes and of itself",
+        ours=lambda: arm.is_clear(motion, scene),
+        peer=lambda: collides(looked),
+        peer_name="coal, every 0.01 rad",
+        error=lambda clear, touching: float(not clear or touching),
+        tolerance=0.0,
+    )
 
 
 def _to_points(count: int) -> Benchmark:
@@ -85,12 +115,34 @@ class Peer:
         """The function of joint positions (m, n) that returns the distances (m,) to boxes."""
         geometry = self._geometry()
         moving = [i for i, shape in enumerate(geometry.geometryObjects) if shape.parentJoint > 0]
-        for i, box in enumerate(boxes):
-            w, x, y, z = box.orientation
-            pose = pin.SE3(pin.Quaternion(w, x, y, z).matrix(), np.array(box.position))
-            shape = pin.GeometryObject(f"box {i}", 0, pose, coal.Box(*box.size))
-            _add_pairs(geometry, moving, [geometry.addGeometryObject(shape)])
+        self._add_boxes(geometry, moving, boxes)
         return self._least(geometry)
+
+    def collides(self, boxes: list[lt.Box]) -> Callable[[Any], bool]:
+        """The function of joint positions (m, n): whether boxes or the arm come within the margin.
+
+        It stops at the first pair that does.
+        """
+        geometry = self._geometry()
+        shapes = _by_link(geometry)
+        moving = [i for i, shape in enumerate(geometry.geometryObjects) if shape.parentJoint > 0]
+        for a, b in self.arm.collision_pairs.checked:
+            _add_pairs(geometry, shapes[a], shapes[b])
+        own = len(geometry.collisionPairs)
+        self._add_boxes(geometry, moving, boxes)
+        data = geometry.createData()
+        for request in list(data.collisionRequests)[own:]:
+            request.security_margin = MARGIN
+        model, model_data = self.judge.model, self.judge.data
+
+        def collides(q: Any) -> bool:
+            places = map(self.judge.configuration, q)
+            return any(
+                pin.computeCollisions(model, model_data, geometry, data, full, True)
+                for full in places
+            )
+
+        return collides
 
     def to_points(self, points: np.ndarray) -> Distances:
         """The function of joint positions (m, n) that returns the distances (m,) to cubes."""
@@ -100,6 +152,14 @@ class Peer:
         shape = pin.GeometryObject("cubes", 0, pin.SE3.Identity(), cubes)
         _add_pairs(geometry, moving, [geometry.addGeometryObject(shape)])
         return self._least(geometry)
+
+    @staticmethod
+    def _add_boxes(geometry: Any, moving: list[int], boxes: list[lt.Box]) -> None:
+        for i, box in enumerate(boxes):
+            w, x, y, z = box.orientation
+            pose = pin.SE3(pin.Quaternion(w, x, y, z).matrix(), np.array(box.position))
+            shape = pin.GeometryObject(f"box {i}", 0, pose, coal.Box(*box.size))
+            _add_pairs(geometry, moving, [geometry.addGeometryObject(shape)])
 
     def _geometry(self) -> Any:
         return pin.buildGeomFromUrdf(self.judge.model, str(self.urdf), pin.GeometryType.COLLISION)

@@ -14,14 +14,16 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from frame import Benchmark
 from judge import Judge, quaternion, random_configurations, urdf_of
-from peers import TRAC_IK_TOLERANCE, Solve, toolbox, trac_ik
+from peers import TRAC_IK_TOLERANCE, Solve, eaik, toolbox, trac_ik
 
 import leadthrough as lt
 
 TOLERANCE = 1e-5  # m and rad: what counts as solved
 MAX_UNSOLVED = 5e-4
+SAME = 1e-4  # rad, between configurations
 
 
 def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
@@ -30,6 +32,7 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
     for name in ("panda",) if quick else ("panda", "ur3", "tiago"):
         arm, urdf = lt.Arm.load(name), urdf_of(name)
         yield from _rows(name, arm, Judge(arm, urdf), urdf, count)
+    yield _all_configurations(count)
 
 
 def _rows(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> Iterator[Benchmark]:
@@ -60,6 +63,36 @@ def _rows(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> Itera
             tolerance=MAX_UNSOLVED,
             calls=count,
         )
+
+
+def _all_configurations(count: int) -> Benchmark:
+    """Ours are inside the limits, by the turns nearest to a posture; the peer's are as they come.
+
+    The error is the fraction of the peer's configurations, as far as its own kinematics confirm
+    them, that ours lack.
+    """
+    arm, peer = lt.Arm.load("ur3"), eaik(urdf_of("ur3"))
+    shown = random_configurations(arm, count, seed=2)
+    poses, targets = [arm.forward_kinematics(q) for q in shown], [peer.fwdKin(q) for q in shown]
+
+    def missed(ours: Sequence[lt.IkSolutions], peers: Sequence[Any]) -> float:
+        missing = 0
+        for own, found, target in zip(ours, peers, targets, strict=True):
+            for q in found.Q:
+                apart = np.abs(np.remainder(own.q - q + np.pi, 2.0 * np.pi) - np.pi).max(axis=1)
+                real = np.abs(peer.fwdKin(q) - target).max() < TOLERANCE
+                missing += real and apart.min(initial=np.inf) > SAME
+        return missing / count
+
+    return Benchmark(
+        f"ur3: all configurations of {count} poses",
+        ours=lambda call: arm.inverse_kinematics_all(*poses[call], q0=shown[call - 1]),
+        peer=lambda call: peer.IK(targets[call]),
+        peer_name="EAIK",
+        error=missed,
+        tolerance=0.0,
+        calls=count,
+    )
 
 
 def _call(solve: Solve, targets: Sequence[Any], seeds: Any, call: int) -> Any:

@@ -10,6 +10,7 @@ from tempfile import NamedTemporaryFile
 from typing import Any
 
 import roboticstoolbox as rtb
+from eaik.IK_URDF import UrdfRobot
 from trac_ik import TracIK
 
 import leadthrough as lt
@@ -36,6 +37,11 @@ def toolbox(arm: lt.Arm, urdf: Path) -> Solve:
         return solution.q if solution.success else None
 
     return solve
+
+
+def eaik(urdf: Path) -> Any:
+    """The closed form of EAIK, of an arm whose URDF has no other joints."""
+    return UrdfRobot(str(urdf))
 
 
 def trac_ik(arm: lt.Arm, urdf: Path) -> Solve:

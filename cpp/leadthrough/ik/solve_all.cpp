@@ -93,7 +93,8 @@ std::vector<IkResult> separated(const Chain& chain, const JointVector& reference
   return std::move(postures).take();
 }
 
-// Where a closed form may have missed some: only exact convergence tells solutions apart there.
+// Those of a closed form that may have missed some, and what a search adds: near singularities only
+// exact convergence tells solutions apart.
 std::vector<IkResult> searched_exactly(const Chain& chain, const IkTarget& target,
                                        IkOptions options, const JointVector& start,
                                        const JointVector& reference, double separation,
