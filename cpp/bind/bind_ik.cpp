@@ -84,9 +84,8 @@ py::tuple solve_one(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>&
                     const ClosedForm* form) {
   require(orientations_fit(4, orientation.size()));
   require_form(chain, form);
-  IkResult result = without_gil([&] {
-    return solve_ik(chain, to_target(position, orientation), q0, options, 0, form);
-  });
+  IkResult result = without_gil(
+      [&] { return solve_ik(chain, to_target(position, orientation), q0, options, 0, form); });
   return to_tuple(result);
 }
 
