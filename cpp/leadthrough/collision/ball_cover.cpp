@@ -183,13 +183,13 @@ std::vector<Ball> parts(const AnyCore& core, double rounding) {
 }
 
 std::vector<Ball> parts(const cores::Hull& core, double rounding) {
-  if (core.vertices->cols() > kMaxCorners) {
+  if (core.corners->points().cols() > kMaxCorners) {
     Points some = spread_corners(core);
-    const double outside = most_outside(*core.vertices, some);
+    const double outside = most_outside(core.corners->points(), some);
     return rounded(halved(std::move(some)), rounding + outside);
   }
   Points corners;
-  for (const auto& corner : core.vertices->colwise()) corners.emplace_back(corner);
+  for (const auto& corner : core.corners->points().colwise()) corners.emplace_back(corner);
   return rounded(halved(std::move(corners)), rounding);
 }
 
@@ -197,7 +197,7 @@ Ball whole(const Convex& body) {
   const auto* hull = std::get_if<cores::Hull>(&body.core);
   if (!hull) return {Vector3d::Zero(), bounding_radius(body)};
   Points corners;
-  for (const auto& corner : hull->vertices->colwise()) corners.emplace_back(corner);
+  for (const auto& corner : hull->corners->points().colwise()) corners.emplace_back(corner);
   Ball ball = around(corners);
   ball.radius += body.rounding;
   return ball;

@@ -10,6 +10,8 @@
 #include <memory>
 #include <variant>
 
+#include "leadthrough/collision/corners.hpp"
+
 namespace leadthrough {
 
 struct SignedDistance {
@@ -155,22 +157,13 @@ struct Cylinder {
 // The convex hull of vertices that span a volume, m.
 struct Hull {
   static constexpr bool kClosedForm = false;
-  std::shared_ptr<const Eigen::Matrix3Xd> vertices;
+  std::shared_ptr<const Corners> corners;
 
-  Vector3d support(const Vector3d& along) const {
-    const Eigen::Matrix3Xd& corners = *vertices;
-    Eigen::Index farthest = 0;
-    double most = along.dot(corners.col(0));
-    for (Eigen::Index i = 1; i < corners.cols(); ++i) {
-      const double reach = along.dot(corners.col(i));
-      if (reach <= most) continue;
-      most = reach;
-      farthest = i;
-    }
-    return corners.col(farthest);
+  Vector3d support(const Vector3d& along) const { return corners->farthest(along); }
+  double reach(const Vector3d& along) const {
+    return (along.transpose() * corners->points()).maxCoeff();
   }
-  double reach(const Vector3d& along) const { return (along.transpose() * *vertices).maxCoeff(); }
-  double bounding_radius() const { return vertices->colwise().norm().maxCoeff(); }
+  double bounding_radius() const { return corners->points().colwise().norm().maxCoeff(); }
 };
 
 }  // namespace cores
@@ -197,7 +190,7 @@ inline Convex cylinder(double radius, double length) {
 }
 
 inline Convex hull(Eigen::Matrix3Xd vertices) {
-  return {cores::Hull{std::make_shared<const Eigen::Matrix3Xd>(std::move(vertices))}};
+  return {cores::Hull{std::make_shared<const Corners>(std::move(vertices))}};
 }
 
 // The core's farthest point along a direction, in its own frame.

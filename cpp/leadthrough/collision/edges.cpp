@@ -143,7 +143,7 @@ class EdgeTest::Search {
 
   // The pairs that are left, at the middles themselves.
   bool middles_clear() {
-    return std::all_of(middles_.begin(), middles_.end(), [&](float middle) {
+    return std::all_of(middles_.rbegin(), middles_.rend(), [&](float middle) {
       check_interrupt();
       move_to(middle);
       return std::all_of(open_.begin(), open_.end(),

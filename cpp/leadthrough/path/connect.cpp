@@ -19,8 +19,8 @@ constexpr double kRange = 1.0;
 // The first trees are given up after so many steps, each later pair after twice as many: some
 // searches take long by chance (Luby, Sinclair and Zuckerman 1993).
 constexpr long kFirstSteps = 1000;
-// Tries to replace a part of the path by a straight line.
-constexpr int kShortcuts = 150;
+// Corners are cut while a round makes the path shorter by this factor, down to a part of the edges.
+constexpr double kWorth = 0.98, kLeast = 0.1;
 constexpr long kMaxSteps = 10000000;
 
 struct Node {
@@ -124,7 +124,11 @@ class Planner {
 
   Path shortened(Path path) {
     path = without_detours(path);
-    for (int i = 0; i < kShortcuts && path.size() > 2; ++i) shortcut(path);
+    for (double before = kInfinity, now = length(path); now < kWorth * before;) {
+      before = now;
+      cut_corners(path);
+      now = length(path);
+    }
     return without_detours(path);
   }
 
@@ -140,25 +144,30 @@ class Planner {
     return kept;
   }
 
-  // A straight line between random places on two edges.
-  void shortcut(Path& path) {
-    double a = uniform() * static_cast<double>(path.size() - 1);
-    double b = uniform() * static_cast<double>(path.size() - 1);
-    if (a > b) std::swap(a, b);
-    const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-    if (i == j) return;
-    const VectorXd from = between(path, i, a - static_cast<double>(i));
-    const VectorXd to = between(path, j, b - static_cast<double>(j));
-    if (!clear(from, to) || !clear(path[i], from) || !clear(to, path[j + 1])) return;
-    Path shorter(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-    shorter.push_back(from);
-    shorter.push_back(to);
-    shorter.insert(shorter.end(), path.begin() + static_cast<std::ptrdiff_t>(j) + 1, path.end());
-    path = std::move(shorter);
+  // A straight line past each corner, as far from it as is clear.
+  void cut_corners(Path& path) {
+    for (std::size_t i = 1; i + 1 < path.size(); ++i)
+      for (double part = 1.0; part >= kLeast; part *= 0.5) {
+        const VectorXd from = path[i] + part * (path[i - 1] - path[i]);
+        const VectorXd to = path[i] + part * (path[i + 1] - path[i]);
+        if (!clear(from, to)) continue;
+        const auto corner = path.begin() + static_cast<std::ptrdiff_t>(i);
+        if (part == 1.0) {
+          path.erase(corner);
+          --i;
+        } else {
+          *corner = to;
+          path.insert(corner, from);
+          ++i;
+        }
+        break;
+      }
   }
 
-  static VectorXd between(const Path& path, std::size_t i, double fraction) {
-    return path[i] + fraction * (path[i + 1] - path[i]);
+  static double length(const Path& path) {
+    double sum = 0.0;
+    for (std::size_t i = 1; i < path.size(); ++i) sum += (path[i] - path[i - 1]).norm();
+    return sum;
   }
 
   EdgeTest edges_;

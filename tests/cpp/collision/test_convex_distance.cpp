@@ -99,7 +99,7 @@ struct ReachByDefinition {
     return core.radius * std::hypot(d.x(), d.y()) + std::abs(core.half * d.z());
   }
   double operator()(const cores::Hull& core) const {
-    return (d.transpose() * *core.vertices).maxCoeff();
+    return (d.transpose() * core.corners->points()).maxCoeff();
   }
 };
 
