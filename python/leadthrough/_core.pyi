@@ -357,7 +357,7 @@ def bridge_on_time(
     limits: StepLimits, start: Float64Array, target: Float64Array, most_steps: int
 ) -> tuple[Float64Array, int] | None: ...
 def joined(
-    limits: StepLimits, start: Float64Array, target: Float64Array, jerk: Float64Array
+    limits: StepLimits, start: Float64Array, target: Float64Array, jerk: Float64Array, use: float
 ) -> Float64Array: ...
 def slowed(
     limits: StepLimits, path: Float64Array, most_samples: int

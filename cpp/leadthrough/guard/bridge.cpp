@@ -94,16 +94,15 @@ std::optional<Bridge> bridge_on_time(const StepLimits& limits, const RowsRef& st
 
 namespace {
 
-constexpr double kUse = 0.98;     // of the limits: they are judged along quintics
 constexpr double kLeast = 0.02;   // of a limit that is left at least
 constexpr double kFewest = 16.0;  // periods in which the acceleration rises to its limit
 constexpr double kThere = 1e-9;   // rad or m, and their rates
 
 // The part of a joint's limits that a target leaves in a step between two of its states.
 AxisLimits left_of(const StepLimits& limits, Index joint, const JointState& from,
-                   const JointState& to, double most_jerk) {
-  const auto left = [](double limit, double used) {
-    return std::max(kUse * limit - used, kLeast * limit);
+                   const JointState& to, double most_jerk, double use) {
+  const auto left = [use](double limit, double used) {
+    return std::max(use * limit - used, kLeast * limit);
   };
   const double v = limits.velocity[joint], a = limits.acceleration[joint], j = limits.jerk[joint];
   const double jerk = (to.acceleration - from.acceleration) / limits.period;
@@ -118,11 +117,12 @@ AxisLimits left_of(const StepLimits& limits, Index joint, const JointState& from
 }  // namespace
 
 Rows joined(const StepLimits& limits, const RowsRef& start, const RowsRef& target,
-            const Eigen::VectorXd& jerk) {
+            const Eigen::VectorXd& jerk, double use) {
   check_start(limits, start);
   check_states(limits, target, 1);
   check_argument(jerk.size() == limits.joints() && (jerk.array() >= 0.0).all(),
                  "jerk: expected one value a joint");
+  check_argument(use > 0.0 && use <= 1.0, "use: expected a fraction");
   const Index last = target.rows() - 1;
   const bool rests = target.row(last).tail(2 * limits.joints()).isZero(0.0);
   const Index steps = rests ? std::max<Index>(0, last - 1) : last;
@@ -133,7 +133,7 @@ Rows joined(const StepLimits& limits, const RowsRef& start, const RowsRef& targe
     check_interrupt(k);
     for (Index j = 0; j < limits.joints(); ++j) {
       const AxisLimits left =
-          left_of(limits, j, joint_state(from, 0, j), joint_state(to, 0, j), jerk[j]);
+          left_of(limits, j, joint_state(from, 0, j), joint_state(to, 0, j), jerk[j], use);
       const JointState e = joint_state(away, 0, j);
       const AxisState next =
           step_axis({e.position, e.velocity, e.acceleration}, 0.0, left, limits.period);

@@ -26,10 +26,11 @@ std::optional<Bridge> bridge_on_time(const StepLimits& limits, const RowsRef& st
 
 // A row a period, from the start on, along a target (n, 3 joints) whose first row is due at the
 // start. Each joint ends its difference to it by the fastest way inside what the target leaves of
-// the limits, with at most a jerk beyond the target's own. If the last row is at rest, the way
-// leads there from the last row but one, for kMaxJoin rows at most.
+// a fraction of the limits, which are judged along the quintics between the rows, with at most a
+// jerk beyond the target's own. If the last row is at rest, the way leads there from the last row
+// but one, for kMaxJoin rows at most.
 constexpr Eigen::Index kMaxJoin = 100'000;
 Rows joined(const StepLimits& limits, const RowsRef& start, const RowsRef& target,
-            const Eigen::VectorXd& jerk);
+            const Eigen::VectorXd& jerk, double use);
 
 }  // namespace leadthrough::guard

@@ -22,6 +22,7 @@ Kind = Literal["absolute", "relative", "delta"]
 _WINDOW = 0.25  # s of a chunk that are admitted at a time
 _MAX_ROWS = 256  # of them, so that the answer takes a millisecond
 _MEMORY = 2.0  # s of commands that are remembered, for relative actions
+_USES = (0.98, 0.9, 0.7)  # of the limits in a join, until they are kept between commands too
 _GENTLE = 0.5  # of the limits that a stop at the end of a chunk uses, if that is enough
 _JITTER = 0.005  # s that a call may be off its time, if the half of a period is less
 _DRIFT = 0.01  # of what a call is off its time that is followed at once
@@ -237,7 +238,10 @@ class Chunks(ShortRepr):
             self._jerk = needed_jerk(present - target[:1], self._join)
         # Also for the rest that may be left after the curve.
         jerk = np.maximum(self._jerk, needed_jerk(np.diff(target[-2:], axis=0), self._join))
-        rows = core.joined(self._guard._rules.limits, present, target, jerk)
+        for use in _USES:
+            rows = core.joined(self._guard._rules.limits, present, target, jerk, use)
+            if self._guard._rules.excess(present, rows) is None:
+                break
         times = last + self._period * np.arange(1, len(rows) + 1, dtype=np.float64)
         self._answer = self._guard.admit(trajectory(times, rows, self._guard.arm.joint_names))
         whole = last + self._period * self._rows >= curve.end - self._period
