@@ -108,6 +108,8 @@ void bind_guard(py::module_& module) {
              py::arg("start").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
   module.def("bridge_on_time", bridge(&guard::bridge_on_time), py::arg("limits"),
              py::arg("start").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
+  module.def("joined", &guard::joined, py::arg("limits"), py::arg("start").noconvert(),
+             py::arg("target").noconvert(), py::arg("jerk"), py::arg("use"), Unlocking());
   module.def("slowed", &slowed, py::arg("limits"), py::arg("path").noconvert(),
              py::arg("most_samples"));
   module.def("stopped", &stopped, py::arg("limits"), py::arg("start").noconvert(),

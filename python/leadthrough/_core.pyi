@@ -356,6 +356,9 @@ def bridge_to_start(
 def bridge_on_time(
     limits: StepLimits, start: Float64Array, target: Float64Array, most_steps: int
 ) -> tuple[Float64Array, int] | None: ...
+def joined(
+    limits: StepLimits, start: Float64Array, target: Float64Array, jerk: Float64Array, use: float
+) -> Float64Array: ...
 def slowed(
     limits: StepLimits, path: Float64Array, most_samples: int
 ) -> tuple[Float64Array, Float64Array] | None: ...

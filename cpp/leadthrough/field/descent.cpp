@@ -49,13 +49,10 @@ class Field {
         arrival_(arrival) {}
 
   // Infinite outside the grid.
-  double at(const CellIndex& cell) const {
-    Index offset = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (cell[axis] < 0 || cell[axis] >= grid_.shape[axis]) return kInfinity;
-      offset += cell[axis] * strides_[axis];
-    }
-    return arrival_.at(offset);
+  double at(const CellIndex& cell) const { return contains(cell) ? inside(cell) : kInfinity; }
+
+  double inside(const CellIndex& cell) const {
+    return arrival_.at(cell[0] * strides_[0] + cell[1] * strides_[1] + cell[2] * strides_[2]);
   }
 
   bool contains(const CellIndex& cell) const {
@@ -65,7 +62,7 @@ class Field {
   }
 
   CellIndex earliest_neighbour(const CellIndex& cell) const;
-  double interpolate(const Coordinates& p, Coordinates& gradient) const;
+  double interpolate(const Coordinates& p, Coordinates* gradient = nullptr) const;
   bool is_free(const Coordinates& from, const Coordinates& to) const;
   bool is_near(const Coordinates& p, const Coordinates& goal) const;
   double smallest_spacing() const { return smallest_; }
@@ -101,11 +98,12 @@ CellIndex Field<Times>::earliest_neighbour(const CellIndex& cell) const {
 template <typename Times>
 Coordinates Field<Times>::upwind_gradient(const CellIndex& cell) const {
   Coordinates gradient{};
+  const double here = at(cell);
   for (int axis = 0; axis < 3; ++axis) {
     CellIndex before = cell, after = cell;
     --before[axis];
     ++after[axis];
-    const double here = at(cell), left = at(before), right = at(after);
+    const double left = at(before), right = at(after);
     if (std::min(left, right) >= here) continue;
     gradient[axis] = (left < right ? here - left : right - here) / grid_.spacing[axis];
   }
@@ -113,10 +111,10 @@ Coordinates Field<Times>::upwind_gradient(const CellIndex& cell) const {
 }
 
 // Arrival and gradient between the centres of cells, multilinear over the corners of finite
-// arrival; infinite in a wall. Corners behind a wall, not joined to the point's cell by faces
-// between free corners, do not count.
+// arrival; infinite, and without a gradient, in a wall. Corners behind a wall, not joined to the
+// point's cell by faces between free corners, do not count.
 template <typename Times>
-double Field<Times>::interpolate(const Coordinates& p, Coordinates& gradient) const {
+double Field<Times>::interpolate(const Coordinates& p, Coordinates* gradient) const {
   constexpr int kCorners = 8;
   CellIndex low{};
   Coordinates part{};
@@ -133,27 +131,32 @@ double Field<Times>::interpolate(const Coordinates& p, Coordinates& gradient) co
   for (int corner = 0; corner < kCorners; ++corner) arrivals[corner] = at(corner_cell(corner));
   if (arrivals[own] == kInfinity) return kInfinity;
 
-  int joined = 1 << own;
-  for (int pass = 0; pass < kCorners; ++pass)
+  const bool all = std::all_of(arrivals.begin(), arrivals.end(),
+                               [](double arrival) { return arrival < kInfinity; });
+  int joined = all ? (1 << kCorners) - 1 : 1 << own;
+  for (int pass = 0; !all && pass < kCorners; ++pass)
     for (int corner = 0; corner < kCorners; ++corner)
       for (int axis = 0; axis < 3; ++axis)
         if (arrivals[corner] < kInfinity && (joined >> (corner ^ 1 << axis) & 1))
           joined |= 1 << corner;
 
   double sum = 0.0, value = 0.0;
-  gradient = {};
+  Coordinates slopes{};
   for (int corner = 0; corner < kCorners; ++corner) {
     if (!(joined >> corner & 1)) continue;
     double weight = 1.0;
     for (int axis = 0; axis < 3; ++axis)
       weight *= corner >> axis & 1 ? part[axis] : 1.0 - part[axis];
     if (weight == 0.0) continue;
-    const Coordinates slope = upwind_gradient(corner_cell(corner));
-    for (int axis = 0; axis < 3; ++axis) gradient[axis] += weight * slope[axis];
+    if (gradient) {
+      const Coordinates slope = upwind_gradient(corner_cell(corner));
+      for (int axis = 0; axis < 3; ++axis) slopes[axis] += weight * slope[axis];
+    }
     value += weight * arrivals[corner];
     sum += weight;
   }
-  for (double& slope : gradient) slope /= sum;
+  for (double& slope : slopes) slope /= sum;
+  if (gradient) *gradient = slopes;
   return value / sum;
 }
 
@@ -203,20 +206,19 @@ Coordinates moved(const Grid& grid, const Coordinates& p, const Coordinates& gra
 }
 
 // One midpoint step down the gradient, halved until it lowers the arrival and meets no wall;
-// `arrival` is the point's on entry and the new point's on return. False if no step does.
+// `arrival` becomes that of the point, or of the new one. False if no step does.
 template <typename Times>
 bool step_down(const Field<Times>& field, double length, Coordinates& p, double& arrival) {
   constexpr int kHalvings = 3;
   Coordinates gradient{};
-  field.interpolate(p, gradient);
+  arrival = field.interpolate(p, &gradient);
   const double slope = std::hypot(gradient[0], gradient[1], gradient[2]);
   for (int n = 0; n < kHalvings; ++n, length *= 0.5) {
     const Coordinates middle = moved(field.grid(), p, gradient, 0.5 * length);
     Coordinates direction{};
-    if (field.interpolate(middle, direction) == kInfinity) continue;
+    if (field.interpolate(middle, &direction) == kInfinity) continue;
     const Coordinates next = moved(field.grid(), p, direction, length);
-    Coordinates unused{};
-    const double reached = field.interpolate(next, unused);
+    const double reached = field.interpolate(next);
     if (!(reached < arrival - kMinGain * slope * length) || !field.is_free(p, next)) continue;
     p = next;
     arrival = reached;
@@ -246,12 +248,16 @@ bool walk_down(const Field<Times>& field, std::vector<Coordinates>& path, double
 template <typename Times>
 bool holds_times(const Field<Times>& field, const CellIndex& cell) {
   constexpr Index kReach = 3;  // a step, its interpolation and the neighbours' slopes
-  CellIndex at{};
-  for (at[0] = cell[0] - kReach; at[0] <= cell[0] + kReach; ++at[0])
-    for (at[1] = cell[1] - kReach; at[1] <= cell[1] + kReach; ++at[1])
-      for (at[2] = cell[2] - kReach; at[2] <= cell[2] + kReach; ++at[2])
-        if (!(field.at(at) >= 0.0)) return false;
-  return true;
+  CellIndex low{}, high{};
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = std::max<Index>(cell[axis] - kReach, 0);
+    high[axis] = std::min(cell[axis] + kReach, field.grid().shape[axis] - 1);
+  }
+  bool times = true;
+  for (Index i = low[0]; i <= high[0]; ++i)
+    for (Index j = low[1]; j <= high[1]; ++j)
+      for (Index k = low[2]; k <= high[2]; ++k) times &= field.inside({i, j, k}) >= 0.0;
+  return times;
 }
 
 Coordinates stepped(const Grid& grid, const Coordinates& p, const Coordinates& unit,
@@ -290,8 +296,8 @@ Descent descend_in(const Field<Times>& field, const Coordinates& start, const Co
   const double length = step * field.smallest_spacing();
   // The path can wind through every cell once; its steps are halved three times at most.
   const double most = 100.0 + 20.0 * static_cast<double>(grid.size()) / std::min(step, 1.0);
-  Coordinates p = start, unused{};
-  double time = field.interpolate(p, unused);
+  Coordinates p = start;
+  double time = field.interpolate(p);
   while (!(field.is_near(p, goal) && field.is_free(p, goal))) {
     if (!(time >= 0.0)) return {DescentStatus::kNotTimes, {}};
     check_interrupt();
@@ -354,8 +360,8 @@ Direction direction(const Grid& grid, const Real* arrival, const Coordinates& p)
 
   const CellIndex earlier = field.earliest_neighbour(cell);
   const double length = kStep * field.smallest_spacing();
-  Coordinates next = p, unused{};
-  double time = field.interpolate(p, unused);
+  Coordinates next = p;
+  double time = kInfinity;
   if (earlier != cell && step_down(field, length, next, time)) {
     const Coordinates along = unit_vector(grid, p, next);
     if (field.is_free(p, stepped(grid, p, along, length))) return {DescentStatus::kOk, along};

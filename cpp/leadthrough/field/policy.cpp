@@ -107,11 +107,29 @@ Vector3d MarchingPolicy::padded(const PositionIn& position) const {
   return result;
 }
 
+// More than the squares of the distances to the nearest ones, so that few others are sorted.
+double MarchingPolicy::farther_than_nearest(const Vector3d& point) const {
+  constexpr auto kCount = static_cast<Eigen::Index>(kNeighbours);
+  const Eigen::Index count = positions_.cols();
+  if (count < kCount) return std::numeric_limits<double>::infinity();
+  const auto square = [&](Eigen::Index i) { return (positions_.col(i) - point).squaredNorm(); };
+  Eigen::Index near = 0;
+  double least = square(0), most = 0.0;
+  for (Eigen::Index i = kCount; i < count; i += kCount)
+    if (const double each = square(i); each < least) {
+      near = i;
+      least = each;
+    }
+  const Eigen::Index first = std::clamp<Eigen::Index>(near - kCount / 2, 0, count - kCount);
+  for (Eigen::Index i = first; i < first + kCount; ++i) most = std::max(most, square(i));
+  return std::nextafter(most, std::numeric_limits<double>::infinity());
+}
+
 // The demonstrated speed: the mean of the nearest ones, by the inverse of distances plus a cell.
 double MarchingPolicy::speed_at(const Vector3d& point) const {
   std::array<double, kNeighbours> squares;
   std::array<Eigen::Index, kNeighbours> nearest{};
-  squares.fill(std::numeric_limits<double>::infinity());
+  squares.fill(farther_than_nearest(point));
   for (Eigen::Index i = 0; i < positions_.cols(); ++i) {
     const double square = (positions_.col(i) - point).squaredNorm();
     if (!(square < squares.back())) continue;

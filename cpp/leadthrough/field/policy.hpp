@@ -56,6 +56,7 @@ class MarchingPolicy {
   };
 
   Eigen::Vector3d padded(const PositionIn& position) const;
+  double farther_than_nearest(const Eigen::Vector3d& point) const;
   double speed_at(const Eigen::Vector3d& point) const;
   DescentStatus descend(const Eigen::Vector3d& point, Eigen::Vector3d& unit) const;
   DescentStatus velocity_at(const Eigen::Vector3d& point, Eigen::Vector3d& velocity) const;

@@ -1,7 +1,8 @@
 #pragma once
 
 // Connecting motions from a state of a stream onto target samples: the polynomial of degree 5
-// between the two states, in the fewest periods that the limits allow.
+// between the two states, in the fewest periods that the limits allow; or each joint by itself onto
+// samples that pass meanwhile.
 
 #include "leadthrough/guard/step_limits.hpp"
 
@@ -22,5 +23,14 @@ std::optional<Bridge> bridge_to_start(const StepLimits& limits, const RowsRef& s
 // start.
 std::optional<Bridge> bridge_on_time(const StepLimits& limits, const RowsRef& start,
                                      const RowsRef& target, Eigen::Index most_steps);
+
+// A row a period, from the start on, along a target (n, 3 joints) whose first row is due at the
+// start. Each joint ends its difference to it by the fastest way inside what the target leaves of
+// a fraction of the limits, which are judged along the quintics between the rows, with at most a
+// jerk beyond the target's own. If the last row is at rest, the way leads there from the last row
+// but one, for kMaxJoin rows at most.
+constexpr Eigen::Index kMaxJoin = 100'000;
+Rows joined(const StepLimits& limits, const RowsRef& start, const RowsRef& target,
+            const Eigen::VectorXd& jerk, double use);
 
 }  // namespace leadthrough::guard

@@ -272,6 +272,12 @@ Eigen::VectorXd times_to_rest(const AxisBatch& axes, const AxisTargets& targets)
   return times;
 }
 
+AxisState step_axis(const AxisState& state, double target, const AxisLimits& limits,
+                    double period) {
+  const Approach approach(state, target, limits);
+  return approach.placed(approach.step(period), target);
+}
+
 AxisColumns step_each(const AxisBatch& axes, const AxisTargets& targets, double period) {
   check_axes(axes, targets);
   return stepped(axes, targets, [&](const Approach& axis) { return axis.step(period); });

@@ -36,6 +36,8 @@ using AxisTargets = Eigen::Ref<const Eigen::VectorXd>;
 Eigen::VectorXd resting_places(const AxisBatch& axes);
 // Times until each rests at its target.
 Eigen::VectorXd times_to_rest(const AxisBatch& axes, const AxisTargets& targets);
+// The state of one axis a period on.
+AxisState step_axis(const AxisState& state, double target, const AxisLimits& limits, double period);
 // The states one period on.
 AxisColumns step_each(const AxisBatch& axes, const AxisTargets& targets, double period);
 // The same, but the faster ones keep so low a speed on the way that all rest at the same time.

@@ -4,12 +4,11 @@ A chunk is the uniform cubic B-spline whose control points are its actions: its 
 continuous, it stays in the hull of its actions, so that limits of position and velocity that these
 keep hold between them too, it has no lag, and it passes 1/6 of their second difference beside them.
 It begins and ends on its first and its last action. A chunk takes over from another, from rest or
-after periods that were missed, by the difference e between the state commanded and the chunk: it
-decays as the polynomial of degree five from e, e', e'' to 0. Nothing jumps up to the acceleration,
-and the chunk's own timing is kept.
+after periods that were missed, by the difference between the state commanded and the chunk, which
+each joint ends by the fastest motion of bounded jerk that the chunk's own rates leave room for.
+Nothing jumps up to the acceleration, and the chunk's own timing is kept.
 
-Source: de Boor 1978, "A Practical Guide to Splines", for B-splines; Flash and Hogan 1985, for the
-polynomial.
+Source: de Boor 1978, "A Practical Guide to Splines".
 """
 
 from __future__ import annotations
@@ -21,9 +20,9 @@ import numpy as np
 from leadthrough.arm import JointLimits
 from leadthrough.check import Float64Array
 
-_MAX_PASSES = 8  # of smoothing
-_ROOM = 0.7  # of the limits that a chunk may use, so that it can be joined
-_JOIN_USE = 0.5  # of the limits that a join is meant to use
+_MAX_PASSES = 4  # of smoothing
+_ROOM = 0.7  # of the limits: a chunk that uses more is smoothed
+_FOLLOWED = 0.95  # of the limits that a chunk may use, so that it can be joined
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,16 +51,11 @@ class ChunkCurve:
         now = max(now, self.start)
         left = self.points[max(0, int((now - self.start) / self.step)) :]
         uses = enumerate(_uses(left, self.step, limits), 1)
-        slower = max(1.0, *((used / _ROOM) ** (1.0 / order) for order, used in uses))
+        slower = max(1.0, *((used / _FOLLOWED) ** (1.0 / order) for order, used in uses))
         if slower == 1.0:
             return self
         start = now - (now - self.start) * slower
         return ChunkCurve(start, self.step * slower, self.points, (self.start, self.step))
-
-    def held(self, now: float) -> ChunkCurve:
-        """Its last action alone."""
-        last = 0.5 * (self.points[-1:] + self.points[-3:-2])
-        return ChunkCurve(now, self.step, last.repeat(4, axis=0))
 
     def lag(self, now: float) -> float:
         """How far it is behind the policy's own timing, s."""
@@ -85,33 +79,14 @@ class ChunkCurve:
         return np.hstack([q, qd, qdd])
 
 
-def decaying(away: Float64Array, duration: float, times: Float64Array) -> Float64Array:
-    """A difference of states (1, 3 joints) at time 0, as it decays to 0: (n, 3 joints)."""
-    e, ed, edd = away.reshape(3, -1) * duration ** np.arange(3)[:, None]
-    cubic = -10.0 * e - 6.0 * ed - 1.5 * edd
-    quartic = 15.0 * e + 8.0 * ed + 1.5 * edd
-    quintic = -6.0 * e - 3.0 * ed - 0.5 * edd
-    table = np.stack([e, ed, 0.5 * edd, cubic, quartic, quintic])
-    s, k = times / duration, np.arange(6.0)[:, None]
-    powers = np.vander(s, 6, increasing=True) * (s < 1.0)[:, None]
-    rates = powers[:, :5] @ (k * table)[1:] / duration
-    bends = powers[:, :4] @ (k * (k - 1.0) * table)[2:] / duration**2
-    return np.hstack([powers @ table, rates, bends])
+def needed_jerk(away: Float64Array, duration: float) -> Float64Array:
+    """A jerk (joints,) by which a difference of states (1, 3 joints) ends in a duration, s.
 
-
-def needed_duration(away: Float64Array, limits: JointLimits) -> float:
-    """The shortest duration, s, in which a difference of states decays within half of the limits.
-
-    The peaks of the derivatives of the three parts of the polynomial, over unit time.
+    The sum of those by which a distance, a velocity and an acceleration end alone, by the fastest
+    motion that only the jerk limits.
     """
-    assert limits.acceleration is not None
-    assert limits.jerk is not None
-    limited = (limits.velocity, limits.acceleration, limits.jerk)
-    v, a, j = (_JOIN_USE * limit for limit in limited)
     e, ed, edd = np.abs(away.reshape(3, -1))
-    by_position = (1.875 * e / v, np.sqrt(5.774 * e / a), np.cbrt(60.0 * e / j))
-    by_rates = (3.6 * ed / a, np.sqrt(36.0 * ed / j), 9.0 * edd / j)
-    return float(np.max([*by_position, *by_rates]))
+    return np.asarray(32.0 * e / duration**3 + 27.0 * ed / duration**2 + 5.0 * edd / duration)
 
 
 def smoothed(rows: Float64Array, step: float, limits: JointLimits) -> Float64Array:

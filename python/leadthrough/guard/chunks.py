@@ -14,7 +14,7 @@ from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard.admission import Admission, CommandedState, trajectory
-from leadthrough.guard.chunk_curve import ChunkCurve, decaying, needed_duration, smoothed
+from leadthrough.guard.chunk_curve import ChunkCurve, needed_jerk, smoothed
 from leadthrough.guard.guard import Guard
 from leadthrough.guard.rules import row_of, step_limits
 
@@ -22,8 +22,7 @@ Kind = Literal["absolute", "relative", "delta"]
 _WINDOW = 0.25  # s of a chunk that are admitted at a time
 _MAX_ROWS = 256  # of them, so that the answer takes a millisecond
 _MEMORY = 2.0  # s of commands that are remembered, for relative actions
-_SHORTEST_JOIN = 0.25  # of `join`, so that no rounding is joined abruptly
-_LONGER_JOINS = (1.0, 1.5, 2.25)  # times as long as it should take
+_USES = (0.98, 0.9, 0.7)  # of the limits in a join, until they are kept between commands too
 _GENTLE = 0.5  # of the limits that a stop at the end of a chunk uses, if that is enough
 _JITTER = 0.005  # s that a call may be off its time, if the half of a period is less
 _DRIFT = 0.01  # of what a call is off its time that is followed at once
@@ -41,18 +40,18 @@ class Chunks(ShortRepr):
             robot.send(chunks.next(clock()).q)
 
     Chunks may come at any time: late (actions that were due before are left out), overlapping (the
-    newest is followed from its own time on), or with gaps. A chunk takes over without a step in
-    velocity or acceleration, and keeps its timing where the limits allow; else it is slowed down,
-    and the next one catches up. Everything is admitted by the guard. If no chunk comes,
-    the arm stops on the path of the last one, at its end. If `next` was not called for some
-    periods, the arm goes on from its last command and catches up.
+    one observed last is followed from its own time on), or with gaps. A chunk takes over without a
+    step in velocity or acceleration; each joint catches up as fast as its limits allow. A chunk
+    beyond the limits is slowed down, and the next one catches up. Everything is admitted by the
+    guard. If no chunk comes, the arm stops on the path of the last one, at its end. If `next` was
+    not called for some periods, the arm goes on from its last command and catches up.
 
     Args:
         guard: of the arm and its scene, at the loop's rate.
         rate: actions per second, 0.1 to 1e4.
         actions: "absolute" joint positions; "relative", all from the joints at the chunk's time;
             "delta", each from the one before it, the first from the joints at the chunk's time.
-        join: duration in s, > 0, over which the difference to a new chunk decays; longer where the
+        join: duration in s, > 0, in which the difference to a new chunk ends; longer where the
             limits demand it.
     """
 
@@ -72,8 +71,9 @@ class Chunks(ShortRepr):
         self._time: float | None = None
         self._waiting: list[ChunkCurve] = []  # the ones that begin later
         self._curve: ChunkCurve | None = None  # the one that is followed
+        self._observed = -np.inf  # when it was observed, s
         self._again = np.inf  # when more of it is admitted, s
-        self._joined_by = 0.0  # when the last difference to it has decayed, s
+        self._jerk = np.zeros(0)  # (joints,) by which the difference to it ends
         self._answer: Admission | None = None
 
     @property
@@ -114,7 +114,7 @@ class Chunks(ShortRepr):
         self._answer = self._guard.admit(q[None], q)
         self._sent.clear()
         self._sent.append((self._time, q))
-        self._waiting, self._curve = [], None
+        self._waiting, self._curve, self._observed = [], None, -np.inf
 
     def put(self, actions: ArrayLike, time: float, *, measured: ArrayLike | None = None) -> int:
         """Takes over a chunk.
@@ -127,8 +127,8 @@ class Chunks(ShortRepr):
                 default the command that was sent then.
 
         Returns:
-            Number of its actions that are still due; at 0 it came too late, or is not finite, and
-            is left out.
+            Number of its actions that are still due; at 0 it came too late, was observed before
+            the one that is followed, or is not finite, and is left out.
         """
         rows = check.with_gaps(actions, "actions", shape=("n", len(self._guard.arm.joint_names)))
         stamp, base = check.number(time, "time"), None
@@ -172,7 +172,7 @@ class Chunks(ShortRepr):
 
     def stop(self) -> Admission:
         """Brakes now, and forgets all chunks."""
-        self._waiting, self._curve = [], None
+        self._waiting, self._curve, self._observed = [], None, -np.inf
         self._answer = self._guard.stop()
         return self._answer
 
@@ -190,19 +190,19 @@ class Chunks(ShortRepr):
         self._time = now
         begun = [each for each in self._waiting if each.start <= now]
         if begun:
-            self._curve = self._begun(begun[-1], now)
+            self._curve = begun[-1].slowed(now, self._guard.arm.limits)
+            self._observed = begun[-1].start
             self._waiting = [each for each in self._waiting if each.start > now]
-        if begun or missed:
-            self._joined_by = now + (self._join if begun else 0.0)
         if self._curve is not None and (begun or missed or now >= self._again):
-            self._follow(self._curve, now)
+            self._follow(self._curve, now, joining=bool(begun) or missed)
         state = self._guard.next()
         self._sent.append((now, state.q))
         return state
 
     def _due(self, stamp: float, count: int) -> int:
         """Number of the actions of a chunk that are still due."""
-        return int(np.count_nonzero(stamp + self._step * np.arange(count) > self.time))
+        due = stamp + self._step * np.arange(count) > self.time
+        return int(np.count_nonzero(due)) if stamp >= self._observed else 0
 
     def _take(self, rows: Float64Array, stamp: float) -> int:
         """Waits for a chunk of joint positions to begin."""
@@ -224,57 +224,43 @@ class Chunks(ShortRepr):
         """The command (joints,) that was sent at a time, or nearest to it."""
         return min(self._sent, key=lambda sent: abs(sent[0] - time))[1]
 
-    def _begun(self, curve: ChunkCurve, now: float) -> ChunkCurve:
-        """A curve that begins to be followed, slower where limits demand it; its last action alone
-        if the arm cannot be on it before it ends."""
-        limits = self._guard.arm.limits
-        curve = curve.slowed(now, limits)
-        present, last = self._present(), now - self._period
-        needed = needed_duration(present - curve.states(np.array([last])), limits)
-        if last + needed < curve.end:
-            return curve
-        held = curve.held(now)
-        needed = needed_duration(present - held.states(np.array([now])), limits)
-        return replace(held, step=max(_LONGER_JOINS) * max(needed, self._join))
-
     def _present(self) -> Float64Array:
         return row_of(self._guard.state, len(self._guard.arm.joint_names))
 
-    def _follow(self, curve: ChunkCurve, now: float) -> None:
+    def _follow(self, curve: ChunkCurve, now: float, *, joining: bool) -> None:
         """Admits a window of the curve, the first row for now."""
         last = now - self._period
-        if now > curve.end:
+        if now > curve.end and not joining:
             self._again = np.inf  # the rest is admitted already
             return
-        rows = self._joined(curve, self._present(), last)
+        present, target = self._present(), self._target(curve, last)
+        if joining:
+            self._jerk = needed_jerk(present - target[:1], self._join)
+        # Also for the rest that may be left after the curve.
+        jerk = np.maximum(self._jerk, needed_jerk(np.diff(target[-2:], axis=0), self._join))
+        for use in _USES:
+            rows = core.joined(self._guard._rules.limits, present, target, jerk, use)
+            if self._guard._rules.excess(present, rows) is None:
+                break
         times = last + self._period * np.arange(1, len(rows) + 1, dtype=np.float64)
         self._answer = self._guard.admit(trajectory(times, rows, self._guard.arm.joint_names))
         whole = last + self._period * self._rows >= curve.end - self._period
         done = self._answer.verdict == "allowed" and whole
         self._again = np.inf if done else now + 0.5 * self._period * self._rows
 
-    def _joined(self, curve: ChunkCurve, present: Float64Array, last: float) -> Float64Array:
-        """The next states of the curve, onto which the present one is led inside the limits; if
-        that is not found, too fast, for the guard to change."""
+    def _target(self, curve: ChunkCurve, last: float) -> Float64Array:
+        """The states of the curve from the last command on; where they lead to its end, with a stop
+        on their path, and a rest after it."""
         count = min(self._rows, int((curve.end - last) / self._period + 1e-9))
-        since = self._period * np.arange(count + 1, dtype=np.float64)
-        states = curve.states(last + since)
-        away = present - states[:1]
-        left = max(self._joined_by - last, _SHORTEST_JOIN * self._join)
-        needed = max(left, needed_duration(away, self._guard.arm.limits))
-        rows = states[1:]
-        for join in (left, *(longer * needed for longer in _LONGER_JOINS)):
-            rows = self._ended(present, states[1:] + decaying(away, join, since[1:]))
-            if self._guard._rules.excess(present, rows) is None:
-                self._joined_by = last + join
+        since = self._period * np.arange(max(0, count) + 1, dtype=np.float64)
+        states = curve.states(np.minimum(last + since, curve.end))
+        if count == self._rows:
+            return states
+        gentle = step_limits(self._gentle, self._period)
+        for limits in (gentle, self._guard._rules.limits) if count > 0 else ():
+            if (stopped := core.stopped(limits, states[:1], states[1:])) is not None:
+                states = np.concatenate([states[:1], stopped[0]])
                 break
-        return rows
-
-    def _ended(self, present: Float64Array, rows: Float64Array) -> Float64Array:
-        """The states with a stop on their path, where they lead to the end of a chunk."""
-        if len(rows) == self._rows:
-            return rows
-        limits = (step_limits(self._gentle, self._period), self._guard._rules.limits)
-        stops = (core.stopped(each, present, rows) for each in limits)
-        stopped = next((each for each in stops if each is not None), None)
-        return rows if stopped is None else stopped[0]
+        rest = states[-1:].copy()
+        rest[:, len(self._guard.arm.joint_names) :] = 0.0
+        return np.concatenate([states, rest])

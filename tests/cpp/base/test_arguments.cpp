@@ -112,6 +112,7 @@ TEST(Arguments, OfTheGuardAreStatesOfAllJoints) {
   EXPECT_TRUE(refuses([&] { guard::brake(limits, rows(1, 5)); }));
   EXPECT_TRUE(refuses([&] { guard::bridge_to_start(limits, start, rows(4, 5), 10); }));
   EXPECT_TRUE(refuses([&] { guard::bridge_on_time(limits, start, path, guard::kMaxBridge + 1); }));
+  EXPECT_TRUE(refuses([&] { guard::joined(limits, start, path, -limits.jerk, 1.0); }));
   EXPECT_TRUE(refuses([&] { guard::slowed(limits, rows(4, 5), 10); }));
   EXPECT_TRUE(refuses([&] { guard::stopped(limits, rows(2, 6), path); }));
   EXPECT_TRUE(refuses([&] { guard::eased(limits, start, path, 0.0); }));

@@ -42,7 +42,7 @@ FREE = dict(
     dmp_orientations(values)  dmp_peak_speeds(phases)  dmp_poses(phases)  dmp_rollout(phases)
     dmp_rollout_around(phases)  dtw_distance(a b)  dtw_path(a b)  eased(path)
     first_contact(samples)  first_excess(samples)  fit_spline(q)  frechet_distance(a b)
-    jacobian(q)  jacobian_of_one(q)  longest_step(q)  march(cells speed)
+    jacobian(q)  jacobian_of_one(q)  joined(target)  longest_step(q)  march(cells speed)
     nearest_bodies(q)  nearest_sources(arrival)  normalised_basis(centres phases)
     polynomial_values(coefficients times)  posture_task(q velocity)  product(left right)
     rms_apart(curves)  rows_apart(q)  sample_truncated_gaussian(velocities)  slowed(path)

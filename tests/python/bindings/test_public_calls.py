@@ -254,6 +254,10 @@ def test_a_guard_slows_what_is_too_fast_and_stops_before_a_wall():
     for rate, ahead in ways:
         answer = lt.Guard(panda, [wall], rate=rate).admit(HOME + ahead, HOME)
         assert panda.check(answer.motion, [wall]).ok
+    chunks = lt.guard.Chunks(lt.Guard(panda, rate=100.0), rate=10.0)
+    chunks.start(HOME)
+    chunks.put(HOME + rise[:5] * aside, 0.0)
+    assert np.abs(chunks.next().q - HOME).max() < 1e-3
 
 
 def test_rows_of_numbers_are_written_and_read():

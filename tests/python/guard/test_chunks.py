@@ -133,6 +133,40 @@ def test_an_obstacle_on_the_way_is_not_touched(panda):
     assert np.abs(sent[-1] - Q).max() > 0.1
 
 
+def test_a_chunk_observed_before_the_one_followed_is_left_out(chunks):
+    arrivals = coming(3.0)
+    alone = copy.deepcopy(chunks)
+    late = [*arrivals[:4], (1.75, 1.0, rows_at(1.0) + 0.05), *arrivals[4:]]
+    assert np.array_equal(followed(chunks, late, 2.5), followed(alone, arrivals, 2.5))
+
+
+def test_a_single_action_is_gone_to(panda, chunks):
+    goal = Q + 0.1
+    assert chunks.put(goal[None], 0.01) == 1
+    sent = np.array([chunks.next().q for _ in range(1000)])
+    assert_kept(chunks, sent)
+    assert np.abs(sent[-1] - goal).max() < 1e-8
+
+
+def test_an_arm_with_little_room_catches_up_with_late_chunks():
+    """Its policy uses three quarters of a limit."""
+    arm, size = lt.Arm.load("ur3"), np.array([1.2, 0.5, 0.5, 1.0, 1.3, 1.4])
+
+    def meant(times):
+        return HOMES["ur3"] + size * (1.0 - np.cos(0.74 * np.pi * times))[..., None] / 2.0
+
+    follower = lt.guard.Chunks(lt.Guard(arm, rate=RATE), rate=POLICY)
+    follower.start(HOMES["ur3"])
+    delays = np.repeat([0.15, 0.8, 0.15], [4, 4, 12])
+    stamps = 0.2 * np.arange(20)
+    chunks = [meant(stamp + np.arange(30) / POLICY) for stamp in stamps]
+    arrivals = sorted(zip(stamps + delays, stamps, chunks, strict=True), key=lambda each: each[0])
+    sent = followed(follower, arrivals, 4.0)
+    assert_kept(follower, sent)
+    times = np.arange(len(sent)) / RATE
+    assert np.abs(sent[3200:] - meant(times[3200:])).max() < 5e-3
+
+
 @pytest.mark.parametrize("kind", ["relative", "delta"])
 def test_relative_actions_are_of_the_joints_at_their_time(panda, kind):
     measured = Q + 0.001
