@@ -50,11 +50,8 @@ _MIN_PROBABILITY = 1e-3
 _JUDGED = np.array([0.1, 0.4, 0.7, 1.0])
 # Left-out demonstrations are forecast at paces that are off by this many standard deviations.
 _OFF_PACE = 1.3
-# Deviations that are followed, over the largest of a left-out demonstration.
-_FOLLOWED = 1.25
 # Logarithms of the factors that the covariance is tried with.
 _FACTORS = np.linspace(-3.0, 5.5, 86)
-_SMALLEST = np.finfo(np.float64).tiny
 # Directions with less information from the samples than this, relative to the most, are unseen.
 _UNSEEN = 1e-12
 
@@ -323,8 +320,7 @@ class Continuation(Generic[MotionT]):
         # The mean of a variance after as many squared errors, if nothing was known before.
         count = len(left_out)
         scale = float(squared.mean()) / len(self._noise) * count / (count - 2)
-        followed = kept[:, None] * deviations
-        return kept[:, None] * _within(followed, _FOLLOWED * np.abs(on_pace[1]).max(axis=0)), scale
+        return _followed(kept, deviations, np.abs(on_pace[1]).max(axis=0)), scale
 
     def _first_paces(self) -> Float64Array:
         """A grid over all durations that can be, finer about the demonstrated ones."""
@@ -398,9 +394,10 @@ def _forecast_of(
     return found - nominal, gained, after, before
 
 
-def _within(deviations: Float64Array, most: Float64Array) -> Float64Array:
-    """The fractions in [0, 1] of deviations that are at most so large."""
-    return np.asarray(np.minimum(1.0, most / np.maximum(np.abs(deviations), _SMALLEST)))
+def _followed(kept: Float64Array, deviations: Float64Array, most: Float64Array) -> Float64Array:
+    """The fractions (n, d) to follow: those (n,) that come true, of no more than `most` (n, d)."""
+    near = np.clip(kept[:, None] * deviations, -most, most)
+    return np.divide(near, deviations, out=np.zeros_like(near), where=deviations != 0.0)
 
 
 def _kept(foreseen: Float64Array, gained: Float64Array) -> Float64Array:
@@ -409,8 +406,9 @@ def _kept(foreseen: Float64Array, gained: Float64Array) -> Float64Array:
     Each is the mean of the fraction at its phase and the one over all phases.
     """
     product, squared = (foreseen * gained).sum(axis=(0, 2)), (foreseen**2).sum(axis=(0, 2))
-    own = product / np.maximum(squared, _SMALLEST)
-    every = product.sum() / max(squared.sum(), _SMALLEST)
+    smallest = np.finfo(np.float64).tiny
+    own = product / np.maximum(squared, smallest)
+    every = product.sum() / max(squared.sum(), smallest)
     return np.asarray(0.5 * (np.clip(own, 0.0, 1.0) + np.clip(every, 0.0, 1.0)))
 
 
