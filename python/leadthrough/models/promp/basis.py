@@ -219,15 +219,22 @@ def weights_of_values(basis: Basis) -> Float64Array:
 
 def multiplied(basis: Basis, factors: Float64Array) -> Float64Array:
     """The matrix (k, k) of weights that multiplies a curve with factors (n,) at `prior_phases`."""
-    return np.asarray(weights_of_values(basis) @ (factors[:, None] * basis(prior_phases(basis))))
+    values = factors[:, None] * basis(prior_phases(basis))
+    return _exact_at_ends(basis, weights_of_values(basis) @ values, values[[0, -1]])
 
 
 @lru_cache(maxsize=16)
 def lines(basis: Basis) -> Float64Array:
     """Weights (k, 2) of the lines from 1 to 0 and from 0 to 1, exact at both ends."""
-    fitted = product(weights_of_values(basis), _ramps(basis).T)
+    return _exact_at_ends(basis, product(weights_of_values(basis), _ramps(basis).T), np.eye(2))
+
+
+def _exact_at_ends(basis: Basis, fitted: Float64Array, values: Float64Array) -> Float64Array:
+    """The nearest weights (k, m) to fitted ones of curves with values (2, m) at both ends."""
+    if basis.is_rhythmic:  # both are one phase, and may differ
+        return fitted
     rows = basis(np.array([0.0, 1.0]))
-    return np.asarray(fitted + np.linalg.pinv(rows) @ (np.eye(2) - rows @ fitted))
+    return np.asarray(fitted + np.linalg.pinv(rows) @ (values - rows @ fitted))
 
 
 def _ramps(basis: Basis) -> Float64Array:

@@ -12,7 +12,7 @@ section 4.6.3.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Generic
 
@@ -39,7 +39,7 @@ _PACES = np.log(np.geomspace(0.4, 2.5, 37))
 _PACE_SPREAD = 0.25
 _UNUSUAL = 0.1
 # Power of the likelihood of the duration: deviations of neighbouring samples are not independent.
-_TEMPERED = 0.25
+_TEMPERED = 0.5
 # Demonstrations of one duration: the least standard deviation, which counts as one of them.
 _MIN_PACE_SPREAD = 0.03
 _STEPS = np.linspace(-3.0, 3.0, 13)  # paces tried about the demonstrated ones, in deviations
@@ -50,12 +50,6 @@ _MIN_PROBABILITY = 1e-3
 _JUDGED = np.array([0.1, 0.4, 0.7, 1.0])
 # Left-out demonstrations are forecast at paces that are off by this many standard deviations.
 _OFF_PACE = 1.3
-# Standard deviation of the logarithm of a duration that no demonstrations tell closer.
-_LATE = 0.05
-# Standard errors by which a forecast has to come true before it counts.
-_SURELY = 0.1
-# Squared deviations from what was known before, in its variances, that are followed as they are.
-_PLAUSIBLE = 4.0
 # Logarithms of the factors that the covariance is tried with.
 _FACTORS = np.linspace(-3.0, 5.5, 86)
 # Directions with less information from the samples than this, relative to the most, are unseen.
@@ -138,8 +132,7 @@ class Inference(ShortRepr, Generic[MotionT_co]):
         check.integer(chosen, "skill", at_least=0, at_most=len(self.skills) - 1)
         expected = self.skills[chosen]
         mean, covariance = expected.distribution(times)
-        moved = _LATE * _per_duration(expected, np.asarray(times, np.float64))
-        covariance = covariance + np.diag(expected.noise) + moved[:, :, None] * moved[:, None, :]
+        covariance = covariance + np.diag(expected.noise)
         return Region(mean, covariance * self._radius(mean.shape[1], chosen, probability))
 
     def _radius(self, size: int, skill: int, probability: float) -> float:
@@ -195,13 +188,6 @@ def infer(
     )
 
 
-def _per_duration(skill: ProMPSkill, times: Float64Array) -> Float64Array:
-    """By how much (n, d) the mean at times changes with the logarithm of the duration."""
-    phases = times / skill.duration
-    curves = skill.weights.mean.reshape(skill.coordinates.width, -1).T
-    return np.asarray(phases[:, None] * (skill.basis(phases, 1) @ curves))
-
-
 def _prior(value: ArrayLike | None, size: int) -> Float64Array:
     if value is None:
         return np.full(size, 1.0 / size)
@@ -215,8 +201,38 @@ def _in_best_mode(
     observed: Motion, skill: ProMPSkill[MotionT], noise: Float64Array
 ) -> Continuation[MotionT]:
     """The motion under the mode of a skill that it is most probably of."""
-    every = [Continuation(observed, mode, noise) for mode in skill.modes]
+    every = [Continuation(observed, mode, noise) for mode in _modes_of(skill)]
     return max(every, key=lambda each: each.evidence)
+
+
+@lru_cache(maxsize=8)  # with what a skill's demonstrations imply, whatever beginnings come
+def _modes_of(skill: ProMPSkill[MotionT]) -> tuple[ProMPSkill[MotionT], ...]:
+    """The modes of a skill; instead of those of one demonstration, one of all demonstrations.
+
+    One demonstration does not say how its mode varies. Poses of different modes have different
+    reference orientations, and stay apart.
+    """
+    several = [each for each in skill.modes if not _is_lone(each)]
+    alike_in_basis = all(each.basis == skill.basis for each in skill.modes)
+    if len(several) == len(skill.modes) or skill.coordinates.kind == "poses" or not alike_in_basis:
+        return skill.modes
+    known = [each.experience for each in skill.modes if each.experience is not None]
+    paces = [
+        own.paces + np.log(each.duration / skill.duration)
+        for each, own in zip(skill.modes, known, strict=True)
+    ]
+    every = Experience(
+        skill.basis,
+        np.concatenate([own.curves for own in known]),
+        np.concatenate(paces),
+        np.mean([own.noise for own in known], axis=0),
+        np.max([own.scale for own in known], axis=0),
+    )
+    return (*several, replace(skill, experience=every))
+
+
+def _is_lone(mode: ProMPSkill[MotionT]) -> bool:
+    return mode.experience is not None and len(mode.experience.curves) == 1
 
 
 class Continuation(Generic[MotionT]):
@@ -238,10 +254,10 @@ class Continuation(Generic[MotionT]):
         for _ in range(2):
             paces, seen = self._refined(paces, seen)
         steps = np.gradient(paces) if len(paces) > 1 else np.ones(1)
-        likelihoods, believed = np.array([each.evidence for each in seen]), self._log_prior(paces)
+        evidence, believed = np.array([each.evidence for each in seen]), self._log_prior(paces)
         # The probability of the skill is that of all its durations together.
-        self.evidence = float(logsumexp(likelihoods + believed, b=steps))
-        scores = _TEMPERED * likelihoods + believed
+        self.evidence = float(logsumexp(evidence + believed, b=steps))
+        scores = self._log_likelihoods(seen) + believed
         likely = np.exp(scores - scores.max()) * steps
         likely = np.where(likely > _MIN_PROBABILITY * likely.max(), likely, 0.0)
         self._paces, self._likely, self._all = paces, likely / likely.sum(), seen
@@ -262,27 +278,32 @@ class Continuation(Generic[MotionT]):
 
     def _corrected(self, rest: Gaussian) -> Gaussian:
         """The forecast, at each phase only as far from what was known before as surely gains."""
+        from scipy.linalg import block_diag
+
         experience = self.skill.experience
         end = min(self._observed.duration / self.duration, 1.0)
         if experience is None or end == 1.0:
             return rest
-        basis, size = self.skill.basis, len(self._noise)
+        basis, known = self.skill.basis, self._predictive.known
         ahead = end + (1.0 - end) * _JUDGED
-        kept, scale = self._judged(experience.left_out, end, ahead)
-        known = self._predictive.known
-        at = prior_phases(basis)
-        followed = np.interp(at, np.append(end, ahead), np.append(1.0, kept))
-        left = 1.0 - followed * _plausible(rest.mean - known.mean, known, basis(at), self._noise)
-        back = np.kron(np.eye(size), multiplied(basis, left))
+        foreseen = basis(ahead) @ (rest.mean - known.mean).reshape(len(self._noise), -1).T
+        followed, scale = self._judged(experience.left_out, end, ahead, foreseen)
+        at, judged = prior_phases(basis), np.append(end, ahead)
+        left = [1.0 - np.interp(at, judged, np.append(1.0, column)) for column in followed.T]
+        back = block_diag(*[multiplied(basis, column) for column in left])
         covariance = rest.covariance + back @ (known.covariance - rest.covariance) @ back.T
         return Gaussian(rest.mean - back @ (rest.mean - known.mean), scale * covariance)
 
     def _judged(
-        self, left_out: Sequence[LeftOut], end: float, ahead: Float64Array
+        self,
+        left_out: Sequence[LeftOut],
+        end: float,
+        ahead: Float64Array,
+        deviations: Float64Array,
     ) -> tuple[Float64Array, float]:
-        """The fractions (n,) of deviations that come true at phases, and the covariance's scale."""
-        if not left_out:  # nothing says that they do
-            return np.zeros(len(ahead)), 1.0
+        """The fractions (n, d) of deviations to follow at phases, and the covariance's scale."""
+        if not left_out:  # nothing says that they come true
+            return np.zeros(deviations.shape), 1.0
         phases = np.linspace(0.0, end, min(len(self._rows), _MAX_SAMPLES)), ahead
         spread = float(np.sqrt(self._likely @ (self._paces - self._likely @ self._paces) ** 2))
         judged = [
@@ -298,7 +319,8 @@ class Continuation(Generic[MotionT]):
         squared = (missed * np.linalg.solve(expected, missed[..., None])[..., 0]).sum(axis=2)
         # The mean of a variance after as many squared errors, if nothing was known before.
         count = len(left_out)
-        return kept, float(squared.mean()) / len(self._noise) * count / (count - 2)
+        scale = float(squared.mean()) / len(self._noise) * count / (count - 2)
+        return _followed(kept, deviations, np.abs(on_pace[1]).max(axis=0)), scale
 
     def _first_paces(self) -> Float64Array:
         """A grid over all durations that can be, finer about the demonstrated ones."""
@@ -309,14 +331,20 @@ class Continuation(Generic[MotionT]):
 
     def _refined(self, paces: Float64Array, seen: list[Seen]) -> tuple[Float64Array, list[Seen]]:
         """The grid with more paces between the neighbours of the best one."""
-        likelihoods = _TEMPERED * np.array([each.evidence for each in seen])
-        top = int(np.argmax(likelihoods + self._log_prior(paces)))
+        top = int(np.argmax(self._log_likelihoods(seen) + self._log_prior(paces)))
         first, last = max(top - 1, 0), min(top + 1, len(paces) - 1)
         between = np.linspace(paces[first], paces[last], _REFINED + 2)[1:-1]
         added = between[~np.isin(between, paces)]
         more = [*seen, *(self._seen(pace) for pace in added)]
         order = np.argsort(np.concatenate([paces, added]))
         return np.concatenate([paces, added])[order], [more[i] for i in order]
+
+    def _log_likelihoods(self, seen: Sequence[Seen]) -> Float64Array:
+        """Log-likelihoods (n,) of paces, up to a constant, where the noise's size is unknown."""
+        count = len(self._rows) * len(self._noise)
+        constant = len(self._rows) * np.log(2.0 * np.pi * self._noise).sum()
+        squared = -2.0 * np.array([each.evidence for each in seen]) - constant
+        return np.asarray(-0.5 * _TEMPERED * count * np.log1p(np.maximum(squared, 0.0) / count))
 
     def _log_prior(self, paces: Float64Array) -> Float64Array:
         """Log density (n,) of paces before anything is seen."""
@@ -366,16 +394,10 @@ def _forecast_of(
     return found - nominal, gained, after, before
 
 
-def _plausible(
-    moved: Float64Array, known: Gaussian, rows: Float64Array, noise: Float64Array
-) -> Float64Array:
-    """The fractions (n,) in (0, 1] of deviations that what was known before makes plausible."""
-    deviations = rows @ moved.reshape(len(noise), -1).T
-    spread = known.columns_at(rows)[1] + np.diag(noise)
-    squared = (deviations * np.linalg.solve(spread, deviations[..., None])[..., 0]).sum(axis=1)
-    return np.asarray(
-        np.minimum(1.0, np.sqrt(_PLAUSIBLE * len(noise) / np.maximum(squared, 1e-12)))
-    )
+def _followed(kept: Float64Array, deviations: Float64Array, most: Float64Array) -> Float64Array:
+    """The fractions (n, d) to follow: those (n,) that come true, of no more than `most` (n, d)."""
+    near = np.clip(kept[:, None] * deviations, -most, most)
+    return np.divide(near, deviations, out=np.zeros_like(near), where=deviations != 0.0)
 
 
 def _kept(foreseen: Float64Array, gained: Float64Array) -> Float64Array:

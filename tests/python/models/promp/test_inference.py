@@ -9,6 +9,7 @@ from scipy.stats import chi2, multivariate_normal
 
 import leadthrough as lt
 from leadthrough.models import infer
+from leadthrough_studies.comparison.recordings import read
 
 
 def test_beginning_of_a_motion_tells_which_how_fast_and_how_it_goes_on(skills, family):
@@ -191,6 +192,44 @@ def test_regions_hold_for_other_columns_weights_paces_and_durations():
         )
         assert error <= 1.0
         assert inside >= 0.9
+
+
+def test_regions_hold_where_random_demonstrations_are_taken_for_modes():
+    held = []
+    for seed, factors in ((4, 5), (18, 10), (20, 10)):
+        draw = random_family(np.random.default_rng(seed), factors=factors)
+        skill = lt.ProMP(weights=20).fit([lt.Trajectory(2.0 * U, path) for path in draw(4)])
+        assert min(len(mode.experience.curves) for mode in skill.modes) == 1
+        for path in draw(8):
+            found = infer(lt.Trajectory(2.0 * U, path)[:SEEN], [skill])
+            ahead = found.region(U[SEEN:] * found.durations[0])
+            held.append(ahead.contains(path[SEEN:]).mean())
+    assert 0.92 <= np.mean(held) <= 0.99
+
+
+@pytest.mark.parametrize("motion", ["Sshape", "Trapezoid", "WShape"])
+def test_a_forecast_ends_where_all_demonstrations_end(motion):
+    left_out, *shown = (each.motion for each in lt.io.lasa.load(motion))
+    skill = lt.ProMP().fit(shown)
+    for seen in (300, 500, 700):
+        (ahead,) = infer(left_out[:seen], [skill]).skills
+        end = ahead.generate().positions[-1]
+        assert np.linalg.norm(end - left_out.positions[-1]) < 0.01  # mm; they are 50 mm long
+
+
+def test_left_out_reaches_end_no_farther_off_than_the_mean(recordings):
+    """Kinesthetic reaches in 3-D, of which 30 % say little of the duration."""
+    errors, plain = [], []
+    for file in sorted((recordings / "strokes").glob("dsopt-*.npz")):
+        motions = [each.motion for each in read(file)]
+        for i in (0, 4, 8):
+            left_out, shown = motions[i], motions[:i] + motions[i + 1 :]
+            (ahead,) = infer(left_out[:61], [lt.ProMP().fit(shown)]).skills
+            ends = np.array([each.positions[-1] for each in shown])
+            goal = left_out.positions[-1]
+            errors.append(np.linalg.norm(ahead.generate().positions[-1] - goal))
+            plain.append(np.linalg.norm(ends.mean(axis=0) - goal))
+    assert np.mean(errors) <= np.mean(plain)
 
 
 def test_a_saved_skill_forecasts_the_same_and_an_older_file_as_a_normal_distribution(
