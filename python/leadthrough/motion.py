@@ -103,9 +103,7 @@ class Sampled(Drawn):
         first, last = self.times[0], self.times[-1]
         outside = (at < first) | (at > last)
         if outside.any():
-            raise InvalidInput(
-                f"time: expected {first:.6g} to {last:.6g} s, got {at[outside][0]:.6g} s"
-            )
+            raise check.refused("time", f"{first:.6g} to {last:.6g} s", f"{at[outside][0]:.6g} s")
         return given.ndim > 0, at, lerp(at, self.times, self.positions)
 
     def _repr_parts(self) -> list[str]:
@@ -415,9 +413,8 @@ def _joints(joints: JointTrajectory | None, clock: Float64Array) -> JointTraject
     if not isinstance(joints, JointTrajectory):
         raise InvalidInput(f"joints: expected a JointTrajectory, got {type(joints).__name__}")
     if len(joints.times) != len(clock):
-        raise InvalidInput(
-            f"joints: expected {len(clock)} samples, one for each of the motion's, "
-            f"got {len(joints.times)}"
+        raise check.refused(
+            "joints", f"{len(clock)} samples, one for each of the motion's", len(joints.times)
         )
     return JointTrajectory(clock, joints.positions, joint_names=joints.joint_names)
 

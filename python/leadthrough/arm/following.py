@@ -317,9 +317,8 @@ def _deviation(
             )
         return allowed
     if deviation is None:
-        raise InvalidInput(
-            "deviation: expected the most that the tip may be away from the path, (m, rad), "
-            "got None"
+        raise check.refused(
+            "deviation", "the most that the tip may be away from the path, (m, rad)", "None"
         )
     position, orientation = check.array(deviation, "deviation", shape=(2,))
     return (

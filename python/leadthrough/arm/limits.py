@@ -80,9 +80,8 @@ class JointLimits(ShortRepr):
         crossed = self.lower > self.upper
         if crossed.any():
             i = int(np.argmax(crossed))
-            raise InvalidInput(
-                f"lower: expected at most upper for {names[i]!r}, "
-                f"got {self.lower[i]} and {self.upper[i]}"
+            raise check.refused(
+                "lower", f"at most upper for {names[i]!r}", f"{self.lower[i]} and {self.upper[i]}"
             )
 
     def without(self, names: Collection[str]) -> JointLimits:
@@ -261,9 +260,7 @@ def _column(
 def checked_values(values: Mapping[str, float]) -> Mapping[str, float]:
     """A read-only copy of values by the joints' names."""
     if not isinstance(values, Mapping):
-        raise InvalidInput(
-            f"locked_joints: expected a mapping from joints' names to values, got {values!r}"
-        )
+        raise check.refused("locked_joints", "a mapping from joints' names to values", repr(values))
     for name in values:
         if not isinstance(name, str):
             raise InvalidInput(f"locked_joints: expected a joint's name, got {name!r}")

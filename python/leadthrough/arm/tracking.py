@@ -25,7 +25,7 @@ from itertools import combinations
 import numpy as np
 
 import leadthrough._core as core
-from leadthrough import rotations
+from leadthrough import check, rotations
 from leadthrough.arm.ik_failure import failure
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration, margins
@@ -231,9 +231,7 @@ def axes_to_try(
                 "free: not used with on_rate_limit='deviate' or 'raise'; leave it out"
             )
         if not len(path.orientations) and (set(free) & set(_ROTATIONS) or set(free) >= set("xyz")):
-            raise InvalidInput(
-                f"free: expected one or two of 'x', 'y', 'z' along points, got {list(free)}"
-            )
+            raise check.refused("free", "one or two of 'x', 'y', 'z' along points", list(free))
         return [tuple(free)]
     missing = min(6 - joints, len(_ROTATIONS)) if len(path.orientations) else 0
     if missing <= 0 or in_time:

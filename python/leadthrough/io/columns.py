@@ -19,6 +19,7 @@ from difflib import get_close_matches
 
 import numpy as np
 
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import headers
 from leadthrough.io.headers import AngleUnit, Columns
@@ -236,9 +237,7 @@ def _stacked(
     parts = [_in_si(table, name, role, angles, request) for name in names]
     for name, part in zip(names, parts, strict=True):
         if len(part) != len(parts[0]):
-            raise InvalidInput(
-                f"{name}: expected as many samples as {names[0]}, {len(parts[0])}, got {len(part)}"
-            )
+            raise check.refused(name, f"as many samples as {names[0]}, {len(parts[0])}", len(part))
     # One array of all may be vast; it is copied once, into the recording.
     return parts[0] if len(parts) == 1 and parts[0].ndim == 2 else np.column_stack(parts)
 

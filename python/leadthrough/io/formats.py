@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from leadthrough import check
 from leadthrough.check import InvalidInput
 from leadthrough.io import (
     csv,
@@ -139,9 +140,7 @@ def to_write(path: StrPath, name: str | None) -> Format:
         if each.name == name or (name is None and suffix in each.suffixes):
             return each
     if name is None:
-        raise InvalidInput(
-            f"path: expected {_suffixes(writable)}, got {suffix!r}; change it or set format"
-        )
+        raise check.refused("path", _suffixes(writable), f"{suffix!r}; change it or set format")
     names = ", ".join(repr(each.name) for each in writable)
     raise InvalidInput(f"format: expected one of {names}, got {name!r}")
 

@@ -149,9 +149,7 @@ def _events(found: Mapping[str, NDArray[Any]]) -> Events:
     times = check.array(found["event_times"], "event_times", shape=("n",))
     names = [str(name) for name in found["event_names"].ravel()]
     if len(names) != len(times):
-        raise InvalidInput(
-            f"event_names: expected {len(times)} names, one per event_times, got {len(names)}"
-        )
+        raise check.refused("event_names", f"{len(times)} names, one per event_times", len(names))
     return tuple(Event(time, name) for time, name in zip(times.tolist(), names, strict=True))
 
 

@@ -329,9 +329,8 @@ def write(motion: Motion, path: StrPath) -> None:
     elif isinstance(motion, PoseTrajectory):
         write_poses(motion, path)
     else:
-        raise InvalidInput(
-            "motion: expected joints or poses, which ROS bags can hold, "
-            f"got {type(motion).__name__}"
+        raise check.refused(
+            "motion", "joints or poses, which ROS bags can hold", type(motion).__name__
         )
 
 
@@ -457,9 +456,7 @@ def _bag(path: StrPath) -> Iterator[_Bag]:
         raise InvalidInput(f"path: expected a path, got {path!r}")
     suffix = Path(path).suffix.lower()
     if suffix == ".bag":
-        raise InvalidInput(
-            "path: expected .mcap, .db3 or the name of a folder, got .bag, which is ROS 1"
-        )
+        raise check.refused("path", ".mcap, .db3 or the name of a folder", ".bag, which is ROS 1")
     storage = rosbag2.StoragePlugin
     plugin = storage.MCAP if suffix == ".mcap" else storage.SQLITE3
     with (
@@ -489,7 +486,5 @@ def _folder_or_file(path: StrPath, suffix: str) -> Iterator[Path]:
 def _nanoseconds(times: Float64Array) -> list[int]:
     due = [round(time * NANOSECONDS) for time in (times - times[0]).tolist()]
     if due[-1] >= 2**31 * NANOSECONDS:
-        raise InvalidInput(
-            f"motion: expected a duration below 2**31 s, got {times[-1] - times[0]:.6g} s"
-        )
+        raise check.refused("motion", "a duration below 2**31 s", f"{times[-1] - times[0]:.6g} s")
     return due

@@ -38,9 +38,7 @@ class Frame(ShortRepr):
         own_axes = check.frozen(given, "axes", shape=(size, size))
         off = float(np.abs(own_axes.T @ own_axes - np.eye(size)).max())
         if off > _ORTHONORMAL:
-            raise InvalidInput(
-                f"axes: expected orthonormal columns, got axes.T @ axes off by {off:.3g}"
-            )
+            raise check.refused("axes", "orthonormal columns", f"axes.T @ axes off by {off:.3g}")
         vars(self).update(origin=own_origin, axes=own_axes)
 
     @staticmethod
@@ -118,9 +116,7 @@ def checked_frames(
     """The frames of each of several demonstrations."""
     if not isinstance(frames, Sequence) or len(frames) != count:
         got = len(frames) if isinstance(frames, Sequence) else type(frames).__name__
-        raise InvalidInput(
-            f"frames: expected one sequence of frames per demonstration, {count}, got {got}"
-        )
+        raise check.refused("frames", f"one sequence of frames per demonstration, {count}", got)
     given = [tuple(each) for each in frames]
     for frame in (frame for each in given for frame in each):
         if not isinstance(frame, Frame) or len(frame.origin) != size:

@@ -206,9 +206,7 @@ class SkillLibrary(ShortRepr):
         known = self._of(task, subtask)
         if not known:
             held = sorted({(each.task, each.subtask) for each in self.entries})
-            raise InvalidInput(
-                f"subtask: expected one of the tasks and subtasks {held}, got {(task, subtask)}"
-            )
+            raise check.refused("subtask", f"one of the tasks and subtasks {held}", (task, subtask))
         return known, check.array(target, "target", shape=known[0].target.shape)
 
 

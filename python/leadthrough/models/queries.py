@@ -172,9 +172,7 @@ def asked_times(times: ArrayLike, name: str, *, at_least: int = 1) -> Float64Arr
     """Times (n,) of a distribution, s, neither too few nor too many."""
     checked = check.array(times, name, shape=("n",))
     if not at_least <= len(checked) <= _MAX_TIMES:
-        raise InvalidInput(
-            f"{name}: expected {at_least} to {_MAX_TIMES:,} times, got {len(checked):,}"
-        )
+        raise check.refused(name, f"{at_least} to {_MAX_TIMES:,} times", f"{len(checked):,}")
     return checked
 
 

@@ -148,9 +148,8 @@ def nearest_sources(
     """
     raw = check.regular(arrival, "arrival")
     if raw.dtype.kind != "f" or raw.ndim not in (2, 3) or raw.size == 0 or not raw.min() >= 0.0:
-        raise InvalidInput(
-            "arrival: expected a 2-D or 3-D array of times >= 0, "
-            f"got shape {raw.shape} of {raw.dtype}"
+        raise check.refused(
+            "arrival", "a 2-D or 3-D array of times >= 0", f"shape {raw.shape} of {raw.dtype}"
         )
     cells = flat_indices(sources, "sources", raw.shape)
     times = np.ascontiguousarray(raw, np.float64)
@@ -196,9 +195,7 @@ class ArrivalField:
         self._precision = precision_of(dtype)
         field = checked_speeds(speed)
         if field.shape != check_grid(grid).shape:
-            raise InvalidInput(
-                f"speed: expected the grid's shape {grid.shape}, got shape {field.shape}"
-            )
+            raise check.refused("speed", f"the grid's shape {grid.shape}", f"shape {field.shape}")
         points = check.regular(sources, "sources")
         cells = grid.cells_of(points[None] if points.ndim == 1 else points)
         self._sources = source_cells(cells, field)
@@ -369,9 +366,8 @@ def checked_speeds(speed: ArrayLike) -> Numbers:
     """`speed` as a 2-D or 3-D array of finite numbers >= 0; raises InvalidInput for others."""
     field = check.regular(speed, "speed")
     if field.dtype.kind not in "fiu" or field.ndim not in (2, 3) or field.size == 0:
-        raise InvalidInput(
-            "speed: expected a 2-D or 3-D array of numbers, "
-            f"got shape {field.shape} of {field.dtype}"
+        raise check.refused(
+            "speed", "a 2-D or 3-D array of numbers", f"shape {field.shape} of {field.dtype}"
         )
     if field.size > MAX_CELLS:
         raise InvalidInput(f"speed: expected at most {MAX_CELLS:.0e} cells, got {field.size}")

@@ -209,9 +209,7 @@ def _as_recording(recording: Recording | Demonstration | Motion) -> Recording:
         return recording_of(recording)
     if not isinstance(recording, Recording):
         got = type(recording).__name__
-        raise InvalidInput(
-            f"recording: expected a Recording, a Demonstration or a motion, got {got}"
-        )
+        raise check.refused("recording", "a Recording, a Demonstration or a motion", got)
     return recording
 
 

@@ -37,9 +37,7 @@ def slerp(a: ArrayLike, b: ArrayLike, fractions: ArrayLike) -> Float64Array:
     first, second = pair(a, b)
     parts = check.array(fractions, "fractions", shape=(len(first),))
     if ((parts < 0) | (parts > 1)).any():
-        raise InvalidInput(
-            f"fractions: expected numbers from 0 to 1, got {parts.min()} to {parts.max()}"
-        )
+        raise check.refused("fractions", "numbers from 0 to 1", f"{parts.min()} to {parts.max()}")
     return core.so3_slerp(first, second, parts)
 
 

@@ -203,9 +203,7 @@ def keep_timing(
         LimitsInfeasible: as from `retime`.
     """
     if not isinstance(motion, (JointTrajectory, Curve)):
-        raise InvalidInput(
-            f"motion: expected a JointTrajectory or a curve, got {type(motion).__name__}"
-        )
+        raise check.refused("motion", "a JointTrajectory or a curve", type(motion).__name__)
     motion = _named(motion, limits, "motion")
     route = _route(motion, limits)
     request = Request(
@@ -241,9 +239,7 @@ def _route(path: JointTrajectory | Curve | ArrayLike, limits: JointLimits) -> Pa
         )
     route = path_of(path)
     if route.joints != len(limits.joint_names):
-        raise InvalidInput(
-            f"limits: expected limits of {route.joints} joints, got {len(limits.joint_names)}"
-        )
+        raise check.refused("limits", f"limits of {route.joints} joints", len(limits.joint_names))
     return route
 
 

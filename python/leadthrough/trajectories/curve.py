@@ -107,9 +107,7 @@ def times_inside(t: ArrayLike, domain: tuple[float, float]) -> Float64Array:
     slack = _SLACK * (last - first)
     wrong = times[(times < first - slack) | (times > last + slack)]
     if wrong.size:
-        raise InvalidInput(
-            f"t: expected times from {first:.6g} to {last:.6g}, got {wrong.flat[0]:.6g}"
-        )
+        raise check.refused("t", f"times from {first:.6g} to {last:.6g}", f"{wrong.flat[0]:.6g}")
     return np.clip(times, first, last)
 
 
@@ -144,8 +142,7 @@ def points(
         table = value
     result = check.frozen(table, name, shape=("n" if count is None else count, "d"))
     if len(result) < least or result.shape[1] == 0:
-        raise InvalidInput(
-            f"{name}: expected at least {least} points of one dimension or more, "
-            f"got shape {result.shape}"
+        raise check.refused(
+            name, f"at least {least} points of one dimension or more", f"shape {result.shape}"
         )
     return result

@@ -141,13 +141,10 @@ def _along(rate: ArrayLike, name: str, way: Float64Array, limit: float) -> float
     row = _row(rate, name, len(way))
     found = float(row @ way / (way @ way))
     if np.abs(row - found * way).max() > _ON_THE_LINE * np.abs(row).max():
-        raise InvalidInput(
-            f"{name}: expected a velocity along the line from start to end, {way}, got {row}"
-        )
+        raise check.refused(name, f"a velocity along the line from start to end, {way}", row)
     if abs(found) > limit * (1.0 + _ON_THE_LINE):
-        raise InvalidInput(
-            f"{name}: expected at most the limit of the velocity, {limit / abs(found):.3g} of it, "
-            f"got {row}"
+        raise check.refused(
+            name, f"at most the limit of the velocity, {limit / abs(found):.3g} of it", row
         )
     return min(max(found, -limit), limit)
 

@@ -232,9 +232,7 @@ def _region(
     position = motion.positions[index]
     region = TargetRegion(position, position) if asked is None else asked
     if region.lower.shape != position.shape:
-        raise InvalidInput(
-            f"{name}: expected {len(position)} coordinates, as the skill's, got {len(region.lower)}"
-        )
+        raise check.refused(name, f"{len(position)} coordinates, as the skill's", len(region.lower))
     if asked is not None:
         # Queries that the skill does not support are refused at once, not in each of the runs.
         end: dict[str, Any] = {name.removesuffix("s"): region.middle}

@@ -117,9 +117,7 @@ def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Arra
     lower, upper = constraints.lower, constraints.upper
     for name, point in (("start", start), ("goal", goal)):
         if len(lower) and not ((lower <= point) & (point <= upper)).all():
-            raise InvalidInput(
-                f"{name}: expected a point inside the limits {lower} to {upper}, got {point}"
-            )
+            raise check.refused(name, f"a point inside the limits {lower} to {upper}", point)
         if (_clearances(constraints.obstacles, point[None]) <= 0.0).any():
             position = point[:3].round(4).tolist()
             raise NoPath(f"{name}: {position} lies in an obstacle", reason=f"{name}_in_wall")
