@@ -1,8 +1,8 @@
 """Checks of users' arguments, where they enter the package; exceptions; bases of frozen values.
 
-Every function returns the checked value in the form that the rest of the package works with, and
-raises InvalidInput, with the argument's name, what is right and what came. Values come in as
-`object`: checking the type is what these functions are for.
+Functions return the checked value in the form that the rest of the package works with, and raise
+InvalidInput, with the argument's name, what is right and what came. Values come in as `object`:
+checking the type is what these functions are for.
 """
 
 from __future__ import annotations
@@ -219,11 +219,7 @@ class Frozen:
 
 
 class ShortRepr(Frozen):
-    """Classes that derive from this one show their fields in one to five lines.
-
-    Arrays are shown by their shape, unless they are small; fields whose name begins with an
-    underscore are not shown.
-    """
+    """Classes that show their fields in one to five lines, without those that begin with "_"."""
 
     __slots__ = ()
 
@@ -514,6 +510,12 @@ def column_order(given: Sequence[str], wanted: Sequence[str], name: str) -> list
         wanted_text, given_text = (", ".join(each) or "without names" for each in (wanted, given))
         raise refused(name, f"the joints {wanted_text}", given_text)
     return [given.index(each) for each in wanted]
+
+
+def instance(value: object, name: str, kind: Any, wanted: str = "") -> None:
+    """Refuses a value that is not of a class, or of one of a union, whose name is `wanted`."""
+    if not isinstance(value, kind):
+        raise refused(name, wanted or f"a {kind.__name__}", type(value).__name__)
 
 
 def refused(name: str, expected: str, got: object, value: object = None) -> InvalidInput:

@@ -392,8 +392,7 @@ def _with_joints(motion: MotionT, joints: JointTrajectory) -> MotionT:
     """The motion with joints that were recorded beside it, at the motion's times."""
     if isinstance(motion, JointTrajectory):
         raise InvalidInput("joints: the motion consists of joints itself; leave them out")
-    if not isinstance(joints, JointTrajectory):
-        raise InvalidInput(f"joints: expected a JointTrajectory, got {type(joints).__name__}")
+    check.instance(joints, "joints", JointTrajectory)
     apart = np.abs(joints.times[[0, -1]] - motion.times[[0, -1]]).max()
     step = np.diff(joints.times).max(initial=0.0)
     if not (apart <= step or np.array_equal(joints.times, motion.times)):
@@ -410,8 +409,7 @@ def _joints(joints: JointTrajectory | None, clock: Float64Array) -> JointTraject
     """Positions and names of joints, one sample for each of the motion's, on its clock."""
     if joints is None:
         return None
-    if not isinstance(joints, JointTrajectory):
-        raise InvalidInput(f"joints: expected a JointTrajectory, got {type(joints).__name__}")
+    check.instance(joints, "joints", JointTrajectory)
     if len(joints.times) != len(clock):
         raise check.refused(
             "joints", f"{len(clock)} samples, one for each of the motion's", len(joints.times)
@@ -499,11 +497,8 @@ def columns_of(
 
 
 def with_derivatives(motion: JointTrajectory) -> JointTrajectory:
-    """The motion with its velocities and accelerations; those that are missing are filled by rule.
-
-    Velocities are the slopes of the cubic spline through the positions that starts and ends at
-    rest, accelerations the slopes of the cubic spline through the velocities ("not a knot").
-    """
+    """The motion with velocities and accelerations; those missing are slopes of cubic splines."""
+    # Velocities are of the one that starts and ends at rest, accelerations of "not a knot".
     velocities, accelerations = motion.velocities, motion.accelerations
     if velocities is not None and accelerations is not None:
         return motion
@@ -525,10 +520,9 @@ def _slopes(times: Float64Array, values: Float64Array, *, at_rest: bool) -> Floa
 def _checked_events(value: object, times: Float64Array) -> Events:
     """Events in the order of their times."""
     if not isinstance(value, Sequence):
-        raise InvalidInput(f"events: expected a sequence of Event, got {type(value).__name__}")
+        raise check.refused("events", "a sequence of Event", type(value).__name__)
     for i, each in enumerate(value):
-        if not isinstance(each, Event):
-            raise InvalidInput(f"events[{i}]: expected an Event, got {type(each).__name__}")
+        check.instance(each, f"events[{i}]", Event, "an Event")
     for event in value:
         if not times[0] <= event.time <= times[-1]:
             raise InvalidInput(

@@ -68,11 +68,7 @@ class Carried:
         return Carried((left[0], right[0]), (left[1], right[1]), averaged)
 
     def residuals(self, base: Transforms, grasp: Transforms) -> tuple[Float64Array, Float64Array]:
-        """Errors (n, 6) of the right tip's pose and their derivatives (n, 6, 12).
-
-        The derivatives are by the base and by the grasp, each a shift and a rotation vector along
-        the axes of the frame that it is given in.
-        """
+        """Errors (n, 6) of the right tip; slopes (n, 6, 12) by shifts and turns of both poses."""
         by_left, by_right = self.tips[0] @ grasp, base @ self.tips[1]
         turns = rotations.compose(by_right.orientations, rotations.inverse(by_left.orientations))
         errors = np.hstack([by_right.positions - by_left.positions, rotations.log(turns)])

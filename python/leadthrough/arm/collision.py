@@ -106,10 +106,7 @@ def nearest(
 def nearest_pairs(
     model: core.CollisionModel, q: Float64Array, shapes: Sequence[Shape]
 ) -> list[tuple[Float64Array, list[tuple[str, str]], Float64Array]]:
-    """Distances (m,), bodies and points (m, 6) of the pairs that are nearest at configurations.
-
-    First those with an obstacle, if there are any, then those of two parts of the arm.
-    """
+    """Distances (m,), bodies and points (m, 6) of the nearest pairs: with obstacles, of itself."""
     both = [against(model, model.chain, shapes)] if shapes else []
     found = []
     for pairs in (*both, core.itself(model)):

@@ -284,8 +284,7 @@ class DualArm(CollisionQueries, ShortRepr):
             InvalidRobot: if there is a scene and a robot has no collision geometry.
             LimitsInfeasible: if a joint has to move whose limits are zero.
         """
-        if not isinstance(motion, PoseTrajectory):
-            raise check.refused("motion", "a PoseTrajectory", type(motion).__name__)
+        check.instance(motion, "motion", PoseTrajectory)
         around = None if scene is None else as_scene(scene)
         carry = Carry(
             (self.left, self.right),

@@ -65,10 +65,7 @@ class Side:
             self._fail(error)
 
     def tracks(self) -> Iterator[Float64Array]:
-        """Joints (n, joints) clear of the scene at some samples, the least effort first.
-
-        Raises IkFailure if there are none.
-        """
+        """Joints (n, joints) clear of the scene at some samples, the least effort first."""
         test = CollisionTest.of(self.arm._collision, self.scene or ())
         none = True
         for track in self._near_postures(test):
@@ -124,10 +121,7 @@ class Carry:
     tolerance: tuple[float, float]  # of the tips' relative pose between samples, m and rad
 
     def along(self, motion: PoseTrajectory) -> tuple[PoseTrajectory, Float64Array]:
-        """The motion with the samples that the tolerance takes, and joints (n, joints) along it.
-
-        The index of a failure is of the motion as given.
-        """
+        """The motion with the samples that the tolerance takes, and joints (n, joints) along it."""
         given, sides = motion.times, self._sides(motion)
         q = _stacked([side.first for side in sides])
         for _ in range(_MAX_ROUNDS):

@@ -172,8 +172,7 @@ def read_limits(
     """
     document = _load(path)
     joints = _table(document, "joints", path)
-    if not isinstance(urdf, JointLimits):
-        raise check.refused("urdf", "a JointLimits", type(urdf).__name__)
+    check.instance(urdf, "urdf", JointLimits)
     known = set(urdf.joint_names) | set(other_joints)
     unknown = sorted(set(joints) - known)
     if unknown:

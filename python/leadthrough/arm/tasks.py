@@ -331,9 +331,7 @@ class ObstacleTask(ArmTask):
         damping_ratio: float = 1.0,
     ) -> None:
         super().__init__(gain, damping_ratio)
-        if not isinstance(shape, Shape):
-            what = type(shape).__name__
-            raise InvalidInput(f"shape: expected one of leadthrough.shapes, got {what}")
+        check.instance(shape, "shape", Shape, "one of leadthrough.shapes")
         names = ("position", "size", "radius", "length", "vertices", "points")
         sizes = [np.ravel(getattr(shape, name, 0.0)) for name in names]
         magnitudes.values(np.concatenate(sizes), "shape", shape=("n",))

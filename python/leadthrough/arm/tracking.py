@@ -178,11 +178,8 @@ def branch_track(
 def as_demonstrated(
     tracker: Tracker, track: Track, *, leaving: tuple[float, float], ending: tuple[float, float]
 ) -> Track:
-    """The track, or one near the path's postures if it leaves them without need, or ends.
-
-    The errors allowed then are given for either. Beside a singularity an exact path may take joints
-    far away for some micrometres, and so may an axis that is free.
-    """
+    """The track, or one near the path's postures if it leaves them without need, or ends."""
+    # Beside a singularity an exact path may take joints far away for some micrometres.
     path, ends = tracker.path, track.reached < len(tracker.path)
     if not len(path.orientations) or (not ends and not _leaves(tracker.chain, path, track)):
         return track

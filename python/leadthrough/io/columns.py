@@ -277,10 +277,7 @@ def _times(table: Table, time: Columns | None, asked: float | None, count: int) 
 
 
 def _unit_since_1970(stamps: Float64Array) -> float:
-    """The unit, s, of times of which none is stated: others than s only if these count from 1970.
-
-    From 2001 to 2286 they have ten digits in s, and three more in each smaller unit.
-    """
+    """The unit, s, of times that state none: by their digits if they count from 1970, or else s."""
     for unit in (1e-3, 1e-6, 1e-9):
         if len(stamps) and 1e9 <= unit * stamps.flat[0] < 1e10:
             return unit

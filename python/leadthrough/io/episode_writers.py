@@ -113,12 +113,7 @@ def writes_hdf5(path: StrPath) -> bool:
 
 @contextmanager
 def writing(path: StrPath, layout: Layout) -> Iterator[EpisodeWriter]:
-    """A writer of a robomimic file, or else of a LeRobot folder, made whole or not at all.
-
-    Raises:
-        InvalidInput: if the path cannot be written, or the folder is there already.
-        MissingDependency: if the extra `hdf5` or `lerobot` is not installed.
-    """
+    """A writer of a robomimic file, or else of a LeRobot folder, made whole or not at all."""
     target = checked_path(path)
     if writes_hdf5(target):
         with replacing(target) as temporary:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +20,7 @@ from leadthrough.io import (
     rosbag,
 )
 from leadthrough.io.csv import read_table
-from leadthrough.io.files import StrPath
+from leadthrough.io.files import StrPath, checked_path
 from leadthrough.io.robot_programs import write_franka, write_urscript
 from leadthrough.io.table import ArrayTable, Request, Table
 from leadthrough.motion import Motion, checked_motion
@@ -169,8 +168,7 @@ def write_motion(motion: Motion, path: StrPath, *, format: str | None = None) ->
         MissingDependency: if the format needs an extra.
     """
     checked_motion(motion, "motion")
-    if not isinstance(path, str | os.PathLike):
-        raise InvalidInput(f"path: expected a path, got {path!r}")
+    checked_path(path)
     write = to_write(path, format).write
     assert write is not None
     write(motion, path)

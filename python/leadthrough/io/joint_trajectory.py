@@ -339,8 +339,7 @@ def resting_at_both_ends(velocities: Float64Array | None) -> Float64Array:
 
 def checked_joint_names(trajectory: JointTrajectory) -> Columns:
     """The joints' names."""
-    if not isinstance(trajectory, JointTrajectory):
-        raise check.refused("trajectory", "a JointTrajectory", type(trajectory).__name__)
+    check.instance(trajectory, "trajectory", JointTrajectory)
     names = trajectory.joint_names
     if not names:
         raise InvalidInput(

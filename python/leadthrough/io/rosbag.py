@@ -10,7 +10,6 @@ is; any other path becomes a bag's folder. The bag's time 0 is the motion's star
 
 from __future__ import annotations
 
-import os
 import shutil
 import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -24,7 +23,14 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import joint_trajectory
-from leadthrough.io.files import ReadLimits, StrPath, making_folder, refusing_damage, replacing
+from leadthrough.io.files import (
+    ReadLimits,
+    StrPath,
+    checked_path,
+    making_folder,
+    refusing_damage,
+    replacing,
+)
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
 from leadthrough.io.joint_trajectory import (
     NANOSECONDS,
@@ -395,8 +401,7 @@ def write_poses(
     motion: PoseTrajectory, path: StrPath, *, topic: str = "/pose", frame: str = "base_link"
 ) -> None:
     """Writes a PoseStamped message for each sample."""
-    if not isinstance(motion, PoseTrajectory):
-        raise InvalidInput(f"motion: expected a PoseTrajectory, got {type(motion).__name__}")
+    check.instance(motion, "motion", PoseTrajectory)
     with _bag(path) as bag:
         messages = []
         for i, time in enumerate(_nanoseconds(motion.times)):
@@ -452,9 +457,7 @@ class _Bag:
 def _bag(path: StrPath) -> Iterator[_Bag]:
     rosbag2 = check.package("rosbags.rosbag2", extra="ros")
     types = humble_types()
-    if not isinstance(path, str | os.PathLike):
-        raise InvalidInput(f"path: expected a path, got {path!r}")
-    suffix = Path(path).suffix.lower()
+    suffix = checked_path(path).suffix.lower()
     if suffix == ".bag":
         raise check.refused("path", ".mcap, .db3 or the name of a folder", ".bag, which is ROS 1")
     storage = rosbag2.StoragePlugin

@@ -310,11 +310,9 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
 
 
 class SteppedSkill(FittedSkill[MotionT_co]):
-    """A skill whose motions pass via points, and go on step by step in a control loop.
+    """A skill whose motions pass via points, and go on step by step in a control loop."""
 
-    A derived class also has a method `step(state, dt, ...)`, and `_begin` for the state at the
-    start of a query.
-    """
+    # A derived class also has `step(state, dt, ...)`, and `_begin` for a query's first state.
 
     @checked_query
     def generate(

@@ -213,11 +213,8 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         return np.asarray(np.linalg.solve(self._kernel(self._nodes), wanted))
 
     def _kernel(self, at: Float64Array) -> Float64Array:
-        """Values (n, m) of the kernel of each node.
-
-        Source: Wendland 1995, "Piecewise polynomial, positive definite and compactly supported
-        radial functions of minimal degree", in one dimension, four times differentiable.
-        """
+        """Values (n, m) of the kernel of each node."""
+        # Of Wendland 1995, "Piecewise polynomial, positive definite ... radial functions", in C4.
         r = np.minimum(self._apart(at[:, None], self._nodes[None]) / _REACH, 1.0)
         return np.asarray((1.0 - r) ** 5 * (8.0 * r**2 + 5.0 * r + 1.0))
 

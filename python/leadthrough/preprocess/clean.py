@@ -162,8 +162,7 @@ def cut_at_gaps(
 
 def summarize(recording: Recording) -> RecordingSummary:
     """The summary of a recording, whatever its faults."""
-    if not isinstance(recording, Recording):
-        raise InvalidInput(f"recording: expected a Recording, got {type(recording).__name__}")
+    check.instance(recording, "recording", Recording)
     known: dict[str, Any] = {
         "name": recording.name,
         "kind": recording.kind,
@@ -207,9 +206,7 @@ def _as_recording(recording: Recording | Demonstration | Motion) -> Recording:
         return recording_of(Demonstration(recording))
     if isinstance(recording, Demonstration):
         return recording_of(recording)
-    if not isinstance(recording, Recording):
-        got = type(recording).__name__
-        raise check.refused("recording", "a Recording, a Demonstration or a motion", got)
+    check.instance(recording, "recording", Recording, "a Recording, a Demonstration or a motion")
     return recording
 
 

@@ -190,11 +190,8 @@ def integrate(times: ArrayLike, angular_velocities: ArrayLike, start: ArrayLike)
 
 
 def _derivative(times: Float64Array, quaternions: Float64Array, *, order: int) -> Float64Array:
-    """Derivative of the rotation vectors from each sample to its neighbours.
-
-    At the sample itself that vector is 0 and J = 1, dJ/dt phi' = 0: its first and second derivative
-    are the angular velocity and acceleration.
-    """
+    """Derivative of the rotation vectors from each sample to its neighbours."""
+    # At the sample itself that vector is 0 and J = 1, dJ/dt phi' = 0: these are the body's rates.
     count = len(times)
     width = min(order + 2, count)
     first = np.clip(np.arange(count) - 1, 0, count - width)

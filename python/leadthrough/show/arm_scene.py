@@ -103,9 +103,7 @@ def arm_items(
 def demonstration_items(arm: Arm, demonstrations: Iterable[Demonstration]) -> Iterator[Item]:
     """A thin tube for each demonstration."""
     for i, demonstration in enumerate(demonstrations):
-        if not isinstance(demonstration, Demonstration):
-            got = type(demonstration).__name__
-            raise InvalidInput(f"demonstrations[{i}]: expected a Demonstration, got {got}")
+        check.instance(demonstration, f"demonstrations[{i}]", Demonstration)
         points = thinned(tip_path(arm, demonstration.motion), _DEMONSTRATION_POINTS)
         mesh = tube(points, _DEMONSTRATION_FRACTION * _radius(points), sides=6)
         name = demonstration.name or f"demonstration {i + 1}"

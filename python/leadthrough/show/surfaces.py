@@ -56,10 +56,8 @@ def thinned(path: Float64Array, count: int) -> Float64Array:
 
 
 def cross_sections(path: Float64Array) -> Float64Array:
-    """Two unit vectors (n, 2, 3) across the path (n, 3) at each point, with the least twist.
-
-    Source: Wang et al. 2008, "Computation of rotation minimizing frames", table I.
-    """
+    """Two unit vectors (n, 2, 3) across the path (n, 3) at each point, with the least twist."""
+    # Wang et al. 2008, "Computation of rotation minimizing frames", table I.
     tangents = np.gradient(path, axis=0)
     lengths = np.linalg.norm(tangents, axis=1, keepdims=True)
     tangents = np.divide(tangents, lengths, out=np.tile([0.0, 0.0, 1.0], (len(path), 1)),

@@ -88,8 +88,7 @@ def simulate_held(
             motions do not fit the grasps.
     """
     mujoco = check.package("mujoco", extra="simulation")
-    if not isinstance(held, HeldObject):
-        raise check.refused("held", "a HeldObject", type(held).__name__)
+    check.instance(held, "held", HeldObject)
     pull = check.array(gravity, "gravity", shape=(3,))
     carried = _Carried.of(held)
     period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)

@@ -26,15 +26,7 @@ _ALONG = 11  # fractions of the path, for gains that change along it
 def steps_per_period(
     law: Law, q: Float64Array, mass: Float64Array, damping: Float64Array, *, period: float
 ) -> int:
-    """The least number of steps in which no mode changes by more than `MAX_CHANGE` each.
-
-    Args:
-        law: the controller.
-        q: first configuration (joints,).
-        mass: mass matrix (joints, joints) there, rotors included.
-        damping: of the joints (joints,), N m s/rad (N s/m), without that of the drives.
-        period: of the controller, s.
-    """
+    """The least number of steps in which no mode changes by more than `MAX_CHANGE` each."""
     rates = _rates(law, q, mass, damping)
     if not np.isfinite(rates).all():
         return _MAX_STEPS

@@ -208,19 +208,13 @@ def _checked(
 
 
 def _averaged_knots(t: Float64Array, k: int) -> Float64Array:
-    """Knots (n + k + 1,) each the mean of k neighbouring times: interpolation then has a solution.
-
-    Source: Piegl and Tiller 1997, eq. 9.8.
-    """
+    """Knots (n + k + 1,) each the mean of k neighbouring times (Piegl and Tiller 1997, eq. 9.8)."""
     inner = [t[j : j + k].mean() for j in range(1, len(t) - k)]
     return np.concatenate([np.repeat(t[0], k + 1), inner, np.repeat(t[-1], k + 1)])
 
 
 def _spread_knots(t: Float64Array, count: int, k: int) -> Float64Array:
-    """Knots (count + k + 1,) between which about as many times lie each, never none.
-
-    Source: Piegl and Tiller 1997, eqs. 9.68 and 9.69.
-    """
+    """Knots (count + k + 1,) with about as many times between each (ibid., eqs. 9.68 and 9.69)."""
     if count == len(t):
         return _averaged_knots(t, k)
     pieces = count - k

@@ -78,10 +78,7 @@ def minimum_jerk_time_scaling(u: ArrayLike, height: ArrayLike = 1.0) -> Float64A
 def quintic_coefficients(
     start: Float64Array, end: Float64Array, start_slope: Float64Array, end_slope: Float64Array
 ) -> Float64Array:
-    """Coefficients (6, d) of the powers of u of the least jerk, without acceleration at the ends.
-
-    Source: Flash and Hogan 1985.
-    """
+    """Coefficients (6, d) of least jerk without acceleration at the ends (Flash and Hogan 1985)."""
     coefficients = np.zeros((6, len(start)))
     coefficients[0] = start
     coefficients[1] = start_slope

@@ -56,17 +56,11 @@ DEFAULT = Option(0, 1.0, np.inf, ROTATED)
 
 @dataclass(frozen=True, eq=False)
 class Predictor:
-    """Aligned demonstrations of one mode, in scaled columns.
+    """Aligned demonstrations of one mode, in scaled columns."""
 
-    Attributes:
-        phased: by arc length, and elastically.
-        size: number of columns of the position; the others have fades of their own.
-        rotating: whether positions may rotate with the chord between their ends.
-    """
-
-    phased: tuple[Curves, Curves]
-    size: int
-    rotating: bool
+    phased: tuple[Curves, Curves]  # by arc length, and elastically
+    size: int  # number of columns of the position; the others have fades of their own
+    rotating: bool  # whether positions may rotate with the chord between their ends
 
     @cached_property
     def options(self) -> list[Option]:
@@ -84,13 +78,7 @@ class Predictor:
         options: Sequence[Option],
         without: NDArray[np.int64] | None = None,
     ) -> dict[Option, Float64Array]:
-        """For each option the rows (m, n, width) over the phase between ends (m, 2, width).
-
-        Args:
-            ends: starts and goals.
-            options: those to predict with.
-            without: for each of the ends the number of a demonstration to leave out.
-        """
+        """For each option the rows (m, n, width) over the phase between ends (m, 2, width)."""
         found = {}
         for phase, curves in enumerate(self.phased):
             own = [each for each in options if each.phase == phase]
@@ -162,10 +150,7 @@ class Predictor:
     def predicted(
         self, chosen: Sequence[Option], ends: Float64Array
     ) -> tuple[Float64Array, Float64Array, Float64Array]:
-        """The mean rows (n, width) of options between ends (2, width), evenly spaced.
-
-        With the phases (n,) of the elastic curves there, and the times (n,).
-        """
+        """Mean rows (n, width) between ends (2, width), elastic phases (n,) and times (n,)."""
         every = self.between(ends[None], [*chosen, _TIMING])
         rows = np.mean([_evened(every[each][0]) for each in chosen], axis=0)
         rows[[0, -1]] = ends
@@ -249,12 +234,7 @@ class _Fade:
         self._variance = np.trace(self._gram, axis1=2, axis2=3) / rows.shape[2] + _TINY
 
     def rows(self, linear: Float64Array, prior: float) -> Float64Array:
-        """Rows (widths, m, n, d) with the ends asked for.
-
-        Args:
-            linear: fractions (widths, m, 2, n) of the offsets in a linear fade.
-            prior: weight of the linear fade; infinite for that alone.
-        """
+        """Rows (widths, m, n, d) with the ends asked for; `linear` are fades (widths, m, 2, n)."""
         left = linear
         if np.isfinite(prior):
             pull = (prior * self._variance)[..., None, None]

@@ -41,11 +41,7 @@ StateT = TypeVar("StateT", core.PointState, core.PoseState)
 
 @dataclass(frozen=True, eq=False)
 class Channels(Generic[StateT]):
-    """The channels of a discrete primitive: reads queries into them, and motions out of them.
-
-    Derived classes have, for their states: `as_demonstrated`, `begin`, `lasting`, `lengthening`,
-    `redirected`, `moved`, `acceleration` and `motion`.
-    """
+    """The channels of a discrete primitive: reads queries into them, and motions out of them."""
 
     system: TransformationSystem
     size: float  # diagonal of the box around the demonstrated positions

@@ -238,9 +238,9 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             threshold: of `kappa`.
         """
         check.number(threshold, "threshold")
-        if not isinstance(motion, Trajectory | PoseTrajectory):
-            got = type(motion).__name__
-            raise InvalidInput(f"motion: expected a Trajectory or a PoseTrajectory, got {got}")
+        check.instance(
+            motion, "motion", Trajectory | PoseTrajectory, "a Trajectory or a PoseTrajectory"
+        )
         if self.kappa(motion.positions) >= threshold:
             return self
         return self.with_experience(motion.positions, duration=motion.duration)

@@ -146,8 +146,7 @@ def alike(skills: Sequence[ProMPSkill[MotionT]]) -> list[ProMPSkill[MotionT]]:
     if not isinstance(skills, Sequence) or len(skills) == 0:
         raise InvalidInput("skills: expected a sequence of at least one skill")
     for i, each in enumerate(skills):
-        if not isinstance(each, ProMPSkill):
-            raise InvalidInput(f"skills[{i}]: expected a ProMPSkill, got {type(each).__name__}")
+        check.instance(each, f"skills[{i}]", ProMPSkill)
     kinds = sorted({(each.coordinates.kind, each.coordinates.size) for each in skills})
     if len(kinds) > 1:
         got = " and ".join(f"{kind} of {size} columns" for kind, size in kinds)
