@@ -12,7 +12,11 @@ from leadthrough.arm.differential_ik import (
     DifferentialIk as DifferentialIk,
     JointState as JointState,
 )
-from leadthrough.arm.dual_arm import DualArm as DualArm, check_arms as check_arms
+from leadthrough.arm.dual_arm import (
+    DualArm as DualArm,
+    HeldObject as HeldObject,
+    check_arms as check_arms,
+)
 from leadthrough.arm.dual_coordination import (
     CoordinatedMotion as CoordinatedMotion,
     Wait as Wait,
@@ -25,7 +29,6 @@ from leadthrough.arm.dual_demonstration import (
     tips_of as tips_of,
 )
 from leadthrough.arm.following import FollowOptions as FollowOptions
-from leadthrough.arm.held_object import HeldObject as HeldObject
 from leadthrough.arm.inverse_kinematics import (
     Axis as Axis,
     IkBatch as IkBatch,

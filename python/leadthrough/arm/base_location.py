@@ -29,8 +29,6 @@ MAX_DEVIATIONS = (1e-3, np.radians(0.1))
 # blocks, so that it does not sum up to a base that the motion leaves open.
 _MAX_SAMPLES = 200
 
-Pair = tuple[Arm, Arm]
-
 
 @dataclass(frozen=True, eq=False)
 class BaseLocation(ShortRepr):
@@ -58,7 +56,7 @@ class Carried:
     averaged: int  # recorded samples in each of these
 
     @staticmethod
-    def of(arms: Pair, q: tuple[Float64Array, Float64Array]) -> Carried:
+    def of(arms: tuple[Arm, Arm], q: tuple[Float64Array, Float64Array]) -> Carried:
         """The samples with these joints of the left and the right arm, (n, joints) each."""
         averaged = max(len(q[0]) // _MAX_SAMPLES, 1)
         left, right = (

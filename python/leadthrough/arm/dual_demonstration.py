@@ -39,8 +39,7 @@ class DualDemonstration(ShortRepr):
 
     def __post_init__(self) -> None:
         for side in ("left", "right"):
-            if not isinstance(motion := getattr(self, side), PoseTrajectory):
-                raise check.refused(side, "a PoseTrajectory", type(motion).__name__)
+            check.instance(getattr(self, side), side, PoseTrajectory)
         left, right = self.left, self.right
         if not np.array_equal(left.times, right.times):
             covered = (left.times >= right.times[0]) & (left.times <= right.times[-1])
