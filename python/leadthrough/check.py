@@ -238,13 +238,9 @@ class ShortRepr(Frozen):
 
 
 def _short_repr(self: ShortRepr) -> str:
-    return in_lines(one_line(self))
-
-
-def in_lines(text: str) -> str:
-    """The text in at most five lines, cut off with "..." where it is longer."""
-    lines = wrap(text, _WIDTH, subsequent_indent="  ", max_lines=_MAX_LINES, placeholder=" ...")
-    return "\n".join(lines)
+    """The text of an object in at most five lines, cut off with "..." where it is longer."""
+    layout: Any = {"subsequent_indent": "  ", "max_lines": _MAX_LINES, "placeholder": " ..."}
+    return "\n".join(wrap(one_line(self), _WIDTH, **layout))
 
 
 def one_line(value: ShortRepr) -> str:
@@ -255,7 +251,8 @@ def one_line(value: ShortRepr) -> str:
 def value_text(value: object) -> str:
     """One value of any type in a few words."""
     if isinstance(value, np.ndarray):
-        return _array_text(value)
+        few = value.ndim == 1 and value.size <= _NUMBERS and value.dtype.kind in "fiub"
+        return numbers_text(value) if few else f"array ({', '.join(map(str, value.shape))})"
     if isinstance(value, float):
         return f"{value:.4g}"
     if isinstance(value, Mapping) and len(value) > 3:
@@ -264,12 +261,6 @@ def value_text(value: object) -> str:
         return _several(value)
     text = one_line(value) if isinstance(value, ShortRepr) else repr(value)
     return text if len(text) <= _MAX_VALUE else f"{text[: _MAX_VALUE - 4]} ..."
-
-
-def _array_text(values: NDArray[Any]) -> str:
-    if values.ndim == 1 and values.size <= _NUMBERS and values.dtype.kind in "fiub":
-        return numbers_text(values)
-    return f"array ({', '.join(map(str, values.shape))})"
 
 
 def numbers_text(values: Any) -> str:  # Any: an array of numbers (n,)

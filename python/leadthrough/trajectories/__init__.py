@@ -19,7 +19,11 @@ from leadthrough.trajectories.conversion import (
     bezier_pieces as bezier_pieces,
     with_knot as with_knot,
 )
-from leadthrough.trajectories.curve import Curve as Curve, PointCurve as PointCurve
+from leadthrough.trajectories.curve import (
+    Curve as Curve,
+    PointCurve as PointCurve,
+    Spline as Spline,
+)
 from leadthrough.trajectories.filters import (
     FilterState as FilterState,
     FirstOrderFilter as FirstOrderFilter,
@@ -58,7 +62,6 @@ from leadthrough.trajectories.rotation import (
     Slerp as Slerp,
     Squad as Squad,
 )
-from leadthrough.trajectories.spline import Spline as Spline
 from leadthrough.trajectories.straight_filter import (
     LineState as LineState,
     StraightFilter as StraightFilter,

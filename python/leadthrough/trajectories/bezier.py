@@ -18,8 +18,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.trajectories import curve
-from leadthrough.trajectories.curve import PointCurve
-from leadthrough.trajectories.spline import Spline
+from leadthrough.trajectories.curve import PointCurve, Spline
 
 _MAX_POINTS = 100
 # Ends that are nearer than this, relative to the numbers' size, meet.

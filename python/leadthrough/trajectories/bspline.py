@@ -16,9 +16,8 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.trajectories import curve
-from leadthrough.trajectories.curve import PointCurve
+from leadthrough.trajectories.curve import PointCurve, Spline
 from leadthrough.trajectories.interpolation import of_bspline
-from leadthrough.trajectories.spline import Spline
 
 if TYPE_CHECKING:
     import scipy.interpolate

@@ -14,7 +14,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.trajectories.bezier import Bezier
 from leadthrough.trajectories.bspline import BSpline
-from leadthrough.trajectories.spline import Spline
+from leadthrough.trajectories.curve import Spline
 
 
 def bezier_pieces(made: Spline | BSpline) -> list[Bezier]:

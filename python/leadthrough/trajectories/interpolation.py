@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.trajectories import curve
-from leadthrough.trajectories.spline import Spline
+from leadthrough.trajectories.curve import Spline
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PPoly

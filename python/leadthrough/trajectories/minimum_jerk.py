@@ -18,9 +18,9 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.bezier import Bezier
+from leadthrough.trajectories.curve import Spline
 from leadthrough.trajectories.filters import limit_for, rate_limit
 from leadthrough.trajectories.interpolation import of_bspline
-from leadthrough.trajectories.spline import Spline
 
 # Coefficients of u^3, u^4 and u^5 (rows) of a quintic over u from 0 to 1 without acceleration at
 # its ends, for its rise from 0, its slope at 0 and its slope at 1 (columns).

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.trajectories.spline import Spline
+from leadthrough.trajectories.curve import Spline
 
 # A velocity is along a line if no more of it, relatively, points elsewhere.
 _ON_THE_LINE = 1e-9
