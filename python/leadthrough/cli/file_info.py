@@ -13,13 +13,12 @@ from leadthrough.arm import Arm, robot_files
 from leadthrough.arm.robot_files import link_tree, moves, proposed_tip
 from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, reader_process, rosbag
-from leadthrough.io.columns import recording
 from leadthrough.io.files import StrPath, checked_path
 from leadthrough.io.reading import blaming, names_of
+from leadthrough.io.recording import recording
 from leadthrough.io.table import Request
 from leadthrough.models import archive
-from leadthrough.preprocess.clean import summarize
-from leadthrough.preprocess.report import RecordingSummary
+from leadthrough.preprocess.clean import RecordingSummary, summarize
 
 _ROBOTS = (".urdf", ".xml", ".xacro")
 _WRAPPED: dict[str, Any] = {

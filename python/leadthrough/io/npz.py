@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import InvalidInput
-from leadthrough.io.columns import demonstrated_columns
 from leadthrough.io.files import ReadLimits, StrPath, read_bytes, refusing_damage, replacing
 from leadthrough.io.headers import Columns
 from leadthrough.io.joint_trajectory import joint_columns, quantities
+from leadthrough.io.recording import demonstrated_columns
 from leadthrough.io.table import ArrayTable, Request
 from leadthrough.motion import (
     Event,

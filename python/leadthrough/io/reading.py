@@ -14,10 +14,9 @@ from pathlib import Path
 
 from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, lerobot, reader_process, robomimic
-from leadthrough.io.columns import check_complete, recording
 from leadthrough.io.files import StrPath
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
-from leadthrough.io.recording import Recording
+from leadthrough.io.recording import Recording, check_complete, recording
 from leadthrough.io.table import Request, Table, as_request
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.rest import trim

@@ -18,7 +18,7 @@ from leadthrough.models.marching.model import FastMarchingSkill
 from leadthrough.motion import JointTrajectory
 from leadthrough.reachability.reach_map import Placement, ReachMap
 from leadthrough.shapes import Box
-from leadthrough.validation.validation import Validation
+from leadthrough.validation.validate import Validation
 
 Style = dict[str, Any]  # keyword arguments of matplotlib, each of its own type
 

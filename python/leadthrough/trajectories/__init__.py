@@ -11,12 +11,10 @@ from leadthrough.trajectories.bezier import (
 from leadthrough.trajectories.bspline import (
     BSpline as BSpline,
     Nurbs as Nurbs,
-    bspline_near as bspline_near,
-    nurbs_through as nurbs_through,
-)
-from leadthrough.trajectories.conversion import (
     as_bspline as as_bspline,
     bezier_pieces as bezier_pieces,
+    bspline_near as bspline_near,
+    nurbs_through as nurbs_through,
     with_knot as with_knot,
 )
 from leadthrough.trajectories.curve import (

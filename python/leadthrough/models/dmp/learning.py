@@ -30,13 +30,13 @@ from leadthrough.models.coordinates import (
     mean_orientations,
     settings_of,
 )
+from leadthrough.models.dmp.channels import PoseChannels
 from leadthrough.models.dmp.orientation import (
     REPRESENTATIONS,
     OrientationCoordinates,
     learn,
     learn_closed,
 )
-from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.transformation import (
     FORMS,
     MAX_WEIGHTS,

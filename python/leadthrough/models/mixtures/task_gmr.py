@@ -21,7 +21,7 @@ from leadthrough.check import Float64Array, UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of, middle_orientations
-from leadthrough.models.frame import Frame, checked_frames
+from leadthrough.models.framed import Frame, checked_frames
 from leadthrough.models.gaussians.mixture import Blocks, Mixture
 from leadthrough.models.mixtures.gmr import GMR, GMRSkill, wanted_ends
 from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns
