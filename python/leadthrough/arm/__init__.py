@@ -1,7 +1,6 @@
 """The arm: from a URDF to kinematics, inverse kinematics and joint trajectories along a path."""
 
 from leadthrough.arm.arm import Arm as Arm, check_arm as check_arm
-from leadthrough.arm.base_location import BaseLocation as BaseLocation
 from leadthrough.arm.collision import (
     Clearance as Clearance,
     ClosestPair as ClosestPair,
@@ -23,6 +22,7 @@ from leadthrough.arm.dual_coordination import (
     coordinate as coordinate,
 )
 from leadthrough.arm.dual_demonstration import (
+    BaseLocation as BaseLocation,
     DualDemonstration as DualDemonstration,
     left_tip as left_tip,
     right_tip as right_tip,

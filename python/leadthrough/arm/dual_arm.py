@@ -17,13 +17,12 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import recorded_joints
 from leadthrough.arm.arm import Arm, check_arm
-from leadthrough.arm.base_location import BaseLocation, Carried, located
 from leadthrough.arm.collision_queries import CollisionQueries
-from leadthrough.arm.dual_demonstration import DualDemonstration
+from leadthrough.arm.dual_demonstration import BaseLocation, Carried, DualDemonstration, located
 from leadthrough.arm.dual_following import SIDES, Carry, Grasp, motions_of, shape_seen_from, tips_of
-from leadthrough.arm.following import FollowOptions, checked_options, timed
+from leadthrough.arm.following import FollowOptions, checked_options, positive_errors, timed
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
-from leadthrough.arm.limits import JointLimits
+from leadthrough.arm.limits import COLUMNS, JointLimits
 from leadthrough.arm.rigid_transforms import Pose, Transforms, checked_grasps
 from leadthrough.check import (
     Float64Array,
@@ -47,7 +46,6 @@ from leadthrough.shapes import SceneLike, Solid, as_scene, names_of
 # m and rad, of the tips' relative pose between samples.
 TOLERANCE = (1e-4, 3.5e-4)
 _MAX_JOINTS = 16  # of the core
-_COLUMNS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +85,9 @@ class DualArm(CollisionQueries, ShortRepr):
         if self.base is None:
             _require_one_robot(self.left, self.right)
         else:
-            placed = Transforms.of(self.base, "base")
-            object.__setattr__(self, "base", placed.single())
+            vars(self)["base"] = Transforms.of(self.base, "base").single()
         limits = _stacked(self.left.limits, self.right.limits)
-        object.__setattr__(self, "limits", limits)
-        object.__setattr__(self, "joint_names", limits.joint_names)
+        vars(self).update(limits=limits, joint_names=limits.joint_names)
 
     def _repr_parts(self) -> list[str]:
         names = f"{len(self.joint_names)} joints {self.joint_names[0]} ... {self.joint_names[-1]}"
@@ -351,7 +347,7 @@ class HeldObject(CollisionQueries, ShortRepr):
         if not isinstance(self.pair, DualArm):
             raise check.refused("pair", "a DualArm", repr(self.pair))
         left, right = checked_grasps(self.grasps, Transforms.of)
-        object.__setattr__(self, "grasps", (left.single(), right.single()))
+        vars(self)["grasps"] = left.single(), right.single()
         checked_tolerance(self.tolerance)
 
     @property
@@ -443,10 +439,7 @@ def _grasp(motion: PoseTrajectory, grasp: Pose | PoseTrajectory, name: str) -> G
 def checked_tolerance(tolerance: tuple[float, float]) -> tuple[float, float]:
     if not isinstance(tolerance, tuple | list) or len(tolerance) != 2:
         raise check.refused("tolerance", "(m, rad)", repr(tolerance))
-    return (
-        check.number(tolerance[0], "tolerance in m", above=0.0),
-        check.number(tolerance[1], "tolerance in rad", above=0.0),
-    )
+    return positive_errors(tolerance[0], tolerance[1], "tolerance")
 
 
 def _require_one_robot(left: Arm, right: Arm) -> None:
@@ -473,9 +466,9 @@ def _stacked(left: JointLimits, right: JointLimits) -> JointLimits:
     if set(left.joint_names) & set(right.joint_names):
         sides = zip(SIDES, (left, right), strict=True)
         names = [f"{side}_{name}" for side, limits in sides for name in limits.joint_names]
-    columns: dict[str, Any] = {}
-    for key in _COLUMNS:
-        parts = getattr(left, key), getattr(right, key)
-        known = not any(part is None for part in parts)
-        columns[key] = np.concatenate(parts) if known else None
+    pairs = {key: (getattr(left, key), getattr(right, key)) for key in COLUMNS}
+    columns: dict[str, Any] = {
+        key: None if any(part is None for part in parts) else np.concatenate(parts)
+        for key, parts in pairs.items()
+    }
     return JointLimits(names, **columns)

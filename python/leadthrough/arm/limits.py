@@ -28,6 +28,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 
 _MAX_FILE = 2**20  # bytes
+COLUMNS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 _BOUNDS = ("lower", "upper")
 _RATES = ("velocity", "effort", "acceleration", "jerk")
 _SPEEDS = ("velocity", "acceleration", "jerk")
@@ -66,16 +67,9 @@ class JointLimits(ShortRepr):
         effort: ArrayLike | None = None,
     ) -> None:
         names = tuple(joint_names)
-        columns = {
-            "lower": lower,
-            "upper": upper,
-            "velocity": velocity,
-            "acceleration": acceleration,
-            "jerk": jerk,
-            "effort": effort,
-        }
+        columns = lower, upper, velocity, acceleration, jerk, effort
         vars(self).update(joint_names=names)
-        for key, column in columns.items():
+        for key, column in zip(COLUMNS, columns, strict=True):
             vars(self)[key] = None if column is None else _values(names, column, key)
         crossed = self.lower > self.upper
         if crossed.any():
@@ -91,7 +85,7 @@ class JointLimits(ShortRepr):
             names: of the joints to leave out.
         """
         rest = [i for i, name in enumerate(self.joint_names) if name not in names]
-        columns = {name: getattr(self, name) for name in _BOUNDS + _RATES}
+        columns = {name: getattr(self, name) for name in COLUMNS}
         values: dict[str, Any] = {
             name: None if column is None else column[rest] for name, column in columns.items()
         }
