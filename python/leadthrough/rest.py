@@ -224,7 +224,8 @@ def trim(
     spare = rest if rest == math.inf else check.number(rest, "rest", at_least=0.0)
     # Numbers of a damaged file, whose squares overflow, have no speed: the motion stays whole.
     with np.errstate(over="ignore", invalid="ignore"):
-        moving = _moving(motion, speed, angular_speed)
+        speeds, _ = _clearest_speeds(motion)
+        moving = speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
     found = [
         (first, after)
         for first, after in runs(moving >= HYSTERESIS)
@@ -240,12 +241,6 @@ def trim(
     piece = cast(MotionT, motion[samples])
     kept = replace(piece, events=clipped_events(motion.events, piece.times))
     return replace(demonstration, motion=kept)
-
-
-def _moving(motion: Motion, speed: float | None, angular_speed: float | None) -> Float64Array:
-    """Speeds (n,) in multiples of their thresholds, by the shortest window that noise allows."""
-    speeds, _ = _clearest_speeds(motion)
-    return speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
 
 
 def _clearest_speeds(motion: Motion, *, longest: float = math.inf) -> tuple[Speeds, float]:

@@ -172,8 +172,7 @@ class Carry:
             if _is_clear(test, q) and all(test.clear_rows(q)) and test.clear_between(q):
                 return q
             tried = tried or [q]
-        chain = self.model.chain
-        found = check_motion(self.model, chain, tried[0], test.scene, tolerance=_CHECKED, threads=1)
+        found = check_motion(self.model, tried[0], test.scene, tolerance=_CHECKED, threads=1)
         assert found.first is not None
         a, b = found.first.bodies
         why = f"{a} and {b} come {1e3 * found.first.distance:.1f} mm near, in other postures too"

@@ -477,12 +477,11 @@ def _spread(skills: Sequence[Skill[Motion]], goal: Target, duration: float) -> f
     """Root mean square distance of the skills' motions from their mean, in their unit."""
     motions = [_generated(skill, None, goal, duration) for skill in skills]
     even = np.linspace(0.0, 1.0, _SAMPLES)
-    paths = [_positions(each, even) for each in motions if each is not None]
+    paths = [
+        lerp(each.times[0] + even * each.duration, each.times, each.positions)
+        for each in motions
+        if each is not None
+    ]
     if len(paths) < 2:
         return 0.0
     return float(np.sqrt(np.var(paths, axis=0).sum(axis=1).mean()))
-
-
-def _positions(motion: Motion, fractions: Float64Array) -> Float64Array:
-    times = motion.times[0] + fractions * motion.duration
-    return lerp(times, motion.times, motion.positions)

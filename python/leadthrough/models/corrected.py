@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, ClassVar, cast
 
 import numpy as np
@@ -137,16 +137,12 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
 
     def parameters(self, demonstrations: Demonstrations[Motion] = ()) -> Sequence[Parameter[Any]]:
         """Adjustable parameters of the skill inside, which stays corrected."""
-        return [
-            replace(each, apply=partial(self._with_parameter, each.apply))
-            for each in self.skill.parameters(demonstrations)
-        ]
 
-    def _with_parameter(
-        self, apply: Callable[[float], Skill[Any]], value: float
-    ) -> CorrectedSkill[Any]:
-        """The same corrections of the skill with another value of a parameter."""
-        return CorrectedSkill(apply(value), self.corrections)
+        def corrected(inside: Callable[[float], Skill[Any]]) -> Callable[[float], Skill[Any]]:
+            return lambda value: CorrectedSkill(inside(value), self.corrections)
+
+        found = self.skill.parameters(demonstrations)
+        return [replace(each, apply=corrected(each.apply)) for each in found]
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         settings, arrays = archived(self.skill)

@@ -82,10 +82,9 @@ def arrival_times(
     last = -1 if stop is None else int(flat_indices(stop, "stop", field.shape)[0])
     steps = spacings(spacing, field.ndim)
     check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
-    march: Any = core.march_float32 if precision == np.float32 else core.march_float64
     with check.enough_memory(f"speed: a grid of shape {field.shape}"):
         map_ = np.ascontiguousarray(field, precision)
-        times: NDArray[FloatT] = march(map_, steps.tolist(), cells, order, radius, last)
+        times: NDArray[FloatT] = core.march(map_, steps.tolist(), cells, order, radius, last)
         return times
 
 
@@ -123,10 +122,10 @@ def arrival_times_batch(
         check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
     fields = [k % len(maps) for k in range(count)]
     cells = [source_cells(starts[k % len(starts)], maps[fields[k]]) for k in range(count)]
-    march = core.march_batch_float32 if precision == np.float32 else core.march_batch_float64
     with check.enough_memory(f"speeds: {count} grids of shape {maps[0].shape}"):
         arrays = [np.ascontiguousarray(field, precision) for field in maps]
-        return march([arrays[k] for k in fields], steps.tolist(), cells, order, radius, threads)
+        some = [arrays[k] for k in fields]
+        return core.march_batch(some, steps.tolist(), cells, order, radius, threads)
 
 
 def nearest_sources(
