@@ -95,6 +95,12 @@ def write_arrays(path: StrPath, arrays: Mapping[str, Any]) -> None:
         np.savez(file, allow_pickle=False, **arrays)
 
 
+def write_compressed(path: StrPath, arrays: Mapping[str, Any]) -> None:
+    """Writes a compressed archive of arrays by name, whole or not at all."""
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+
+
 def write_tables(path: StrPath, kind: str, tables: Mapping[str, Any]) -> None:
     """Writes what `leadthrough/skill.hpp` reads in C++: numbers, and texts as bytes."""
     arrays = {"exported": kind} | dict(tables)

@@ -188,10 +188,7 @@ def _joint_states(messages: Messages, request: Request) -> list[ArrayTable]:
 def _trajectories(messages: Messages, _: Request) -> list[ArrayTable]:
     return [
         joint_trajectory.table(
-            {
-                "joint_names": message.joint_names,
-                "points": [_point(point) for point in message.points],
-            }
+            {"joint_names": message.joint_names, "points": [*map(_point, message.points)]}
         )
         for _, message in messages
     ]

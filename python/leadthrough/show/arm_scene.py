@@ -19,8 +19,16 @@ from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.shapes.surface import Surface, merged, sphere
-from leadthrough.show.animation import Animation, Item, Layer, link_motion, sampled
-from leadthrough.show.surfaces import thinned, tube, uncertainty_tube
+from leadthrough.show.animation import (
+    Animation,
+    Item,
+    Layer,
+    link_motion,
+    sampled,
+    thinned,
+    tube,
+    uncertainty_tube,
+)
 
 # Radius of the tubes around paths, m: thin enough that drawings of a hand's size stay legible.
 _PATH_RADIUS = 0.004

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 import leadthrough._core as core
 from leadthrough import check, rotations
 from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr
-from leadthrough.rotations.interpolation import squad_controls
+from leadthrough.rotations.group import squad_controls
 from leadthrough.trajectories import curve
 
 _MAX_POINTS = 50
@@ -372,7 +372,7 @@ class RotationSpline(RotationCurve):
         self, t: Float64Array
     ) -> tuple[NDArray[np.intp], tuple[Float64Array, Float64Array, Float64Array]]:
         """The piece of each time, and phi with two derivatives there."""
-        i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
+        i = _pieces(self.times, t)
         s = (t - self.times[i])[:, None]
         a, b, c = (self._cubics[i, k] for k in range(3))
         return i, (
