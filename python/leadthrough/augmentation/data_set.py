@@ -258,8 +258,7 @@ def opens(name: str) -> float | None:
 def motions(*, first: int, count: int, seed: int, skill: Path, setup: Path) -> list[Row]:
     """A row for each of some queries: the motion, or the reason if the arm cannot run it."""
     learned = load_skill(skill)
-    with setup.open("rb") as file:
-        common: Setup = pickle.load(file)
+    common: Setup = pickle.loads(setup.read_bytes())
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # unusual queries show in their motions
         return [_row(learned, common, seed, number) for number in range(first, first + count)]

@@ -218,8 +218,7 @@ def reached(
 
 def reach_rows(*, first: int, count: int, seed: int, workspace: Path) -> list[Row]:
     """A row for each place: the number of orientations reached, and the best manipulability."""
-    with workspace.open("rb") as file:
-        common: Workspace = pickle.load(file)
+    common: Workspace = pickle.loads(workspace.read_bytes())
     places = common.places[first : first + count]
     each = len(common.orientations)
     found, joints = reached(

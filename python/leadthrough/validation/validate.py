@@ -472,8 +472,7 @@ def draw_query(setup: Setup, seed: int, number: int) -> tuple[motion_planning.Qu
 def answers(*, first: int, count: int, seed: int, skill: Path, setup: Path) -> list[Row]:
     """A row for each of some queries: start, end, and the reason if the motion fails."""
     learned = load_skill(skill)
-    with setup.open("rb") as file:
-        common: Setup = pickle.load(file)
+    common: Setup = pickle.loads(setup.read_bytes())
     rows = []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # unusual queries show in their motions
