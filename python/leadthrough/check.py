@@ -294,7 +294,7 @@ def computed(kind: type[Kind], **parts: Any) -> Kind:  # Any: the fields of `kin
     return value
 
 
-def freeze(part: Any) -> Any:  # Any: of every type
+def freeze(part: Kind) -> Kind:
     """`part`, whose arrays become read-only, those in containers and dataclasses too."""
     if isinstance(part, np.ndarray):
         part.setflags(write=False)
@@ -354,9 +354,7 @@ def array_of_rank(
 def frozen(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     """A read-only copy of `value`, checked as by `array`."""
     with enough_memory(f"{name}: an array"):
-        result = array(value, name, shape=shape).copy()
-    result.setflags(write=False)
-    return result
+        return freeze(array(value, name, shape=shape).copy())
 
 
 def times(value: object, name: str) -> Float64Array:

@@ -203,12 +203,10 @@ class PoseTrajectory(Sampled):
         kept_events = _checked_events(events, clock)
         points = _rows(positions, "positions", count, 3)
         quaternions = check.quaternions(orientations, "orientations", shape=(count, 4))
-        continuous = rotations.group.aligned(quaternions)
-        continuous.setflags(write=False)
         vars(self).update(
             times=clock,
             positions=points,
-            orientations=continuous,
+            orientations=check.freeze(rotations.group.aligned(quaternions)),
             events=kept_events,
             joints=_joints(joints, clock),
         )

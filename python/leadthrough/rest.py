@@ -64,11 +64,6 @@ class Speeds:
         return Thresholds(*(_threshold(speeds, noise) for speeds, noise in both))
 
     @property
-    def noise_dominates(self) -> bool:
-        """Whether the noise, and not the usual speed, sets a threshold of something that moves."""
-        return self.noise_level > 1.0
-
-    @property
     def noise_level(self) -> float:
         """Speeds that noise alone has, over those of a hand at rest in something that moves."""
         both = zip((self.linear, self.angular), self.noise.T, strict=True)
@@ -248,7 +243,7 @@ def _clearest_speeds(motion: Motion, *, longest: float = math.inf) -> tuple[Spee
     for each in _WINDOWS:
         window = min(each, longest)
         speeds = speeds_of(motion, window)
-        if not speeds.noise_dominates:
+        if speeds.noise_level <= 1.0:  # the usual speed sets the thresholds
             break
     return speeds, window
 

@@ -189,8 +189,7 @@ def _values(names: tuple[str, ...], column: ArrayLike, key: str) -> Float64Array
         i = int(np.argmax(wrong))
         wanted = "a number >= 0" if key in _RATES else "a number"
         raise InvalidInput(f"{key}: expected {wanted} for {names[i]!r}, got {values[i]}")
-    values.setflags(write=False)
-    return values
+    return check.freeze(values)
 
 
 def _load(path: str | PathLike[str]) -> dict[str, Any]:

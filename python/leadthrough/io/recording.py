@@ -143,9 +143,7 @@ def recording_of(demonstration: Demonstration) -> Recording:
 
 
 def _frozen(value: ArrayLike, name: str, shape: Sequence[int | str]) -> Float64Array:
-    array = check.with_gaps(value, name, shape=shape).copy()
-    array.setflags(write=False)
-    return array
+    return check.freeze(check.with_gaps(value, name, shape=shape).copy())
 
 
 # No arm stays more than two turns from zero for half of a recording; degrees do.

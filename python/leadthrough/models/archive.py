@@ -418,6 +418,11 @@ def from_archived(kind: str, settings: dict[str, Any], arrays: Arrays) -> Skill:
     return skill
 
 
+def prefixed(arrays: Arrays, prefix: str) -> dict[str, NDArray[Any]]:
+    """The arrays whose names begin with a prefix, by the rest of their names."""
+    return {n.removeprefix(prefix): a for n, a in arrays.items() if n.startswith(prefix)}
+
+
 def _of_mode(number: int) -> str:
     """The end of the names of a further mode's arrays."""
     return f"_of_mode_{number + 1}"

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.models.archive import Arrays, FittedSkill, archived, from_archived
+from leadthrough.models.archive import Arrays, FittedSkill, archived, from_archived, prefixed
 from leadthrough.models.protocol import Demonstrations, Parameter, Skill
 from leadthrough.models.queries import CheckedQuery, is_free
 from leadthrough.motion import (
@@ -217,15 +217,10 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> CorrectedSkill[Any]:
     """The skill that `CorrectedSkill.to_archive` took apart."""
-    inside = {
-        name.removeprefix("skill_"): value
-        for name, value in arrays.items()
-        if name.startswith("skill_")
-    }
     at = check.array(arrays["at"], "at", shape=("k",))
     offsets = check.array(arrays["offsets"], "offsets", shape=(len(at), "width"))
     modes = check.array(arrays["mode"], "mode", shape=(len(at),))
-    skill = from_archived(settings["kind"], settings["skill"], inside)
+    skill = from_archived(settings["kind"], settings["skill"], prefixed(arrays, "skill_"))
     rows = zip(at.tolist(), offsets, modes.tolist(), strict=True)
     return CorrectedSkill(
         skill, tuple(Correction(where, offset, int(mode)) for where, offset, mode in rows)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr, UnsupportedQuery
-from leadthrough.models.archive import Arrays, SteppedSkill, archived, from_archived
+from leadthrough.models.archive import Arrays, SteppedSkill, archived, from_archived, prefixed
 from leadthrough.models.protocol import (
     Conditioned,
     Demonstrations,
@@ -29,7 +29,7 @@ from leadthrough.models.protocol import (
     fit_all,
     motions_of,
 )
-from leadthrough.models.queries import CheckedQuery, Via
+from leadthrough.models.queries import CheckedQuery, Via, checked_limits
 from leadthrough.motion import JointTrajectory, Motion, MotionT, MotionT_co, PoseTrajectory, Target
 from leadthrough.shapes import Shape, check_shapes
 
@@ -435,12 +435,8 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         if limits is None:
             return None
         self._require("limits", "; in Python, fit Framed(DMP())")
-        if not isinstance(limits, Sequence) or len(limits) != 2:
-            raise InvalidInput(f"limits: expected a pair (lower, upper), got {limits!r}")
         origin, axes = self.frame.origin, self.frame.axes
-        corners = np.stack([check.array(side, "limits", shape=origin.shape) for side in limits])
-        if not (corners[0] < corners[1]).all():
-            raise InvalidInput(f"limits: expected lower < upper, got {corners[0]} and {corners[1]}")
+        corners = checked_limits(limits, origin.shape)
         if np.abs(np.abs(axes).max(axis=0) - 1.0).max() > _ALIGNED:
             raise UnsupportedQuery(
                 "limits: base-frame limits are not axis-aligned in a rotated task frame; give "
@@ -532,12 +528,7 @@ class FramedState:
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> FramedSkill:
     """The skill that `FramedSkill.to_archive` took apart."""
-    inside = {
-        name.removeprefix("skill_"): value
-        for name, value in arrays.items()
-        if name.startswith("skill_")
-    }
-    skill: Any = from_archived(settings["kind"], settings["skill"], inside)
+    skill: Any = from_archived(settings["kind"], settings["skill"], prefixed(arrays, "skill_"))
     frame = Frame(arrays["origin"], arrays["axes"])
     return FramedSkill(Framed(skill.model), skill, frame, bool(settings["poses"]))
 

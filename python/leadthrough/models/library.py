@@ -188,7 +188,7 @@ class SkillLibrary(ShortRepr):
         result = SkillLibrary()
         try:
             for i, head in enumerate(settings["entries"]):
-                own = {n[len(f"{i}.") :]: a for n, a in arrays.items() if n.startswith(f"{i}.")}
+                own = archive.prefixed(arrays, f"{i}.")
                 skill = archive.restored(Path(path), head["kind"], head["settings"], own)
                 names = {name: head[name] for name in ("task", "subtask", "target")}
                 result = result.with_skill(skill, **names)

@@ -242,8 +242,7 @@ class ArrivalField:
         """
         with self._lock:
             if self._times is None:
-                self._times = self._field.times()
-                self._times.setflags(write=False)
+                self._times = check.freeze(self._field.times())
             return self._times
 
     def update(self, speed: ArrayLike) -> FieldUpdate:

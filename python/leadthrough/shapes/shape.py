@@ -214,8 +214,7 @@ def pose(position: ArrayLike, orientation: ArrayLike) -> dict[str, Float64Array]
     """A position (3,) and a unit quaternion (4,), read-only, by their names."""
     centre = check.frozen(position, "position", shape=(3,))
     quaternion = check.quaternions(orientation, "orientation", shape=(4,))
-    quaternion.setflags(write=False)
-    return {"position": centre, "orientation": quaternion}
+    return {"position": centre, "orientation": check.freeze(quaternion)}
 
 
 def checked_points(value: ArrayLike, name: str) -> Float64Array:

@@ -32,7 +32,8 @@ _WELD = 1e-6
 
 def tube(path: Float64Array, radius: float, *, sides: int = _SIDES) -> Surface:
     """A round tube around a path (n, 3), closed at both ends; lengths in m."""
-    points = without_repeats(path)
+    apart = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
+    points = path[np.concatenate([[True], apart])]
     if len(points) < 2:
         return sphere(radius).moved(points[0])
     across = radius * circle(sides)
@@ -49,12 +50,6 @@ def uncertainty_tube(
     spread = axes * np.sqrt(np.maximum(values, 0.0))[:, None, :] @ axes.transpose(0, 2, 1)
     rings = np.einsum("kj,nij->nki", deviations * circle(2 * _SIDES), spread)
     return _swept(means, np.einsum("nki,nij->nkj", rings, frames))
-
-
-def without_repeats(path: Float64Array) -> Float64Array:
-    """The path (n, 3) without points equal to the one before."""
-    moves = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
-    return np.asarray(path[np.concatenate([[True], moves])])
 
 
 def thinned(path: Float64Array, count: int) -> Float64Array:

@@ -241,7 +241,9 @@ class SimulatedArm(ShortRepr):
         before = self.qd
         spin = self._spin(before, command.qdd)
         self.demanded = asked + self.law.drive_damping * (qd - before) - spin
-        self._shift_limits(spin)
+        # The motors' limits for this period, with the torques of the rotors added.
+        ranges = spin[self._limited, None] + self._ranges
+        self.plant.model.actuator_forcerange[self.plant.motors][self._limited] = ranges
         if self.drives.pushes:
             self._push()
         asked_most = np.minimum(np.abs(self.demanded), self.drives.effort)
@@ -274,11 +276,6 @@ class SimulatedArm(ShortRepr):
         self._last_qd = qd
         fed = self.law.fed_forward
         return np.asarray(fed * qdd + (self.drives.rotors - fed) * last)
-
-    def _shift_limits(self, spin: Float64Array) -> None:
-        """Adds the torques (joints,) of the rotors to the motors' limits for a period."""
-        ranges = spin[self._limited, None] + self._ranges
-        self.plant.model.actuator_forcerange[self.plant.motors][self._limited] = ranges
 
     def _given(self, gained: Float64Array, spin: Float64Array) -> Float64Array:
         """Torques behind the gears in a step that gained speed; the drives' dampers act after."""

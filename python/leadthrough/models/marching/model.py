@@ -456,8 +456,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
     def _map(self) -> tuple[Grid, Float64Array]:
         self._dimensions()
         grid, speed, _ = map_of([each.denoised for each in self._all], self._map_scales)
-        speed.setflags(write=False)
-        return grid, speed
+        return grid, check.freeze(speed)
 
     @property
     def _map_scales(self) -> Scales:
