@@ -100,8 +100,10 @@ def decaying(away: Float64Array, duration: float, times: Float64Array) -> Float6
 
 
 def needed_duration(away: Float64Array, limits: JointLimits) -> float:
-    """The shortest duration, s, in which a difference of states decays in half of the limits."""
-    # By the peaks of the derivatives of the three parts of the polynomial, over unit time.
+    """The shortest duration, s, in which a difference of states decays within half of the limits.
+
+    The peaks of the derivatives of the three parts of the polynomial, over unit time.
+    """
     assert limits.acceleration is not None
     assert limits.jerk is not None
     limited = (limits.velocity, limits.acceleration, limits.jerk)
