@@ -284,13 +284,12 @@ void bind_policy_of(py::class_<MarchingPolicy>& type) {
 
 // The functions that exist in both precisions.
 template <typename Real>
-void bind_marches(py::module_& module, const std::string& precision) {
-  module.def(("march_" + precision).c_str(), &march_one<Real>, py::arg("speed").noconvert(),
-             py::arg("spacing"), py::arg("cells").noconvert(), py::arg("order"),
-             py::arg("source_radius"), py::arg("stop"));
-  module.def(("march_batch_" + precision).c_str(), &march_many<Real>, py::arg("speeds"),
-             py::arg("spacing"), py::arg("cells"), py::arg("order"), py::arg("source_radius"),
-             py::arg("threads"));
+void bind_marches(py::module_& module) {
+  module.def("march", &march_one<Real>, py::arg("speed").noconvert(), py::arg("spacing"),
+             py::arg("cells").noconvert(), py::arg("order"), py::arg("source_radius"),
+             py::arg("stop"));
+  module.def("march_batch", &march_many<Real>, py::arg("speeds"), py::arg("spacing"),
+             py::arg("cells"), py::arg("order"), py::arg("source_radius"), py::arg("threads"));
 }
 
 template <typename Real>
@@ -304,8 +303,8 @@ void bind_descent(py::module_& module) {
 }  // namespace
 
 void bind_field(py::module_& module) {
-  bind_marches<float>(module, "float32");
-  bind_marches<double>(module, "float64");
+  bind_marches<float>(module);
+  bind_marches<double>(module);
   bind_arrival_field<float>(module, "ArrivalFieldFloat32");
   bind_arrival_field<double>(module, "ArrivalFieldFloat64");
   module.def("nearest_sources", &label_sources, py::arg("arrival").noconvert(), py::arg("spacing"),

@@ -6,7 +6,7 @@ classes of the module have in common.
 
 from collections.abc import Sequence
 from enum import Enum
-from typing import Final, Self, overload
+from typing import Final, Self, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,11 @@ Float64Array = NDArray[np.float64]
 Int32Array = NDArray[np.int32]
 IndexArray = NDArray[np.intp]
 BoolArray = NDArray[np.bool_]
+_FloatT = TypeVar("_FloatT", Float32Array, Float64Array)
+# Errors, residuals and activations of tasks, and whether something limited them.
+_TasksReport = tuple[Float64Array, Float64Array, Float64Array, BoolArray]
+# Distance, sample, pair, fraction of the step, configuration and points.
+_Nearest = tuple[float, int, int, float, Float64Array, Float64Array]
 
 class Mimic:
     joint: Final[str]
@@ -168,15 +173,13 @@ class TaskStack:
     ) -> None: ...
     def velocity(
         self, q: Float64Array, qd: Float64Array, dt: float
-    ) -> tuple[Float64Array, tuple[Float64Array, Float64Array, Float64Array, BoolArray]]: ...
+    ) -> tuple[Float64Array, _TasksReport]: ...
     def acceleration(
         self, q: Float64Array, qd: Float64Array, dt: float
-    ) -> tuple[Float64Array, tuple[Float64Array, Float64Array, Float64Array, BoolArray]]: ...
+    ) -> tuple[Float64Array, _TasksReport]: ...
     def step(
         self, q: Float64Array, qd: Float64Array, dt: float
-    ) -> tuple[
-        Float64Array, Float64Array, tuple[Float64Array, Float64Array, Float64Array, BoolArray]
-    ]: ...
+    ) -> tuple[Float64Array, Float64Array, _TasksReport]: ...
 
 class DifferentialIk:
     def __init__(
@@ -287,11 +290,7 @@ def nearest_bodies(
 ) -> tuple[Float64Array, Int32Array, Float64Array]: ...
 def check_motion(
     scene: CollisionScene, q: Float64Array, margin: float, tolerance: float, threads: int
-) -> tuple[
-    Float64Array,
-    tuple[float, int, int, float, Float64Array, Float64Array],
-    tuple[float, int, int, float, Float64Array, Float64Array] | None,
-]: ...
+) -> tuple[Float64Array, _Nearest, _Nearest | None]: ...
 def longest_step(scene: CollisionScene, q: Float64Array) -> float: ...
 def clear_batch(
     model: CollisionModel,
@@ -505,13 +504,7 @@ class DmpForces:
     nodes: Final[Float64Array]
     fade: Final[Float64Array]
 
-class DmpPath:
-    @overload
-    def __init__(self) -> None: ...
-    @overload
-    def __init__(self, breaks: Float64Array, coefficients: Float64Array) -> None: ...
-    start: Final[Float64Array]
-    end: Final[Float64Array]
+class _Superposed:
     def superposed(
         self,
         phase: float,
@@ -519,9 +512,17 @@ class DmpPath:
         value: Float64Array,
         slope: Float64Array,
         shift: Float64Array,
-    ) -> DmpPath: ...
+    ) -> Self: ...
 
-class DmpCourse:
+class DmpPath(_Superposed):
+    @overload
+    def __init__(self) -> None: ...
+    @overload
+    def __init__(self, breaks: Float64Array, coefficients: Float64Array) -> None: ...
+    start: Final[Float64Array]
+    end: Final[Float64Array]
+
+class DmpCourse(_Superposed):
     def __init__(
         self,
         breaks: Float64Array,
@@ -533,14 +534,6 @@ class DmpCourse:
     coefficients: Final[Float64Array]
     gain: Final[Float64Array]
     drive: Final[Float64Array]
-    def superposed(
-        self,
-        phase: float,
-        until: float,
-        value: Float64Array,
-        slope: Float64Array,
-        shift: Float64Array,
-    ) -> DmpCourse: ...
 
 class DmpCurve:
     def __init__(
@@ -702,38 +695,22 @@ def curves_over_basis(
     most: int,
     threads: int,
 ) -> tuple[list[Float64Array], bool]: ...
-def march_float32(
-    speed: Float32Array,
+def march(
+    speed: _FloatT,
     spacing: Sequence[float],
     cells: NDArray[np.int64],
     order: int,
     source_radius: float,
     stop: int,
-) -> Float32Array: ...
-def march_float64(
-    speed: Float64Array,
-    spacing: Sequence[float],
-    cells: NDArray[np.int64],
-    order: int,
-    source_radius: float,
-    stop: int,
-) -> Float64Array: ...
-def march_batch_float32(
-    speeds: Sequence[Float32Array],
+) -> _FloatT: ...
+def march_batch(
+    speeds: Sequence[_FloatT],
     spacing: Sequence[float],
     cells: Sequence[NDArray[np.int64]],
     order: int,
     source_radius: float,
     threads: int,
-) -> list[Float32Array]: ...
-def march_batch_float64(
-    speeds: Sequence[Float64Array],
-    spacing: Sequence[float],
-    cells: Sequence[NDArray[np.int64]],
-    order: int,
-    source_radius: float,
-    threads: int,
-) -> list[Float64Array]: ...
+) -> list[_FloatT]: ...
 
 class Cells:
     def __init__(

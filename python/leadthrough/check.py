@@ -1,8 +1,8 @@
 """Checks of users' arguments, where they enter the package; exceptions; bases of frozen values.
 
-Every function returns the checked value in the form that the rest of the package works with, and
-raises InvalidInput, with the argument's name, what is right and what came. Values come in as
-`object`: checking the type is what these functions are for.
+Functions return the checked value in the form that the rest of the package works with, and raise
+InvalidInput, with the argument's name, what is right and what came. Values come in as `object`:
+checking the type is what these functions are for.
 """
 
 from __future__ import annotations
@@ -219,11 +219,7 @@ class Frozen:
 
 
 class ShortRepr(Frozen):
-    """Classes that derive from this one show their fields in one to five lines.
-
-    Arrays are shown by their shape, unless they are small; fields whose name begins with an
-    underscore are not shown.
-    """
+    """Classes that show their fields in one to five lines, without those that begin with "_"."""
 
     __slots__ = ()
 
@@ -242,13 +238,9 @@ class ShortRepr(Frozen):
 
 
 def _short_repr(self: ShortRepr) -> str:
-    return in_lines(one_line(self))
-
-
-def in_lines(text: str) -> str:
-    """The text in at most five lines, cut off with "..." where it is longer."""
-    lines = wrap(text, _WIDTH, subsequent_indent="  ", max_lines=_MAX_LINES, placeholder=" ...")
-    return "\n".join(lines)
+    """The text of an object in at most five lines, cut off with "..." where it is longer."""
+    layout: Any = {"subsequent_indent": "  ", "max_lines": _MAX_LINES, "placeholder": " ..."}
+    return "\n".join(wrap(one_line(self), _WIDTH, **layout))
 
 
 def one_line(value: ShortRepr) -> str:
@@ -259,7 +251,8 @@ def one_line(value: ShortRepr) -> str:
 def value_text(value: object) -> str:
     """One value of any type in a few words."""
     if isinstance(value, np.ndarray):
-        return _array_text(value)
+        few = value.ndim == 1 and value.size <= _NUMBERS and value.dtype.kind in "fiub"
+        return numbers_text(value) if few else f"array ({', '.join(map(str, value.shape))})"
     if isinstance(value, float):
         return f"{value:.4g}"
     if isinstance(value, Mapping) and len(value) > 3:
@@ -268,12 +261,6 @@ def value_text(value: object) -> str:
         return _several(value)
     text = one_line(value) if isinstance(value, ShortRepr) else repr(value)
     return text if len(text) <= _MAX_VALUE else f"{text[: _MAX_VALUE - 4]} ..."
-
-
-def _array_text(values: NDArray[Any]) -> str:
-    if values.ndim == 1 and values.size <= _NUMBERS and values.dtype.kind in "fiub":
-        return numbers_text(values)
-    return f"array ({', '.join(map(str, values.shape))})"
 
 
 def numbers_text(values: Any) -> str:  # Any: an array of numbers (n,)
@@ -307,7 +294,7 @@ def computed(kind: type[Kind], **parts: Any) -> Kind:  # Any: the fields of `kin
     return value
 
 
-def freeze(part: Any) -> Any:  # Any: of every type
+def freeze(part: Kind) -> Kind:
     """`part`, whose arrays become read-only, those in containers and dataclasses too."""
     if isinstance(part, np.ndarray):
         part.setflags(write=False)
@@ -367,9 +354,7 @@ def array_of_rank(
 def frozen(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     """A read-only copy of `value`, checked as by `array`."""
     with enough_memory(f"{name}: an array"):
-        result = array(value, name, shape=shape).copy()
-    result.setflags(write=False)
-    return result
+        return freeze(array(value, name, shape=shape).copy())
 
 
 def times(value: object, name: str) -> Float64Array:
@@ -514,6 +499,12 @@ def column_order(given: Sequence[str], wanted: Sequence[str], name: str) -> list
         wanted_text, given_text = (", ".join(each) or "without names" for each in (wanted, given))
         raise refused(name, f"the joints {wanted_text}", given_text)
     return [given.index(each) for each in wanted]
+
+
+def instance(value: object, name: str, kind: Any, wanted: str = "") -> None:
+    """Refuses a value that is not of a class, or of one of a union, whose name is `wanted`."""
+    if not isinstance(value, kind):
+        raise refused(name, wanted or f"a {kind.__name__}", type(value).__name__)
 
 
 def refused(name: str, expected: str, got: object, value: object = None) -> InvalidInput:

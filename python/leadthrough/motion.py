@@ -103,9 +103,7 @@ class Sampled(Drawn):
         first, last = self.times[0], self.times[-1]
         outside = (at < first) | (at > last)
         if outside.any():
-            raise InvalidInput(
-                f"time: expected {first:.6g} to {last:.6g} s, got {at[outside][0]:.6g} s"
-            )
+            raise check.refused("time", f"{first:.6g} to {last:.6g} s", f"{at[outside][0]:.6g} s")
         return given.ndim > 0, at, lerp(at, self.times, self.positions)
 
     def _repr_parts(self) -> list[str]:
@@ -205,12 +203,10 @@ class PoseTrajectory(Sampled):
         kept_events = _checked_events(events, clock)
         points = _rows(positions, "positions", count, 3)
         quaternions = check.quaternions(orientations, "orientations", shape=(count, 4))
-        continuous = rotations.group.aligned(quaternions)
-        continuous.setflags(write=False)
         vars(self).update(
             times=clock,
             positions=points,
-            orientations=continuous,
+            orientations=check.freeze(rotations.group.aligned(quaternions)),
             events=kept_events,
             joints=_joints(joints, clock),
         )
@@ -394,8 +390,7 @@ def _with_joints(motion: MotionT, joints: JointTrajectory) -> MotionT:
     """The motion with joints that were recorded beside it, at the motion's times."""
     if isinstance(motion, JointTrajectory):
         raise InvalidInput("joints: the motion consists of joints itself; leave them out")
-    if not isinstance(joints, JointTrajectory):
-        raise InvalidInput(f"joints: expected a JointTrajectory, got {type(joints).__name__}")
+    check.instance(joints, "joints", JointTrajectory)
     apart = np.abs(joints.times[[0, -1]] - motion.times[[0, -1]]).max()
     step = np.diff(joints.times).max(initial=0.0)
     if not (apart <= step or np.array_equal(joints.times, motion.times)):
@@ -412,12 +407,10 @@ def _joints(joints: JointTrajectory | None, clock: Float64Array) -> JointTraject
     """Positions and names of joints, one sample for each of the motion's, on its clock."""
     if joints is None:
         return None
-    if not isinstance(joints, JointTrajectory):
-        raise InvalidInput(f"joints: expected a JointTrajectory, got {type(joints).__name__}")
+    check.instance(joints, "joints", JointTrajectory)
     if len(joints.times) != len(clock):
-        raise InvalidInput(
-            f"joints: expected {len(clock)} samples, one for each of the motion's, "
-            f"got {len(joints.times)}"
+        raise check.refused(
+            "joints", f"{len(clock)} samples, one for each of the motion's", len(joints.times)
         )
     return JointTrajectory(clock, joints.positions, joint_names=joints.joint_names)
 
@@ -502,11 +495,8 @@ def columns_of(
 
 
 def with_derivatives(motion: JointTrajectory) -> JointTrajectory:
-    """The motion with its velocities and accelerations; those that are missing are filled by rule.
-
-    Velocities are the slopes of the cubic spline through the positions that starts and ends at
-    rest, accelerations the slopes of the cubic spline through the velocities ("not a knot").
-    """
+    """The motion with velocities and accelerations; those missing are slopes of cubic splines."""
+    # Velocities are of the one that starts and ends at rest, accelerations of "not a knot".
     velocities, accelerations = motion.velocities, motion.accelerations
     if velocities is not None and accelerations is not None:
         return motion
@@ -528,10 +518,9 @@ def _slopes(times: Float64Array, values: Float64Array, *, at_rest: bool) -> Floa
 def _checked_events(value: object, times: Float64Array) -> Events:
     """Events in the order of their times."""
     if not isinstance(value, Sequence):
-        raise InvalidInput(f"events: expected a sequence of Event, got {type(value).__name__}")
+        raise check.refused("events", "a sequence of Event", type(value).__name__)
     for i, each in enumerate(value):
-        if not isinstance(each, Event):
-            raise InvalidInput(f"events[{i}]: expected an Event, got {type(each).__name__}")
+        check.instance(each, f"events[{i}]", Event, "an Event")
     for event in value:
         if not times[0] <= event.time <= times[-1]:
             raise InvalidInput(

@@ -54,11 +54,8 @@ def is_random_walk(path: Float64Array) -> bool:
 
 
 def without_noise(path: Float64Array) -> Float64Array:
-    """The path smoothed until what it loses is as large as its white noise, detail aside.
-
-    Source: Whittaker 1923, "On a new method of graduation"; the strength by Morozov's discrepancy
-    principle.
-    """
+    """The path smoothed until what it loses is as large as its white noise, detail aside."""
+    # Whittaker 1923, "On a new method of graduation"; the strength by Morozov's principle.
     noise = noise_of(path)
     if noise == 0.0:
         return path

@@ -64,11 +64,6 @@ class Speeds:
         return Thresholds(*(_threshold(speeds, noise) for speeds, noise in both))
 
     @property
-    def noise_dominates(self) -> bool:
-        """Whether the noise, and not the usual speed, sets a threshold of something that moves."""
-        return self.noise_level > 1.0
-
-    @property
     def noise_level(self) -> float:
         """Speeds that noise alone has, over those of a hand at rest in something that moves."""
         both = zip((self.linear, self.angular), self.noise.T, strict=True)
@@ -224,7 +219,8 @@ def trim(
     spare = rest if rest == math.inf else check.number(rest, "rest", at_least=0.0)
     # Numbers of a damaged file, whose squares overflow, have no speed: the motion stays whole.
     with np.errstate(over="ignore", invalid="ignore"):
-        moving = _moving(motion, speed, angular_speed)
+        speeds, _ = _clearest_speeds(motion)
+        moving = speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
     found = [
         (first, after)
         for first, after in runs(moving >= HYSTERESIS)
@@ -242,18 +238,12 @@ def trim(
     return replace(demonstration, motion=kept)
 
 
-def _moving(motion: Motion, speed: float | None, angular_speed: float | None) -> Float64Array:
-    """Speeds (n,) in multiples of their thresholds, by the shortest window that noise allows."""
-    speeds, _ = _clearest_speeds(motion)
-    return speeds.in_multiples_of(thresholds_of(speeds, speed, angular_speed))
-
-
 def _clearest_speeds(motion: Motion, *, longest: float = math.inf) -> tuple[Speeds, float]:
     """Speeds by the shortest window that noise allows, and that window, s."""
     for each in _WINDOWS:
         window = min(each, longest)
         speeds = speeds_of(motion, window)
-        if not speeds.noise_dominates:
+        if speeds.noise_level <= 1.0:  # the usual speed sets the thresholds
             break
     return speeds, window
 

@@ -67,10 +67,7 @@ def _is_near(given: list[float], first: list[float], last: list[float]) -> bool:
 
 
 def stretched(given: Float64Array, demonstrated: Float64Array, name: str) -> None:
-    """Warns of a position (d,) many extents away from the demonstrated ones (n, d).
-
-    A rhythm, which ends where it begins, may go on anywhere.
-    """
+    """Warns of a position (d,) many extents away from the demonstrated ones (n, d)."""
     first, last, wanted = demonstrated[0].tolist(), demonstrated[-1].tolist(), given.tolist()
     chord = max(abs(b - a) for a, b in zip(first, last, strict=True))
     if all(abs(b - a) <= _STRETCHED * chord for a, b in zip(last, wanted, strict=True)):

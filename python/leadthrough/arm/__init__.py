@@ -1,7 +1,6 @@
 """The arm: from a URDF to kinematics, inverse kinematics and joint trajectories along a path."""
 
 from leadthrough.arm.arm import Arm as Arm, check_arm as check_arm
-from leadthrough.arm.base_location import BaseLocation as BaseLocation
 from leadthrough.arm.collision import (
     Clearance as Clearance,
     ClosestPair as ClosestPair,
@@ -12,20 +11,24 @@ from leadthrough.arm.differential_ik import (
     DifferentialIk as DifferentialIk,
     JointState as JointState,
 )
-from leadthrough.arm.dual_arm import DualArm as DualArm, check_arms as check_arms
+from leadthrough.arm.dual_arm import (
+    DualArm as DualArm,
+    HeldObject as HeldObject,
+    check_arms as check_arms,
+)
 from leadthrough.arm.dual_coordination import (
     CoordinatedMotion as CoordinatedMotion,
     Wait as Wait,
     coordinate as coordinate,
 )
 from leadthrough.arm.dual_demonstration import (
+    BaseLocation as BaseLocation,
     DualDemonstration as DualDemonstration,
     left_tip as left_tip,
     right_tip as right_tip,
     tips_of as tips_of,
 )
 from leadthrough.arm.following import FollowOptions as FollowOptions
-from leadthrough.arm.held_object import HeldObject as HeldObject
 from leadthrough.arm.inverse_kinematics import (
     Axis as Axis,
     IkBatch as IkBatch,

@@ -49,7 +49,6 @@ def collision_model(
 
 def check_motion(
     model: core.CollisionModel,
-    chain: core.Chain,
     trajectory: JointTrajectory | ArrayLike,
     scene: SceneLike,
     *,
@@ -57,14 +56,14 @@ def check_motion(
     threads: int,
 ) -> CollisionReport:
     """See `Arm.check`."""
-    q, times = _configurations(trajectory, tuple(chain.joint_names))
+    q, times = _configurations(trajectory, tuple(model.chain.joint_names))
     around = as_scene(scene)
-    pairs = (against(model, chain, around.shapes), core.itself(model))
+    pairs = (against(model, around.shapes), core.itself(model))
     margins = (around.margin, around.self_collision_margin)
     exact = check.number(tolerance, "tolerance", at_least=_MIN_TOLERANCE)
     count = check.integer(threads, "threads", at_least=1, at_most=256)
     _require_short_steps(pairs, q, exact)
-    _warn_of_degrees(chain, q)
+    _warn_of_degrees(model.chain, q)
     from_obstacles, from_itself = (
         _clearance(each, margin, times, core.check_motion(each, q, margin, exact, count))
         for each, margin in zip(pairs, margins, strict=True)
@@ -72,11 +71,9 @@ def check_motion(
     return CollisionReport(from_obstacles, from_itself, tolerance=exact)
 
 
-def against(
-    model: core.CollisionModel, chain: core.Chain, shapes: Sequence[Shape]
-) -> core.CollisionScene:
+def against(model: core.CollisionModel, shapes: Sequence[Shape]) -> core.CollisionScene:
     """Pairs of the arm's bodies and obstacles; warns of obstacles that are too far away."""
-    _warn_of_far_obstacles(chain.reach, shapes)
+    _warn_of_far_obstacles(model.chain.reach, shapes)
     return core.against(model, compiled(shapes))
 
 
@@ -106,11 +103,8 @@ def nearest(
 def nearest_pairs(
     model: core.CollisionModel, q: Float64Array, shapes: Sequence[Shape]
 ) -> list[tuple[Float64Array, list[tuple[str, str]], Float64Array]]:
-    """Distances (m,), bodies and points (m, 6) of the pairs that are nearest at configurations.
-
-    First those with an obstacle, if there are any, then those of two parts of the arm.
-    """
-    both = [against(model, model.chain, shapes)] if shapes else []
+    """Distances (m,), bodies and points (m, 6) of the nearest pairs: with obstacles, of itself."""
+    both = [against(model, shapes)] if shapes else []
     found = []
     for pairs in (*both, core.itself(model)):
         distances, bodies, points = core.nearest_bodies(pairs, np.ascontiguousarray(q), 1)

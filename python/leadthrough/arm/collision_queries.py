@@ -43,7 +43,7 @@ class CollisionQueries(ABC):
         If they overlap it is the depth of the overlap, negative; without obstacles it is
         infinite. The scene's margins are not used.
         """
-        pairs = collision.against(self._collision, self._collision.chain, as_scene(scene).shapes)
+        pairs = collision.against(self._collision, as_scene(scene).shapes)
         return collision.nearest(self._collision.chain, q, pairs, threads)
 
     @overload
@@ -108,12 +108,7 @@ class CollisionQueries(ABC):
         Source: Mirtich 1996.
         """
         return collision.check_motion(
-            self._collision,
-            self._collision.chain,
-            trajectory,
-            scene,
-            tolerance=tolerance,
-            threads=threads,
+            self._collision, trajectory, scene, tolerance=tolerance, threads=threads
         )
 
     @property

@@ -14,7 +14,7 @@ from leadthrough import check
 from leadthrough.arm import magnitudes
 from leadthrough.arm.arm import Arm, check_arm
 from leadthrough.arm.limits import known_acceleration
-from leadthrough.check import Float64Array, InvalidInput, ShortRepr
+from leadthrough.check import Float64Array, ShortRepr
 
 _FREE = np.empty(0)
 _STILL = np.zeros(6)
@@ -143,8 +143,7 @@ class DifferentialIk(ShortRepr):
     def _checked(
         self, state: Any, position: ArrayLike, orientation: ArrayLike, twist: ArrayLike
     ) -> tuple[Float64Array, ...]:
-        if not isinstance(state, JointState):
-            raise InvalidInput(f"state: expected a JointState, got {type(state).__name__}")
+        check.instance(state, "state", JointState)
         if orientation is not _FREE:
             check.quaternions(orientation, "orientation", shape=(4,))
         return (

@@ -1,4 +1,7 @@
-"""Two arms side by side: kinematics of each, rows of joints and a collision model of both."""
+"""Two arms side by side: kinematics of each, rows of joints and a collision model of both.
+
+An object in their hands is asked as one arm whose tip it is.
+"""
 
 from __future__ import annotations
 
@@ -14,22 +17,28 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import recorded_joints
 from leadthrough.arm.arm import Arm, check_arm
-from leadthrough.arm.base_location import BaseLocation, Carried, located
 from leadthrough.arm.collision_queries import CollisionQueries
-from leadthrough.arm.dual_demonstration import DualDemonstration
-from leadthrough.arm.dual_following import SIDES, Carry, Grasp, shape_seen_from, tips_of
-from leadthrough.arm.following import FollowOptions, checked_options, timed
-from leadthrough.arm.inverse_kinematics import IkOptions, IkResult
-from leadthrough.arm.limits import JointLimits
+from leadthrough.arm.dual_demonstration import BaseLocation, Carried, DualDemonstration, located
+from leadthrough.arm.dual_following import SIDES, Carry, Grasp, motions_of, shape_seen_from, tips_of
+from leadthrough.arm.following import FollowOptions, checked_options, positive_errors, timed
+from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
+from leadthrough.arm.limits import COLUMNS, JointLimits
 from leadthrough.arm.rigid_transforms import Pose, Transforms, checked_grasps
-from leadthrough.check import Float64Array, InvalidInput, ShortRepr, numbers_text, one_line
+from leadthrough.check import (
+    Float64Array,
+    IkFailure,
+    InvalidInput,
+    ShortRepr,
+    numbers_text,
+    one_line,
+)
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,
     Motion,
     PoseTrajectory,
+    Trajectory,
     as_demonstration,
-    columns_of,
     in_order,
 )
 from leadthrough.shapes import SceneLike, Solid, as_scene, names_of
@@ -37,7 +46,6 @@ from leadthrough.shapes import SceneLike, Solid, as_scene, names_of
 # m and rad, of the tips' relative pose between samples.
 TOLERANCE = (1e-4, 3.5e-4)
 _MAX_JOINTS = 16  # of the core
-_COLUMNS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,11 +85,9 @@ class DualArm(CollisionQueries, ShortRepr):
         if self.base is None:
             _require_one_robot(self.left, self.right)
         else:
-            placed = Transforms.of(self.base, "base")
-            object.__setattr__(self, "base", placed.single())
+            vars(self)["base"] = Transforms.of(self.base, "base").single()
         limits = _stacked(self.left.limits, self.right.limits)
-        object.__setattr__(self, "limits", limits)
-        object.__setattr__(self, "joint_names", limits.joint_names)
+        vars(self).update(limits=limits, joint_names=limits.joint_names)
 
     def _repr_parts(self) -> list[str]:
         names = f"{len(self.joint_names)} joints {self.joint_names[0]} ... {self.joint_names[-1]}"
@@ -135,11 +141,7 @@ class DualArm(CollisionQueries, ShortRepr):
             trajectory: with the joints of the pair.
         """
         own = in_order(trajectory, self.joint_names, "trajectory")
-        left, joints = len(self.left.joint_names), len(self.joint_names)
-        return (
-            columns_of(own, range(left), self.left.joint_names),
-            columns_of(own, range(left, joints), self.right.joint_names),
-        )
+        return motions_of((self.left, self.right), own)
 
     def joints_of(self, trajectory: Motion) -> JointTrajectory:
         """The joints of both arms in a recording, selected by name, in the pair's order.
@@ -284,8 +286,7 @@ class DualArm(CollisionQueries, ShortRepr):
             InvalidRobot: if there is a scene and a robot has no collision geometry.
             LimitsInfeasible: if a joint has to move whose limits are zero.
         """
-        if not isinstance(motion, PoseTrajectory):
-            raise check.refused("motion", "a PoseTrajectory", type(motion).__name__)
+        check.instance(motion, "motion", PoseTrajectory)
         around = None if scene is None else as_scene(scene)
         carry = Carry(
             (self.left, self.right),
@@ -328,6 +329,97 @@ class DualArm(CollisionQueries, ShortRepr):
         return tips_of((self.left, self.right), self._placement, q)
 
 
+@dataclass(frozen=True, eq=False)
+class HeldObject(CollisionQueries, ShortRepr):
+    """An object that a pair of arms holds; `plan_motion` takes it as an arm whose tip it is.
+
+    Attributes:
+        pair: the arms.
+        grasps: poses of the left and of the right tip in the object's frame.
+        tolerance: the most that the tips' relative pose may be off between samples, (m, rad).
+    """
+
+    pair: DualArm
+    grasps: tuple[Pose, Pose]
+    tolerance: tuple[float, float] = TOLERANCE
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.pair, DualArm):
+            raise check.refused("pair", "a DualArm", repr(self.pair))
+        left, right = checked_grasps(self.grasps, Transforms.of)
+        vars(self)["grasps"] = left.single(), right.single()
+        checked_tolerance(self.tolerance)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of both arms, the left ones first."""
+        return self.pair.joint_names
+
+    @property
+    def limits(self) -> JointLimits:
+        """The limits of those joints."""
+        return self.pair.limits
+
+    @property
+    def _collision(self) -> core.CollisionModel:
+        return self.pair._collision
+
+    def follow(
+        self,
+        motion: Trajectory | PoseTrajectory,
+        *,
+        q0: ArrayLike | None = None,
+        options: FollowOptions | None = None,
+        scene: SceneLike | None = None,
+    ) -> JointTrajectory:
+        """Joints of both arms along a motion of the object, as by `DualArm.follow`."""
+        if not isinstance(motion, PoseTrajectory):
+            raise check.refused("motion", "poses of the object", type(motion).__name__)
+        try:
+            return self.pair.follow(
+                motion, self.grasps, scene=scene, q0=q0, tolerance=self.tolerance, options=options
+            )
+        except IkFailure as error:
+            if len(error.q) != len(self.joint_names):  # of one arm alone: the other is anywhere
+                arms = self.pair.left, self.pair.right
+                error.q = np.hstack([arm._chain.middle for arm in arms])
+            raise
+
+    def inverse_kinematics_batch(
+        self,
+        positions: Float64Array,
+        orientations: Float64Array | None,
+        *,
+        q0: Float64Array,
+        options: IkOptions,
+    ) -> IkBatch:
+        """Configurations (m, joints) of both arms for poses (m, 3), (m, 4) of the object.
+
+        The status, and the joints that limit, are of the first arm that fails.
+        """
+        assert orientations is not None  # the object's motion has them
+        at, arms = Transforms(positions, orientations), (self.pair.left, self.pair.right)
+        by_left, by_right = (at @ grasp for grasp in checked_grasps(self.grasps, Transforms.of))
+        tips = by_left, self.pair._placement.inverse() @ by_right
+        left, right = (
+            arm.inverse_kinematics_batch(tip.positions, tip.orientations, q0=start, options=options)
+            for arm, start, tip in zip(arms, self.pair.split(q0), tips, strict=True)
+        )
+        return IkBatch(
+            q=np.hstack([left.q, right.q]),
+            success=left.success & right.success,
+            status=np.where(left.success, right.status, left.status),
+            position_error=np.maximum(left.position_error, right.position_error),
+            orientation_error=np.maximum(left.orientation_error, right.orientation_error),
+            iterations=left.iterations + right.iterations,
+            limiting_joints=np.hstack([left.limiting_joints, right.limiting_joints]),
+        )
+
+    def poses(self, trajectory: JointTrajectory) -> PoseTrajectory:
+        """Motion of the object with joints of both arms, in the middle of where either has it."""
+        return self.pair.demonstration(trajectory).object(self.grasps).motion
+
+
 def check_arms(arm: object) -> None:
     """Raises InvalidInput unless `arm` is an Arm or a DualArm."""
     if not isinstance(arm, DualArm):
@@ -347,10 +439,7 @@ def _grasp(motion: PoseTrajectory, grasp: Pose | PoseTrajectory, name: str) -> G
 def checked_tolerance(tolerance: tuple[float, float]) -> tuple[float, float]:
     if not isinstance(tolerance, tuple | list) or len(tolerance) != 2:
         raise check.refused("tolerance", "(m, rad)", repr(tolerance))
-    return (
-        check.number(tolerance[0], "tolerance in m", above=0.0),
-        check.number(tolerance[1], "tolerance in rad", above=0.0),
-    )
+    return positive_errors(tolerance[0], tolerance[1], "tolerance")
 
 
 def _require_one_robot(left: Arm, right: Arm) -> None:
@@ -377,9 +466,9 @@ def _stacked(left: JointLimits, right: JointLimits) -> JointLimits:
     if set(left.joint_names) & set(right.joint_names):
         sides = zip(SIDES, (left, right), strict=True)
         names = [f"{side}_{name}" for side, limits in sides for name in limits.joint_names]
-    columns: dict[str, Any] = {}
-    for key in _COLUMNS:
-        parts = getattr(left, key), getattr(right, key)
-        known = not any(part is None for part in parts)
-        columns[key] = np.concatenate(parts) if known else None
+    pairs = {key: (getattr(left, key), getattr(right, key)) for key in COLUMNS}
+    columns: dict[str, Any] = {
+        key: None if any(part is None for part in parts) else np.concatenate(parts)
+        for key, parts in pairs.items()
+    }
     return JointLimits(names, **columns)

@@ -107,50 +107,22 @@ def coordinate(
         in_order(left, pair.left.joint_names, "left"),
         in_order(right, pair.right.joint_names, "right"),
     )
-    for side, motion in zip(SIDES, motions, strict=True):
-        if len(motion) == 1:
-            raise check.refused(side, "two samples or more", "one")
     return _Coordination(pair, motions, as_scene(scene)).found()
 
 
-@dataclass(frozen=True, eq=False)
 class _Coordination:
     """The motions of the left and the right arm, and what both keep clear of."""
 
-    pair: DualArm
-    motions: tuple[JointTrajectory, JointTrajectory]
-    scene: Scene
-
-    @cached_property
-    def _own_times(self) -> list[Float64Array]:
-        """Times (n,) of either motion from its own beginning, s."""
-        return [motion.times - motion.times[0] for motion in self.motions]
-
-    @cached_property
-    def _paths(self) -> list[CubicSpline]:
-        """Splines through the samples: chords would make the joint path of both arms rough."""
-        from scipy.interpolate import CubicSpline
-
-        paths = []
-        for name, motion, times in zip(SIDES, self.motions, self._own_times, strict=True):
-            path, q = CubicSpline(times, motion.positions), motion.positions
-            off = path(0.5 * (times[1:] + times[:-1])) - 0.5 * (q[1:] + q[:-1])
-            if (worst := float(np.abs(off).max())) > _COARSE:
-                raise InvalidInput(
-                    f"{name}: expected samples so dense that a cubic spline through them stays "
-                    f"within {_COARSE:g} rad of the straight motion, got {worst:.2g}; take more"
-                )
-            paths.append(path)
-        return paths
-
-    @cached_property
-    def _knots(self) -> Float64Array:
-        """Evenly spaced times (k,) of either motion at which its arm may stop, s."""
-        return np.linspace(0.0, max(times[-1] for times in self._own_times), _KNOTS)
-
-    @cached_property
-    def _test(self) -> CollisionTest:
-        return CollisionTest.of(self.pair._collision, self.scene)
+    def __init__(
+        self, pair: DualArm, motions: tuple[JointTrajectory, JointTrajectory], scene: Scene
+    ) -> None:
+        self._pair, self._motions = pair, motions
+        # Times (n,) of either motion from its own beginning, and those (k,) of possible stops, s.
+        self._own_times = [motion.times - motion.times[0] for motion in motions]
+        self._knots = np.linspace(0.0, max(times[-1] for times in self._own_times), _KNOTS)
+        sides = zip(SIDES, self._own_times, motions, strict=True)
+        self._paths = [_spline(name, times, motion.positions) for name, times, motion in sides]
+        self._test = CollisionTest.of(pair._collision, scene)
 
     def found(self) -> CoordinatedMotion:
         """The quickest motion; NoPath if there is none."""
@@ -234,12 +206,12 @@ class _Coordination:
     ) -> CoordinatedMotion:
         events = [
             event
-            for motion, times in zip(self.motions, progress.T, strict=True)
+            for motion, times in zip(self._motions, progress.T, strict=True)
             for event in moved_events(motion.events, motion.times[0] + times, clock)
         ]
         events.sort(key=lambda event: event.time)
         q = self._joined(progress)
-        joints = timed(self.pair.limits, JointTrajectory(clock, q, events=events), q, "slow")
+        joints = timed(self._pair.limits, JointTrajectory(clock, q, events=events), q, "slow")
         return CoordinatedMotion(joints, self._waits(schedule, joints.times[:: self._rows_in_step]))
 
     def _waits(self, schedule: Knots, times: Float64Array) -> tuple[Wait, ...]:
@@ -260,7 +232,7 @@ class _Coordination:
         ahead = [times - at for times, at in zip(self._own_times, begin, strict=True)]
         clock = np.unique(np.concatenate([[0.0], *ahead]).clip(0.0))
         q = self._joined(begin + clock[:, None])
-        report = self.pair.check(q, self._test.scene, tolerance=_CHECKED)
+        report = self._pair.check(q, self._test.scene, tolerance=_CHECKED)
         pair = report.first or report.closest
         assert pair is not None
         return pair
@@ -272,3 +244,19 @@ class _Coordination:
             f"no waiting of either arm keeps both clear: without any, {' and '.join(pair.bodies)} "
             f"{near}; change a path, or where it ends"
         )
+
+
+def _spline(name: str, times: Float64Array, q: Float64Array) -> CubicSpline:
+    """A spline through the samples: chords would make the joint path of both arms rough."""
+    from scipy.interpolate import CubicSpline
+
+    if len(times) == 1:
+        raise check.refused(name, "two samples or more", "one")
+    path = CubicSpline(times, q)
+    off = path(0.5 * (times[1:] + times[:-1])) - 0.5 * (q[1:] + q[:-1])
+    if (worst := float(np.abs(off).max())) > _COARSE:
+        raise InvalidInput(
+            f"{name}: expected samples so dense that a cubic spline through them stays within "
+            f"{_COARSE:g} rad of the straight motion, got {worst:.2g}; take more"
+        )
+    return path

@@ -65,10 +65,7 @@ class Side:
             self._fail(error)
 
     def tracks(self) -> Iterator[Float64Array]:
-        """Joints (n, joints) clear of the scene at some samples, the least effort first.
-
-        Raises IkFailure if there are none.
-        """
+        """Joints (n, joints) clear of the scene at some samples, the least effort first."""
         test = CollisionTest.of(self.arm._collision, self.scene or ())
         none = True
         for track in self._near_postures(test):
@@ -124,10 +121,7 @@ class Carry:
     tolerance: tuple[float, float]  # of the tips' relative pose between samples, m and rad
 
     def along(self, motion: PoseTrajectory) -> tuple[PoseTrajectory, Float64Array]:
-        """The motion with the samples that the tolerance takes, and joints (n, joints) along it.
-
-        The index of a failure is of the motion as given.
-        """
+        """The motion with the samples that the tolerance takes, and joints (n, joints) along it."""
         given, sides = motion.times, self._sides(motion)
         q = _stacked([side.first for side in sides])
         for _ in range(_MAX_ROUNDS):
@@ -147,21 +141,17 @@ class Carry:
     def _sides(self, motion: PoseTrajectory) -> list[Side]:
         at = Transforms(motion.positions, motion.orientations)
         to_bases = Transforms.identity(), self.placement.inverse()
+        joints = (None, None) if motion.joints is None else motions_of(self.arms, motion.joints)
         sides = []
         for k, to_base in enumerate(to_bases):
             tip = to_base @ at @ _at(self.grasps[k], motion.times)
-            joints = self._own(motion.joints, k)
-            path = PoseTrajectory(motion.times, tip.positions, tip.orientations, joints=joints)
-            scene = None if self.scene is None else seen_from(self.scene, to_base)
+            path = PoseTrajectory(motion.times, tip.positions, tip.orientations, joints=joints[k])
+            scene = self.scene
+            if scene is not None:  # its obstacles at their present poses
+                moved = tuple(shape_seen_from(shape, to_base) for shape in scene.shapes)
+                scene = replace(scene, obstacles=moved)
             sides.append(Side(SIDES[k], self.arms[k], path, self.starts[k], self.options[k], scene))
         return sides
-
-    def _own(self, joints: JointTrajectory | None, k: int) -> JointTrajectory | None:
-        """Of the joints of both arms, those of one."""
-        if joints is None:
-            return None
-        left, own = len(self.arms[0].joint_names), self.arms[k].joint_names
-        return columns_of(joints, range(k * left, k * left + len(own)), own)
 
     def _parts(self, times: Float64Array, q: Float64Array) -> NDArray[np.int_]:
         """Number of parts (n - 1,) to cut each step into, by the error at its middle."""
@@ -182,8 +172,7 @@ class Carry:
             if _is_clear(test, q) and all(test.clear_rows(q)) and test.clear_between(q):
                 return q
             tried = tried or [q]
-        chain = self.model.chain
-        found = check_motion(self.model, chain, tried[0], test.scene, tolerance=_CHECKED, threads=1)
+        found = check_motion(self.model, tried[0], test.scene, tolerance=_CHECKED, threads=1)
         assert found.first is not None
         a, b = found.first.bodies
         why = f"{a} and {b} come {1e3 * found.first.distance:.1f} mm near, in other postures too"
@@ -207,6 +196,18 @@ def _paired(left: Iterator[Float64Array], right: Iterator[Float64Array]) -> Iter
             yield _stacked([known[0][i], known[1][total - i]])
 
 
+def motions_of(
+    arms: tuple[Arm, Arm], joints: JointTrajectory
+) -> tuple[JointTrajectory, JointTrajectory]:
+    """The motions of the left and the right arm in one of both."""
+    left, right = (arm.joint_names for arm in arms)
+    every = range(len(left) + len(right))
+    return (
+        columns_of(joints, every[: len(left)], left),
+        columns_of(joints, every[len(left) :], right),
+    )
+
+
 def tips_of(
     arms: tuple[Arm, Arm], placement: Transforms, q: Float64Array
 ) -> tuple[Transforms, Transforms]:
@@ -226,12 +227,6 @@ def divided(motion: PoseTrajectory, parts: NDArray[np.int_]) -> PoseTrajectory:
     if joints is not None:
         joints = JointTrajectory(times, joints.at(times), joint_names=joints.joint_names)
     return PoseTrajectory(times, *motion.at(times), motion.events, joints)
-
-
-def seen_from(scene: Scene, T_frame_scene: Transforms) -> Scene:
-    """The obstacles of a scene at their present poses, in another frame."""
-    moved = tuple(shape_seen_from(shape, T_frame_scene) for shape in scene.shapes)
-    return replace(scene, obstacles=moved)
 
 
 def shape_seen_from(shape: ShapeT, T_frame_shape: Transforms) -> ShapeT:

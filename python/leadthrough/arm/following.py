@@ -317,12 +317,16 @@ def _deviation(
             )
         return allowed
     if deviation is None:
-        raise InvalidInput(
-            "deviation: expected the most that the tip may be away from the path, (m, rad), "
-            "got None"
+        raise check.refused(
+            "deviation", "the most that the tip may be away from the path, (m, rad)", "None"
         )
     position, orientation = check.array(deviation, "deviation", shape=(2,))
+    return positive_errors(position, orientation, "deviation")
+
+
+def positive_errors(position: object, orientation: object, name: str) -> tuple[float, float]:
+    """Errors > 0 of a position in m and of an orientation in rad."""
     return (
-        check.number(position, "deviation in m", above=0.0),
-        check.number(orientation, "deviation in rad", above=0.0),
+        check.number(position, f"{name} in m", above=0.0),
+        check.number(orientation, f"{name} in rad", above=0.0),
     )

@@ -7,6 +7,7 @@ Samples beyond the arm's reach, and first and last samples that no joint positio
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,14 +73,9 @@ def failure(
 
 def with_reason(failure: IkFailure, reason: str) -> IkFailure:
     """The failure with a reason added to its message."""
-    return IkFailure(
-        f"{failure}; {reason}",
-        index=failure.index,
-        status=failure.status,
-        residual=failure.residual,
-        q=failure.q,
-        limiting_joints=failure.limiting_joints,
-    )
+    same = copy(failure)
+    same.args = (f"{failure}; {reason}",)
+    return same
 
 
 def limiting_joints_text(limits: JointLimits, q: Float64Array, bars: Sequence[bool]) -> str:

@@ -28,6 +28,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 
 _MAX_FILE = 2**20  # bytes
+COLUMNS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 _BOUNDS = ("lower", "upper")
 _RATES = ("velocity", "effort", "acceleration", "jerk")
 _SPEEDS = ("velocity", "acceleration", "jerk")
@@ -66,23 +67,15 @@ class JointLimits(ShortRepr):
         effort: ArrayLike | None = None,
     ) -> None:
         names = tuple(joint_names)
-        columns = {
-            "lower": lower,
-            "upper": upper,
-            "velocity": velocity,
-            "acceleration": acceleration,
-            "jerk": jerk,
-            "effort": effort,
-        }
+        columns = lower, upper, velocity, acceleration, jerk, effort
         vars(self).update(joint_names=names)
-        for key, column in columns.items():
+        for key, column in zip(COLUMNS, columns, strict=True):
             vars(self)[key] = None if column is None else _values(names, column, key)
         crossed = self.lower > self.upper
         if crossed.any():
             i = int(np.argmax(crossed))
-            raise InvalidInput(
-                f"lower: expected at most upper for {names[i]!r}, "
-                f"got {self.lower[i]} and {self.upper[i]}"
+            raise check.refused(
+                "lower", f"at most upper for {names[i]!r}", f"{self.lower[i]} and {self.upper[i]}"
             )
 
     def without(self, names: Collection[str]) -> JointLimits:
@@ -92,7 +85,7 @@ class JointLimits(ShortRepr):
             names: of the joints to leave out.
         """
         rest = [i for i, name in enumerate(self.joint_names) if name not in names]
-        columns = {name: getattr(self, name) for name in _BOUNDS + _RATES}
+        columns = {name: getattr(self, name) for name in COLUMNS}
         values: dict[str, Any] = {
             name: None if column is None else column[rest] for name, column in columns.items()
         }
@@ -173,8 +166,7 @@ def read_limits(
     """
     document = _load(path)
     joints = _table(document, "joints", path)
-    if not isinstance(urdf, JointLimits):
-        raise check.refused("urdf", "a JointLimits", type(urdf).__name__)
+    check.instance(urdf, "urdf", JointLimits)
     known = set(urdf.joint_names) | set(other_joints)
     unknown = sorted(set(joints) - known)
     if unknown:
@@ -197,8 +189,7 @@ def _values(names: tuple[str, ...], column: ArrayLike, key: str) -> Float64Array
         i = int(np.argmax(wrong))
         wanted = "a number >= 0" if key in _RATES else "a number"
         raise InvalidInput(f"{key}: expected {wanted} for {names[i]!r}, got {values[i]}")
-    values.setflags(write=False)
-    return values
+    return check.freeze(values)
 
 
 def _load(path: str | PathLike[str]) -> dict[str, Any]:
@@ -261,9 +252,7 @@ def _column(
 def checked_values(values: Mapping[str, float]) -> Mapping[str, float]:
     """A read-only copy of values by the joints' names."""
     if not isinstance(values, Mapping):
-        raise InvalidInput(
-            f"locked_joints: expected a mapping from joints' names to values, got {values!r}"
-        )
+        raise check.refused("locked_joints", "a mapping from joints' names to values", repr(values))
     for name in values:
         if not isinstance(name, str):
             raise InvalidInput(f"locked_joints: expected a joint's name, got {name!r}")

@@ -30,9 +30,7 @@ def values(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float6
 
 def frozen(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     """A read-only copy of `value`, checked as by `values`."""
-    result = values(value, name, shape=shape).copy()
-    result.setflags(write=False)
-    return result
+    return check.freeze(values(value, name, shape=shape).copy())
 
 
 def positive(value: float, name: str) -> float:

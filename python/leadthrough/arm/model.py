@@ -16,7 +16,7 @@ from leadthrough.arm import kinematics
 from leadthrough.arm.attachment import Attachment, Load
 from leadthrough.arm.collision import collision_model
 from leadthrough.arm.limits import JointLimits, checked_values, require_inside, require_unlocked
-from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
+from leadthrough.check import Float64Array, InvalidRobot
 from leadthrough.drawing import Drawn
 from leadthrough.shapes import Shape, Solid
 
@@ -56,9 +56,7 @@ class ArmModel(Drawn):
         robot = core.Robot(self.document).hold(list(self.locked_joints.items()))
         chain = core.Chain(robot, self.base, self.tip)
         if list(self.joint_names) != chain.joint_names:
-            raise InvalidInput(
-                f"limits: expected the joints {chain.joint_names}, got {list(self.joint_names)}"
-            )
+            raise check.refused("limits", f"the joints {chain.joint_names}", list(self.joint_names))
         bounded = chain.with_bounds(self.limits.lower, self.limits.upper)
         object.__setattr__(self, "_robot", robot)
         object.__setattr__(self, "_chain", self.attachment.applied_to(bounded))

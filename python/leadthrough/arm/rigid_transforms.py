@@ -32,8 +32,7 @@ class Transforms:
             raise InvalidInput(f"{name}: expected (position, orientation), got {pose!r}")
         position = check.frozen(pose[0], f"{name} position", shape=(3,))
         orientation = check.quaternions(pose[1], f"{name} orientation", shape=(4,))
-        orientation.setflags(write=False)
-        return Transforms(position[None], orientation[None])
+        return Transforms(position[None], check.freeze(orientation)[None])
 
     @staticmethod
     def identity() -> Transforms:

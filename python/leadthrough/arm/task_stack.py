@@ -183,9 +183,7 @@ class TaskStack(ShortRepr):
         except InvalidRobot as error:
             raise InvalidInput(f"link: expected a link that the arm moves: {error}") from None
         if upper.joint_names != list(self.arm.joint_names[: len(upper.joint_names)]):
-            raise InvalidInput(
-                f"link: expected a link that only the arm's joints move, got {link!r}"
-            )
+            raise check.refused("link", "a link that only the arm's joints move", repr(link))
         return core.Frame(upper, point)
 
 
@@ -306,9 +304,7 @@ def resolve(
     rows = _checked_jacobians(jacobians)
     joints = rows[0].shape[1]
     if len(wanted) != len(rows):
-        raise InvalidInput(
-            f"wanted: expected {len(rows)} vectors, as many as jacobians, got {len(wanted)}"
-        )
+        raise check.refused("wanted", f"{len(rows)} vectors, as many as jacobians", len(wanted))
     goals = [
         magnitudes.values(goal, "wanted", shape=(len(jacobian),))
         for goal, jacobian in zip(wanted, rows, strict=True)
@@ -316,9 +312,7 @@ def resolve(
     low, high = _bound(lower, "lower", -np.inf, joints), _bound(upper, "upper", np.inf, joints)
     if (low > high).any():
         i = int(np.argmax(low > high))
-        raise InvalidInput(
-            f"lower: expected at most upper for joint {i}, got {low[i]} and {high[i]}"
-        )
+        raise check.refused("lower", f"at most upper for joint {i}", f"{low[i]} and {high[i]}")
     reverse = check.choice(scheme, "scheme", _SCHEMES) == "reverse"
     return core.resolve_stack(rows, goals, low, high, reverse)
 

@@ -74,9 +74,7 @@ def _unit_vector(value: ArrayLike, name: str) -> Float64Array:
     if largest == 0.0:
         raise InvalidInput(f"{name}: expected a direction, got the zero vector")
     scaled = given / largest
-    unit = np.asarray(scaled / np.linalg.norm(scaled))
-    unit.setflags(write=False)
-    return unit
+    return check.freeze(np.asarray(scaled / np.linalg.norm(scaled)))
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -107,10 +105,9 @@ class PoseTask(ArmTask):
     ) -> None:
         super().__init__(gain, damping_ratio)
         unit = check.quaternions(orientation, "orientation", shape=(4,))
-        unit.setflags(write=False)
         vars(self).update(
             position=_vector(position, "position", 3),
-            orientation=unit,
+            orientation=check.freeze(unit),
             twist=_vector(twist, "twist", 6),
             link=link,
         )
@@ -331,9 +328,7 @@ class ObstacleTask(ArmTask):
         damping_ratio: float = 1.0,
     ) -> None:
         super().__init__(gain, damping_ratio)
-        if not isinstance(shape, Shape):
-            what = type(shape).__name__
-            raise InvalidInput(f"shape: expected one of leadthrough.shapes, got {what}")
+        check.instance(shape, "shape", Shape, "one of leadthrough.shapes")
         names = ("position", "size", "radius", "length", "vertices", "points")
         sizes = [np.ravel(getattr(shape, name, 0.0)) for name in names]
         magnitudes.values(np.concatenate(sizes), "shape", shape=("n",))

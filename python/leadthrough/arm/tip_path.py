@@ -129,9 +129,7 @@ def solve_sample(
 def tube_around(path: TipPath, deviation: tuple[ArrayLike, ArrayLike]) -> Float64Array:
     """The room at each sample as the core takes it, (6 n, 6)."""
     if not isinstance(deviation, tuple | list) or len(deviation) != 2:
-        raise InvalidInput(
-            f"deviation: expected the room in m and in rad, (m, rad), got {deviation!r}"
-        )
+        raise check.refused("deviation", "the room in m and in rad, (m, rad)", repr(deviation))
     room = np.zeros((len(path), 6, 6))
     room[:, :3, :3] = _in_frames(path, _room(deviation[0], "deviation in m", len(path)))
     room[:, 3:, 3:] = _room(deviation[1], "deviation in rad", len(path))

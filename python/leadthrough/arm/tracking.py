@@ -25,7 +25,7 @@ from itertools import combinations
 import numpy as np
 
 import leadthrough._core as core
-from leadthrough import rotations
+from leadthrough import check, rotations
 from leadthrough.arm.ik_failure import failure
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration, margins
@@ -178,11 +178,8 @@ def branch_track(
 def as_demonstrated(
     tracker: Tracker, track: Track, *, leaving: tuple[float, float], ending: tuple[float, float]
 ) -> Track:
-    """The track, or one near the path's postures if it leaves them without need, or ends.
-
-    The errors allowed then are given for either. Beside a singularity an exact path may take joints
-    far away for some micrometres, and so may an axis that is free.
-    """
+    """The track, or one near the path's postures if it leaves them without need, or ends."""
+    # Beside a singularity an exact path may take joints far away for some micrometres.
     path, ends = tracker.path, track.reached < len(tracker.path)
     if not len(path.orientations) or (not ends and not _leaves(tracker.chain, path, track)):
         return track
@@ -231,9 +228,7 @@ def axes_to_try(
                 "free: not used with on_rate_limit='deviate' or 'raise'; leave it out"
             )
         if not len(path.orientations) and (set(free) & set(_ROTATIONS) or set(free) >= set("xyz")):
-            raise InvalidInput(
-                f"free: expected one or two of 'x', 'y', 'z' along points, got {list(free)}"
-            )
+            raise check.refused("free", "one or two of 'x', 'y', 'z' along points", list(free))
         return [tuple(free)]
     missing = min(6 - joints, len(_ROTATIONS)) if len(path.orientations) else 0
     if missing <= 0 or in_time:

@@ -1,4 +1,7 @@
 """Data sets for policies: many motions of a skill, or demonstrations as they were recorded."""
 
-from leadthrough.augmentation.data_set import Augmentation as Augmentation, augment as augment
-from leadthrough.augmentation.recorded import write_data_set as write_data_set
+from leadthrough.augmentation.data_set import (
+    Augmentation as Augmentation,
+    augment as augment,
+    write_data_set as write_data_set,
+)

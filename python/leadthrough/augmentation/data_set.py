@@ -1,4 +1,4 @@
-"""A data set of a skill's motions, for starts, goals and obstacles drawn at random from regions."""
+"""Data sets of a skill's motions, for queries drawn at random, and of recorded demonstrations."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from leadthrough import check
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, check_arm
 from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
-from leadthrough.io.episode_writers import EpisodeWriter, writes_hdf5, writing
-from leadthrough.io.episodes import Episode, Layout
+from leadthrough.io.episode_writers import Episode, EpisodeWriter, Layout, writes_hdf5, writing
 from leadthrough.models import Skill, TargetRegion, load_skill
-from leadthrough.motion import Event, JointTrajectory, Motion, PoseTrajectory
-from leadthrough.shapes import RandomObstacle, SceneLike
+from leadthrough.motion import Demonstration, Event, JointTrajectory, Motion, PoseTrajectory
+from leadthrough.preprocess.resample import check_sample_count, several_samples
+from leadthrough.shapes import RandomObstacle, SceneLike, as_scene
 from leadthrough.tasks import Execution, Outcome, Row, Store, Task, pickled
 from leadthrough.timing import check_limits, keep_timing
 from leadthrough.validation.validate import PATH_TOLERANCE, Setup, attempt, draw_query, numbers_of
@@ -258,8 +258,7 @@ def opens(name: str) -> float | None:
 def motions(*, first: int, count: int, seed: int, skill: Path, setup: Path) -> list[Row]:
     """A row for each of some queries: the motion, or the reason if the arm cannot run it."""
     learned = load_skill(skill)
-    with setup.open("rb") as file:
-        common: Setup = pickle.load(file)
+    common: Setup = pickle.loads(setup.read_bytes())
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # unusual queries show in their motions
         return [_row(learned, common, seed, number) for number in range(first, first + count)]
@@ -312,3 +311,72 @@ def unpacked(row: Row, joints: int) -> tuple[Float64Array, Float64Array]:
     packed = zlib.decompress(base64.b64decode(row["rows"]))
     rows = np.frombuffer(packed, np.float32).reshape(-1, 2 * joints).astype(np.float64)
     return np.ascontiguousarray(rows[:, :joints]), rows[:, joints:]
+
+
+def write_data_set(
+    demonstrations: Sequence[Demonstration[JointTrajectory] | JointTrajectory],
+    arm: Arm,
+    out: str | Path,
+    scene: SceneLike = (),
+    *,
+    rate: float = 50.0,
+    task: str = "reach the goal",
+) -> Path:
+    """The data set of demonstrations, an episode each, that policies can learn from.
+
+    It has the columns of `lt.augment`: joints, the tip's poses, the gripper by events such as
+    "close gripper", and the poses of the goal, where a demonstration ends, and the obstacles'
+    positions; images are not made.
+
+    Args:
+        demonstrations: joint motions of the arm, at least one, each of two samples or more.
+        out: folder of a LeRobot data set of version 3, which must not be there yet; or an HDF5
+            file, ".hdf5" or ".h5".
+        scene: obstacles in the arm's base frame.
+        rate: frames per second, > 0. Durations become whole numbers of frames.
+        task: of all episodes, in words.
+
+    Raises:
+        InvalidInput: if there is no demonstration or one is not of the arm's joints, if the rate
+            asks for too many frames, or the data set cannot be written.
+        MissingDependency: if the extra `lerobot` or `hdf5` is not installed.
+    """
+    check_arm(arm)
+    frames = check.number(rate, "rate", above=0.0)
+    if not isinstance(task, str):
+        raise check.refused("task", "words", repr(task))
+    if not isinstance(demonstrations, Sequence) or not demonstrations:
+        got = type(demonstrations).__name__ if demonstrations else "none"
+        raise check.refused("demonstrations", "a sequence of at least one", got)
+    given = [several_samples(each) for each in demonstrations]
+    motions = [arm.joints_of(each.motion) for each in given]
+    for motion in motions:
+        check_sample_count(motion.duration, frames)
+    places = [shape.position for shape in as_scene(scene).shapes]
+    names = [f"obstacle_{i}_{axis}" for i in range(len(places)) for axis in "xyz"]
+    grips = any(opens(event.name) is not None for each in motions for event in each.events)
+    layout = Layout(
+        *(arm.robot.name, arm.joint_names, (*GOAL_POSE, *names), grips, frames, task),
+        {"demonstrations": [each.name for each in given], "images": "none"},
+    )
+    with writing(out, layout) as writer:
+        for each, motion in zip(given, motions, strict=True):
+            rows = sampled(motion, frames)
+            writer.add(_recorded(rows, arm, layout, np.ravel(places), each.name))
+    return Path(out)
+
+
+def _recorded(
+    rows: JointTrajectory, arm: Arm, layout: Layout, places: Float64Array, name: str
+) -> Episode:
+    positions, orientations = arm.forward_kinematics(rows.positions)
+    events = [(event.time, event.name) for event in rows.events]
+    assert rows.velocities is not None  # of a spline
+    return Episode(
+        rows.positions,
+        rows.velocities,
+        np.hstack([positions, orientations[:, [1, 2, 3, 0]]]),
+        gripper_states(events, len(rows), layout.rate) if layout.has_gripper else None,
+        np.concatenate([positions[-1], orientations[-1], places]),
+        {"demonstration": name},
+    )

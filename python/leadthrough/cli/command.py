@@ -40,7 +40,7 @@ def words(ctx: Any) -> dict[str, str]:
         option = parameter.opts[0]
         if option == f"--{parameter.name.replace('_', '-')}":
             said = option
-            if _source(ctx, parameter.name) == "DEFAULT_MAP":
+            if output.source(ctx, parameter.name) == "DEFAULT_MAP":
                 said = found[option] = f"{PROFILE}: {parameter.name}"
             found[parameter.name] = found[f"{parameter.name}s"] = said
     return found
@@ -72,9 +72,9 @@ class Command(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         _refuse_files_like_options(self, ctx, args)
         rest = super().parse_args(ctx, args)
-        if _source(ctx, "robot") == "COMMANDLINE":
+        if output.source(ctx, "robot") == "COMMANDLINE":
             for name in OF_THE_ROBOT:
-                if _source(ctx, name) == "DEFAULT_MAP":
+                if output.source(ctx, name) == "DEFAULT_MAP":
                     ctx.params[name] = None
         return rest
 
@@ -158,12 +158,6 @@ def _usage_errors(ctx: Any) -> Iterator[None]:
 
 def _wants_json(ctx: Any) -> bool:
     return bool(ctx.meta.get(_JSON))
-
-
-def _source(ctx: Any, name: str) -> str | None:
-    """Source of a parameter's value: "COMMANDLINE", "DEFAULT_MAP" (the profile), ..."""
-    source = ctx.get_parameter_source(name)
-    return None if source is None else source.name
 
 
 def read_profile() -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,13 +13,12 @@ from leadthrough.arm import Arm, robot_files
 from leadthrough.arm.robot_files import link_tree, moves, proposed_tip
 from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, reader_process, rosbag
-from leadthrough.io.columns import recording
-from leadthrough.io.files import StrPath
+from leadthrough.io.files import StrPath, checked_path
 from leadthrough.io.reading import blaming, names_of
+from leadthrough.io.recording import recording
 from leadthrough.io.table import Request
 from leadthrough.models import archive
-from leadthrough.preprocess.clean import summarize
-from leadthrough.preprocess.report import RecordingSummary
+from leadthrough.preprocess.clean import RecordingSummary, summarize
 
 _ROBOTS = (".urdf", ".xml", ".xacro")
 _WRAPPED: dict[str, Any] = {
@@ -77,9 +75,7 @@ def describe(
     mesh_folders: Sequence[StrPath] = (),
 ) -> FileInfo:
     """A summary of what a file contains, as far as it can be read."""
-    if not isinstance(path, str | os.PathLike):
-        raise InvalidInput(f"path: expected a path, got {path!r}")
-    where = Path(path)
+    where = checked_path(path)
     if where.suffix.lower() in _ROBOTS and where.is_file():
         robot = core.Robot(robot_files.read(where))
         if tip is None and (len(robot.leaves) > 1 or not moves(robot)):

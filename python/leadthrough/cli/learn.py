@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -99,13 +98,8 @@ def learn(
     demonstrations = reading.trimmed(_chosen(demonstrations, number), resting)
     demonstrations = _without(demonstrations, drop or [])
     if arm is not None:
-        recorded, demonstrations = (
-            demonstrations,
-            [
-                _of_the_arm(arm, demonstration, as_joints=as_joints)
-                for demonstration in demonstrations
-            ],
-        )
+        recorded = demonstrations
+        demonstrations = [_of_the_arm(arm, each, as_joints=as_joints) for each in recorded]
         _refuse_too_fast(ctx, arm, recorded)
     if align:
         demonstrations = lt.preprocess.align_by_time_warping(demonstrations)
@@ -266,7 +260,7 @@ def _reporting_misalignment(
         )
         text = output.in_words(text, {_ALIGN: "--align"})
         cure = output.line(ctx, *output.repeated(ctx, changed=("--align",)))
-        print(f"warning: {text}: {cure}", file=sys.stderr)
+        output.warn(f"{text}: {cure}")
 
 
 def _chosen(

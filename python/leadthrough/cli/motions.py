@@ -192,7 +192,6 @@ def guard(
         start: Joint positions, such as 0,-0.5,1, at which the arm rests; by default those of the
             first sample.
     """
-    import sys
 
     import numpy as np
 
@@ -303,10 +302,8 @@ def _clearance(
     """The report on collisions; None, with a warning, if neither arm nor scene has a shape."""
     if scene.obstacles or arm.attached or arm._robot.collisions:
         return arm.check(joints, scene, threads=min(os.cpu_count() or 1, _MAX_THREADS))
-    print(
-        "warning: --robot: no link has collision geometry, so the limits are checked and "
-        "collisions are not",
-        file=sys.stderr,
+    output.warn(
+        "--robot: no link has collision geometry, so the limits are checked and collisions are not"
     )
     return None
 

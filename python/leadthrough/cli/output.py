@@ -59,7 +59,7 @@ def arm_words(ctx: typer.Context) -> tuple[str, ...]:
 def typed(ctx: typer.Context, *names: str) -> tuple[str, ...]:
     """Options of the command that is running, as words of a command line, where they were typed."""
     options = {each.name: each.opts[0] for each in ctx.command.params}
-    given = [name for name in names if _is_typed(ctx, name)]
+    given = [name for name in names if source(ctx, name) == "COMMANDLINE"]
     return tuple(word for name in given for word in _words(options[name], ctx.params[name]))
 
 
@@ -97,9 +97,10 @@ def quoted(word: str | Path) -> str:
     return shlex.quote(f"./{word}" if looks_like_option else str(word))
 
 
-def _is_typed(ctx: typer.Context, name: str) -> bool:
-    source = ctx.get_parameter_source(name)
-    return source is not None and source.name == "COMMANDLINE"
+def source(ctx: typer.Context, name: str) -> str | None:
+    """Source of a parameter's value: "COMMANDLINE", "DEFAULT_MAP" (the profile), ..."""
+    found = ctx.get_parameter_source(name)
+    return None if found is None else found.name
 
 
 def table(rows: list[dict[str, Any]]) -> Group:
@@ -151,6 +152,11 @@ def facts(
 def note(text: str) -> None:
     """Prints on stderr what a user may want to know of a result."""
     print(textwrap.fill(f"note: {text}", _WIDTH, **_WHOLE_WORDS), file=sys.stderr)
+
+
+def warn(text: str) -> None:
+    """Prints a warning on stderr, as one line."""
+    print(f"warning: {text}", file=sys.stderr)
 
 
 def busy(what: str) -> AbstractContextManager[Any]:
@@ -207,7 +213,7 @@ def warnings_in(words: Mapping[str, str]) -> Iterator[None]:
     from leadthrough.sanity import ImplausibleInputWarning
 
     def show(message: Warning | str, *_: object) -> None:
-        print(f"warning: {in_words(str(message), words)}", file=sys.stderr)
+        warn(in_words(str(message), words))
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", ImplausibleInputWarning)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -206,11 +205,10 @@ def _warn_of_novelty(learned: lt.models.Skill, asked: dict[str, Any]) -> None:
         far = {"start and goal together": novelty(**{name: asked[name] for name in ends})}
     for name, deviations in far.items():
         if deviations >= _NOVEL:
-            print(
-                f"warning: {name}: {deviations:.3g} standard deviations from what was "
+            output.warn(
+                f"{name}: {deviations:.3g} standard deviations from what was "
                 "demonstrated, so the motion is extrapolated there; check it before an arm moves, "
-                "choose a nearer one or add a demonstration of it",
-                file=sys.stderr,
+                "choose a nearer one or add a demonstration of it"
             )
 
 

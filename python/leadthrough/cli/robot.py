@@ -235,11 +235,9 @@ def _beside_recorded(arm: lt.Arm, motion: Motion, joints: lt.JointTrajectory) ->
     if demonstrated is None:
         return {}
     if not set(arm.joint_names) <= set(demonstrated.joint_names or arm.joint_names):
-        print(
-            f"warning: the skill was demonstrated with the joints "
-            f"{', '.join(demonstrated.joint_names)}, which "
-            "--robot does not have, so this arm's posture is its own; --posture sets another",
-            file=sys.stderr,
+        output.warn(
+            f"the skill was demonstrated with the joints {', '.join(demonstrated.joint_names)}, "
+            "which --robot does not have, so this arm's posture is its own; --posture sets another"
         )
         return {}
     recorded = arm.joints_of(demonstrated).positions
@@ -249,9 +247,8 @@ def _beside_recorded(arm: lt.Arm, motion: Motion, joints: lt.JointTrajectory) ->
         farthest = int(np.argmax(away))
         found[f"{name}_from_recorded"] = float(away[farthest])
         if away[farthest] >= _ELSEWHERE:
-            print(
-                f"warning: {name}: {arm.joint_names[farthest]} is {away[farthest]:.3g} rad (m) "
-                f"from the demonstrated one, so the arm {verb} in another posture; {advice}",
-                file=sys.stderr,
+            output.warn(
+                f"{name}: {arm.joint_names[farthest]} is {away[farthest]:.3g} rad (m) "
+                f"from the demonstrated one, so the arm {verb} in another posture; {advice}"
             )
     return found

@@ -261,10 +261,8 @@ def _place(  # an option each
     as_json: bool,
 ) -> None:
     """Base positions from which an arm can run a skill; exits with code 1 if there are none."""
-    import numpy as np
-
     from leadthrough.cli import parse, reading
-    from leadthrough.io.files import replacing
+    from leadthrough.io import npz
 
     if skill is None or area is None:
         missing, given = ("--area", "--skill") if area is None else ("--skill", "--area")
@@ -274,14 +272,8 @@ def _place(  # an option each
     found = lt.reachability.place_base(
         learned, arm, area=corners, spacing=spacing, yaws=yaws, seed=seed
     )
-    with replacing(out) as temporary, temporary.open("wb") as file:
-        np.savez_compressed(
-            file,
-            allow_pickle=False,
-            bases=found.bases,
-            fraction=found.fraction,
-            manipulability=found.manipulability,
-        )
+    kept = ("bases", "fraction", "manipulability")
+    npz.write_compressed(out, {name: getattr(found, name) for name in kept})
     picture = out.with_suffix(".png")
     lt.show.placement_figure(found).savefig(picture)
     facts: dict[str, object] = {

@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from leadthrough import check, tasks
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, ShortRepr
-from leadthrough.io.files import replacing
 from leadthrough.models import Model, ProMP, Skill, Target, TargetRegion
 from leadthrough.models.protocol import Demonstrations, fit_all, motions_of
 from leadthrough.motion import Motion, lerp, target_of
@@ -315,9 +314,7 @@ class LeftOut:
         self, material: Material, folder: Path, on: str | None, timeout: float | None
     ) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        self._file = folder / "demonstrations.pickle"
-        with replacing(self._file) as temporary:
-            temporary.write_bytes(pickle.dumps(material, protocol=5))
+        self._file = tasks.pickled(material, folder / "demonstrations.pickle")
         self._motions, self._on, self._timeout = material.motions, on, timeout
         self._store = Store(folder / "cache")
 
@@ -398,7 +395,7 @@ class LeftOut:
 
 def errors(*, without: Sequence[int], tested: Sequence[int], material: Path) -> list[Row]:
     """A row for each tested demonstration: the error of its prediction by the others."""
-    common = _read(material)
+    common: Material = pickle.loads(material.read_bytes())
     return [
         {"tested": i, "error": _error(common, {*without, i}, common.motions[i])} for i in tested
     ]
@@ -408,7 +405,7 @@ def uncertainties(
     *, without: Sequence[int], slope: float, count: int, seed: int, material: Path
 ) -> list[Row]:
     """A row for each random goal: the uncertainty of a motion to it."""
-    common = _read(material)
+    common: Material = pickle.loads(material.read_bytes())
     assert common.goals is not None  # asked for only then
     rng = np.random.default_rng(seed)
     used = [i for i in range(len(common.motions)) if i not in set(without)]
@@ -428,12 +425,6 @@ def uncertainties(
 def goals_of(motions: Sequence[Motion]) -> Float64Array:
     """The positions (m, d) at which motions end."""
     return np.array([each.positions[-1] for each in motions])
-
-
-def _read(material: Path) -> Material:
-    with material.open("rb") as file:
-        common: Material = pickle.load(file)
-    return common
 
 
 def _learned(common: Material, without: set[int]) -> Skill[Motion] | None:
@@ -477,12 +468,11 @@ def _spread(skills: Sequence[Skill[Motion]], goal: Target, duration: float) -> f
     """Root mean square distance of the skills' motions from their mean, in their unit."""
     motions = [_generated(skill, None, goal, duration) for skill in skills]
     even = np.linspace(0.0, 1.0, _SAMPLES)
-    paths = [_positions(each, even) for each in motions if each is not None]
+    paths = [
+        lerp(each.times[0] + even * each.duration, each.times, each.positions)
+        for each in motions
+        if each is not None
+    ]
     if len(paths) < 2:
         return 0.0
     return float(np.sqrt(np.var(paths, axis=0).sum(axis=1).mean()))
-
-
-def _positions(motion: Motion, fractions: Float64Array) -> Float64Array:
-    times = motion.times[0] + fractions * motion.duration
-    return lerp(times, motion.times, motion.positions)

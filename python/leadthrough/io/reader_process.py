@@ -39,6 +39,7 @@ sys.path[:] = json.loads(sys.argv[1])
 from leadthrough.io.reader_process import serve
 serve()
 """
+_PLAIN = ("label", "rate", "quaternions", "angles")  # attributes of a table
 _LENGTH = struct.Struct("<Q")
 MAX_MEMORY = 7 * 2**27  # bytes, beyond what the interpreter itself takes
 MAX_SECONDS = 20  # of processor time, for one file
@@ -54,10 +55,7 @@ def tables(
         ArrayTable(
             {name: next(rest) for name in each["names"]},
             roles={role: tuple(names) for role, names in each["roles"].items()},
-            label=each["label"],
-            rate=each["rate"],
-            quaternions=each["quaternions"],
-            angles=each["angles"],
+            **{name: each[name] for name in _PLAIN},
             extents={name: (least, most) for name, (least, most) in each["extents"].items()},
             events=tuple(Event(time, name) for time, name in each["events"]),
         )
@@ -309,10 +307,7 @@ def _packed(found: Any) -> tuple[dict[str, Any], list[NDArray[Any]]]:
         {
             "names": list(table.arrays),
             "roles": {role: list(names) for role, names in table.roles.items()},
-            "label": table.label,
-            "rate": table.rate,
-            "quaternions": table.quaternions,
-            "angles": table.angles,
+            **{name: getattr(table, name) for name in _PLAIN},
             "extents": dict(table.extents),
             "events": [[event.time, event.name] for event in table.events],
         }

@@ -14,10 +14,9 @@ from pathlib import Path
 
 from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, lerobot, reader_process, robomimic
-from leadthrough.io.columns import check_complete, recording
 from leadthrough.io.files import StrPath
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
-from leadthrough.io.recording import Recording
+from leadthrough.io.recording import Recording, check_complete, recording
 from leadthrough.io.table import Request, Table, as_request
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.rest import trim
@@ -176,17 +175,7 @@ def paths_of(paths: StrPath | Sequence[StrPath]) -> list[Path]:
 
 
 def listed(paths: Sequence[Path], *, also: Sequence[str] = ()) -> list[Path]:
-    """The paths, with the recordings in a folder, by their names, instead of the folder.
-
-    A folder that is a ROS 2 bag or a data set stays.
-
-    Args:
-        paths: files and folders.
-        also: suffixes to take from a folder besides those that can be read, in lower case.
-
-    Raises:
-        InvalidInput: if there is nothing to read in a folder.
-    """
+    """The paths, with the recordings in a folder, by their names, instead of the folder."""
     files = []
     for path in paths:
         # Path.is_dir raises for a name that is too long.

@@ -1,15 +1,33 @@
-"""Recordings as they stand in files, faults included."""
+"""Recordings as they stand in files, faults included, of the columns of tables of any format.
+
+The unit of joints is stated by the user, the format or a column's name, or is the only one that
+fits. LeRobot's data sets name their joints and not the unit, which is degrees or percent of the
+joint's range: from -100 at its lower limit to 100 at its upper one, or from 0 to 100 for a gripper.
+Only degrees go beyond 100; only percent stop at it.
+
+Columns named `<joint>_recorded` are the arm's joints, rad (m), while the tip moved as recorded; an
+arm that follows the motion keeps close to them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import re
+import shlex
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array, ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, ShortRepr
+from leadthrough.io import headers
+from leadthrough.io.headers import AngleUnit, Columns
+from leadthrough.io.joint_trajectory import checked_joint_names
+from leadthrough.io.table import Request, Table
 from leadthrough.motion import (
     Demonstration,
     Event,
@@ -18,6 +36,7 @@ from leadthrough.motion import (
     Motion,
     PoseTrajectory,
     Trajectory,
+    joints_with,
 )
 
 
@@ -124,6 +143,393 @@ def recording_of(demonstration: Demonstration) -> Recording:
 
 
 def _frozen(value: ArrayLike, name: str, shape: Sequence[int | str]) -> Float64Array:
-    array = check.with_gaps(value, name, shape=shape).copy()
-    array.setflags(write=False)
-    return array
+    return check.freeze(check.with_gaps(value, name, shape=shape).copy())
+
+
+# No arm stays more than two turns from zero for half of a recording; degrees do.
+_MAX_ANGLE = 4.0 * math.pi
+_DEGREE = math.pi / 180.0
+# Joints come this much beyond their limits by the slack of a calibration, rad; percent by rounding.
+_SLACK = 0.1
+_MAX_PERCENT, _END = 100.01, 1e-4
+_SPACE = 3  # coordinates of a position
+_SUFFIX = "_recorded"
+
+
+def recording(table: Table, request: Request = Request(), *, name: str = "") -> Recording:  # noqa: B008 (frozen)
+    """The recording in a table, from the columns asked for or else found by their names."""
+    chosen = _chosen(table, request)
+    _check_there(table, chosen)
+    angles = unit_of(table, chosen.get("joints", ()), request)
+    data = {
+        role: _stacked(table, names, role, angles, request)
+        for role, names in chosen.items()
+        if role != "time"
+    }
+    times = _times(table, chosen.get("time"), request.rate, len(next(iter(data.values()))))
+    if "joints" in data:
+        refuse_far(chosen["joints"], data["joints"], angles)
+        return Recording(
+            times,
+            data["joints"],
+            joint_names=_joint_names(chosen["joints"], data["joints"], request),
+            velocities=data.get("velocities"),
+            accelerations=data.get("accelerations"),
+            events=table.events,
+            name=name,
+        )
+    orientations = data.get("orientations")
+    if orientations is not None:
+        orientations = _quaternions(table, chosen["orientations"], orientations, request)
+    return Recording(
+        times,
+        data["positions"],
+        orientations,
+        joints=demonstrated_joints(table, times),
+        events=table.events,
+        name=name,
+    )
+
+
+def check_complete(table: Table, request: Request) -> None:
+    """Refuses a table with a missing number, and says where it is."""
+    for names in _chosen(table, request).values():
+        for name in names:
+            values = table.numbers(name)
+            wrong = np.argwhere(~np.isfinite(values))
+            if len(wrong):
+                raise InvalidInput(
+                    f"{table.place(int(wrong[0, 0]))}, column {name!r}: expected a finite number, "
+                    f"got {values[tuple(wrong[0])]}; `leadthrough clean` leaves such samples out, "
+                    "in Python io.read_recordings and preprocess.clean"
+                )
+
+
+def _check_there(table: Table, chosen: Mapping[str, Columns]) -> None:
+    for role, names in chosen.items():
+        for column in names:
+            if column not in table.names:
+                raise InvalidInput(
+                    f"columns[{role!r}]: no column {column!r}; there are {_listed(table.names)}"
+                    f"{_nearest(table, role, names)}"
+                )
+
+
+def _chosen(table: Table, request: Request) -> dict[str, Columns]:
+    names = table.names
+    named = {role: _matching(asked, names) for role, asked in request.columns.items()}
+    found = headers.candidates(names) | {role: [own] for role, own in table.roles.items()}
+    chosen = dict(named)
+    if not chosen.keys() & {"positions", "orientations", "joints"}:
+        chosen |= _of_the_arm(names, request.joints) or _only_motion(table, found, request)
+    elif "orientations" in chosen and "positions" not in chosen:
+        chosen["positions"] = _only(found["positions"], "positions")
+    if "time" not in chosen and found["time"]:
+        chosen["time"] = _only(found["time"], "time")
+    joints = chosen.get("joints", ())
+    if all(headers.unit(name, "joints")[1] is None for name in joints):
+        chosen |= headers.derivatives(names, joints) if joints else {}
+    return chosen
+
+
+def _of_the_arm(names: Sequence[str], joints: Iterable[str]) -> dict[str, Columns]:
+    """The columns named as the arm's joints, in the arm's order, if all are there."""
+    by_joint = {headers.joint(name): name for name in reversed(names)}
+    known = tuple(joints)
+    if not known or not by_joint.keys() >= set(known):
+        return {}
+    return {"joints": tuple(by_joint[joint] for joint in known)}
+
+
+def _matching(asked: Columns, names: Sequence[str]) -> Columns:
+    """The columns asked for; of a pattern such as joint_* those that fit, without derivatives."""
+    chosen: list[str] = []
+    for name in asked:
+        if name in names or not set("*?") & set(name):
+            chosen.append(name)
+            continue
+        pattern = re.escape(name).replace(r"\*", ".*").replace(r"\?", ".")
+        fitting = [each for each in names if re.fullmatch(pattern, each)]
+        chosen += [each for each in fitting if not _is_derived(each, fitting)] or [name]
+    return tuple(dict.fromkeys(chosen))
+
+
+def _is_derived(name: str, names: Sequence[str]) -> bool:
+    """Whether a column is the velocity, acceleration or recording of another."""
+    suffixes = [suffix for suffix in (*headers.JOINT_SUFFIXES.values(), _SUFFIX) if suffix]
+    return any(name.endswith(end) and name.removesuffix(end) in names for end in suffixes)
+
+
+def _only_motion(
+    table: Table, found: Mapping[str, list[Columns]], request: Request
+) -> dict[str, Columns]:
+    if found["positions"] and found["joints"]:
+        raise InvalidInput(
+            "columns: the file has both poses and joints; name the ones to read, positions "
+            f"({_choices(found['positions'])}) or joints ({_choices(found['joints'])})"
+            f"{_guess(table, request)}"
+        )
+    if not found["positions"] and not found["joints"]:
+        raise InvalidInput(
+            "columns: no names of positions or joints found; name the columns to read, there are "
+            f"{_listed(table.names)}{_guess(table, request)}"
+        )
+    if both := _of_two_arms(found["joints"]):
+        return {"joints": both}
+    wanted = ["joints"] if found["joints"] else ["positions", "orientations"]
+    return {role: _only(found[role], role) for role in wanted if found[role]}
+
+
+def _of_two_arms(found: Sequence[Columns]) -> Columns:
+    """The joints of the left arm, then those of the right one; none of any other arms."""
+    arms = {side: [c for c in found if c[0].lower().startswith(side)] for side in headers.SIDES}
+    if len(found) != len(arms) or any(len(each) != 1 for each in arms.values()):
+        return ()
+    return tuple(name for (columns,) in arms.values() for name in columns)
+
+
+def _only(found: Sequence[Columns], role: str) -> Columns:
+    if len(found) == 1:
+        return found[0]
+    what = f"several fit, {_choices(found)}" if found else "none found by their names"
+    such = f", such as {_words(role, found[0])}" if found else ""
+    raise InvalidInput(f"columns: {role}: {what}; name the right ones in columns[{role!r}]{such}")
+
+
+def _guess(table: Table, request: Request) -> str:
+    words = [_words(role, names) for role, names in guessed(table, request).items()]
+    return f"; such as {' '.join(words)}" if words else ""
+
+
+def _words(role: str, names: Columns) -> str:
+    """The columns as on the command line, once the argument's name is the option's."""
+    return f"columns[{role!r}]={shlex.quote(','.join(names))}"
+
+
+def guessed(table: Table, request: Request) -> dict[str, Columns]:
+    """Columns by role, for a person to confirm: by their names, else the rising one as the time."""
+    found = headers.candidates(table.names) | {role: [own] for role, own in table.roles.items()}
+    for role in ("joints", "positions"):
+        if found[role]:
+            return {role: found[role][0]}
+    time = (found["time"][0] if found["time"] else _rising(table))[:1]
+    rest = [
+        name for name in table.names if name not in time and _of_numbers(table, name) is not None
+    ]
+    count = len(request.joints)
+    if len(rest) < max(count, 2):
+        return {}
+    role = "joints" if count or len(rest) > _SPACE else "positions"
+    named = {"time": time} if time and not found["time"] else {}
+    return named | {role: tuple(rest[: count or len(rest)])}
+
+
+def _rising(table: Table) -> Columns:
+    """The columns whose numbers rise from each sample to the next, as times do."""
+    columns = ((name, _of_numbers(table, name)) for name in table.names)
+    return tuple(
+        name
+        for name, rows in columns
+        if rows is not None and len(rows) > 1 and (np.diff(rows) > 0.0).all()
+    )
+
+
+def _of_numbers(table: Table, name: str) -> Float64Array | None:
+    try:
+        rows = table.numbers(name)
+    except (InvalidInput, ValueError):
+        return None
+    return rows if rows.ndim == 1 else None
+
+
+def _nearest(table: Table, role: str, names: Columns) -> str:
+    """Words with the columns whose names come nearest, where each has one."""
+    near = [get_close_matches(name, table.names, 1) for name in names]
+    found = tuple(dict.fromkeys(each[0] for each in near if each))
+    return f"; perhaps {_words(role, found)}" if len(found) == len(names) else ""
+
+
+def _stacked(
+    table: Table, names: Columns, role: str, angles: AngleUnit | None, request: Request
+) -> Float64Array:
+    parts = [_in_si(table, name, role, angles, request) for name in names]
+    for name, part in zip(names, parts, strict=True):
+        if len(part) != len(parts[0]):
+            raise check.refused(name, f"as many samples as {names[0]}, {len(parts[0])}", len(part))
+    # One array of all may be vast; it is copied once, into the recording.
+    return parts[0] if len(parts) == 1 and parts[0].ndim == 2 else np.column_stack(parts)
+
+
+def _in_si(
+    table: Table, name: str, role: str, angles: AngleUnit | None, request: Request
+) -> Float64Array:
+    numbers = table.numbers(name)
+    if role == "joints":
+        return in_radians(name, numbers, angles, request)
+    if role in ("velocities", "accelerations"):
+        unit = None if angles == "percent" else angles
+        return in_radians(name, numbers, unit, request)
+    factor = headers.unit(name, role)[1] or 1.0
+    return numbers if factor == 1.0 else numbers * factor
+
+
+def _times(table: Table, time: Columns | None, asked: float | None, count: int) -> Float64Array:
+    if time is None:
+        rate = asked or table.rate
+        if rate is None:
+            rising = _rising(table)
+            named = f", or its column, as by {_words('time', rising[:1])}" if rising else ""
+            raise InvalidInput(
+                "rate: the file has no time column; give the rate in Hz, such as rate=100" + named
+            )
+        return np.arange(count) / rate
+    if asked is not None:
+        raise InvalidInput(f"rate: the file has a time column, {time[0]!r}; leave rate out")
+    stamps = table.numbers(time[0])
+    times = stamps * (headers.unit(time[0], "time")[1] or _unit_since_1970(stamps))
+    if times.shape != (count,):
+        raise InvalidInput(
+            f"{time[0]}: expected one time for each of {count} samples, got shape {times.shape}"
+        )
+    return times
+
+
+def _unit_since_1970(stamps: Float64Array) -> float:
+    """The unit, s, of times that state none: by their digits if they count from 1970, or else s."""
+    for unit in (1e-3, 1e-6, 1e-9):
+        if len(stamps) and 1e9 <= unit * stamps.flat[0] < 1e10:
+            return unit
+    return 1.0
+
+
+def _joint_names(columns: Columns, positions: Float64Array, request: Request) -> tuple[str, ...]:
+    if len(columns) != positions.shape[1] or headers.is_whole(columns[0]):
+        return ()
+    own = tuple(headers.joint(name) for name in columns)
+    if request.joints and set(own) <= set(request.joints):
+        return own
+    strangers = not set(own) & set(request.joints)
+    if request.columns.get("joints") and strangers and len(own) == len(request.joints):
+        return tuple(request.joints)  # as the user stated
+    return tuple(headers.unit(name, "joints")[0] for name in columns)
+
+
+def _order(table: Table, columns: Columns, request: Request) -> str:
+    order: str | None = headers.quaternion_order(columns) or request.quaternions
+    if order is None and len(columns) == 1:
+        order = table.quaternions
+    if order is None:
+        raise InvalidInput(
+            f"quaternions: the order of the numbers in {', '.join(columns)} is not stated; set "
+            "quaternions='wxyz' or quaternions='xyzw'"
+        )
+    return order
+
+
+def _quaternions(
+    table: Table, columns: Columns, numbers: Float64Array, request: Request
+) -> Float64Array:
+    """The quaternions (n, 4) in w, x, y, z order."""
+    if numbers.shape[1] != 4:
+        raise InvalidInput(f"orientations: expected shape (n, 4), got {numbers.shape}")
+    order = _order(table, columns, request)
+    return numbers[:, [order.index(axis) for axis in "wxyz"]]
+
+
+def _choices(found: Sequence[Columns]) -> str:
+    return " | ".join(", ".join(names) for names in found)
+
+
+def _listed(names: Sequence[str], most: int = 40) -> str:
+    return (", ".join(names[:most]) or "none") + (", ..." if len(names) > most else "")
+
+
+def unit_of(table: Table, columns: Columns, request: Request) -> AngleUnit | None:
+    """The unit of a table's joints; None for radians, or where each column states its own."""
+    stated = request.angles or table.angles
+    if stated == "percent" and not {headers.joint(name) for name in columns} <= set(request.joints):
+        raise InvalidInput(
+            "angles: percent refer to the limits of an arm's joints, which are not known; name the "
+            "arm (--robot); in Python, set joints"
+        )
+    if stated is not None or all(headers.unit(name, "joints")[1] is not None for name in columns):
+        return stated
+    extents = {name: table.extents[name] for name in columns if name in table.extents}
+    arm = {name: extent for name, extent in extents.items() if not is_gripper(name)}
+    if any(np.abs(extent).max() > _MAX_ANGLE for extent in arm.values()):
+        return _only_fitting(arm, request)
+    return None
+
+
+def in_radians(
+    name: str, numbers: Float64Array, unit: AngleUnit | None, request: Request
+) -> Float64Array:
+    """A joint's numbers in rad; where the column's name states a unit, that one counts."""
+    stated = headers.unit(name, "joints")[1]
+    if stated is not None:
+        return numbers * stated
+    if unit == "percent":
+        lower, upper = request.joints[headers.joint(name)]
+        least = 0.0 if is_gripper(name) else -100.0
+        return np.asarray(lower + (numbers - least) / (100.0 - least) * (upper - lower))
+    return numbers * (_DEGREE if unit == "degrees" else 1.0)
+
+
+def is_gripper(name: str) -> bool:
+    """Whether a column is that of a gripper."""
+    return "gripper" in name.lower()
+
+
+def refuse_far(columns: Columns, positions: Float64Array, unit: AngleUnit | None) -> None:
+    """Refuses joints that stay more than two turns from zero, while no unit is stated."""
+    stated = [headers.unit(name, "joints")[1] is not None for name in columns]
+    if unit is not None or all(stated) or len(positions) == 0:
+        return
+    # NaN is greater than nothing: a joint counts where half of its samples are far away.
+    far = np.count_nonzero(np.abs(positions) > _MAX_ANGLE, axis=0) > 0.5 * len(positions)
+    if far.any():
+        seen = float(np.nanmax(np.abs(positions[:, far])))
+        raise InvalidInput(
+            f"angles: joints reach {seen:.6g}, more than two turns in radians; set "
+            "angles='degrees' or angles='radians'"
+        )
+
+
+def _only_fitting(extents: Mapping[str, tuple[float, float]], request: Request) -> AngleUnit:
+    """Degrees or percent, whichever the extents of joints can be, if not both."""
+    largest = max(float(np.abs(extent).max()) for extent in extents.values())
+    if largest > _MAX_PERCENT:
+        return "degrees"
+    if abs(largest - 100.0) < _END:
+        return "percent"
+    for name, extent in extents.items():
+        lower, upper = request.joints.get(headers.joint(name), (-math.inf, math.inf))
+        if _DEGREE * extent[0] < lower - _SLACK or _DEGREE * extent[1] > upper + _SLACK:
+            return "percent"
+    raise InvalidInput(
+        f"angles: the data set does not say whether its joints, which reach {largest:.6g}, are in "
+        "degrees or in percent of their range, and both fit; set angles='degrees' or "
+        "angles='percent'"
+    )
+
+
+def demonstrated_columns(motion: Motion) -> dict[str, Float64Array]:
+    """A column (n,) for each of the joints; none where there are none, or none with names."""
+    joints = joints_with(motion)
+    if joints is None or not joints.joint_names:
+        return {}
+    names = checked_joint_names(joints)
+    return {f"{name}{_SUFFIX}": joints.positions[:, i] for i, name in enumerate(names)}
+
+
+def demonstrated_joints(table: Table, times: Float64Array) -> JointTrajectory | None:
+    """The joints in a table, None where there are none or not at every time."""
+    names = [name for name in table.names if name.endswith(_SUFFIX) and name != _SUFFIX]
+    if not names:
+        return None
+    try:
+        rows = np.column_stack([table.numbers(name) for name in names])
+        joints = tuple(name.removesuffix(_SUFFIX) for name in names)
+        return JointTrajectory(times, rows, joint_names=joints)
+    except (InvalidInput, ValueError):  # faulty, as times of a recording may be too
+        return None

@@ -10,7 +10,6 @@ is; any other path becomes a bag's folder. The bag's time 0 is the motion's star
 
 from __future__ import annotations
 
-import os
 import shutil
 import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -24,7 +23,14 @@ import numpy as np
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import joint_trajectory
-from leadthrough.io.files import ReadLimits, StrPath, making_folder, refusing_damage, replacing
+from leadthrough.io.files import (
+    ReadLimits,
+    StrPath,
+    checked_path,
+    making_folder,
+    refusing_damage,
+    replacing,
+)
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
 from leadthrough.io.joint_trajectory import (
     NANOSECONDS,
@@ -182,10 +188,7 @@ def _joint_states(messages: Messages, request: Request) -> list[ArrayTable]:
 def _trajectories(messages: Messages, _: Request) -> list[ArrayTable]:
     return [
         joint_trajectory.table(
-            {
-                "joint_names": message.joint_names,
-                "points": [_point(point) for point in message.points],
-            }
+            {"joint_names": message.joint_names, "points": [*map(_point, message.points)]}
         )
         for _, message in messages
     ]
@@ -329,9 +332,8 @@ def write(motion: Motion, path: StrPath) -> None:
     elif isinstance(motion, PoseTrajectory):
         write_poses(motion, path)
     else:
-        raise InvalidInput(
-            "motion: expected joints or poses, which ROS bags can hold, "
-            f"got {type(motion).__name__}"
+        raise check.refused(
+            "motion", "joints or poses, which ROS bags can hold", type(motion).__name__
         )
 
 
@@ -396,8 +398,7 @@ def write_poses(
     motion: PoseTrajectory, path: StrPath, *, topic: str = "/pose", frame: str = "base_link"
 ) -> None:
     """Writes a PoseStamped message for each sample."""
-    if not isinstance(motion, PoseTrajectory):
-        raise InvalidInput(f"motion: expected a PoseTrajectory, got {type(motion).__name__}")
+    check.instance(motion, "motion", PoseTrajectory)
     with _bag(path) as bag:
         messages = []
         for i, time in enumerate(_nanoseconds(motion.times)):
@@ -453,13 +454,9 @@ class _Bag:
 def _bag(path: StrPath) -> Iterator[_Bag]:
     rosbag2 = check.package("rosbags.rosbag2", extra="ros")
     types = humble_types()
-    if not isinstance(path, str | os.PathLike):
-        raise InvalidInput(f"path: expected a path, got {path!r}")
-    suffix = Path(path).suffix.lower()
+    suffix = checked_path(path).suffix.lower()
     if suffix == ".bag":
-        raise InvalidInput(
-            "path: expected .mcap, .db3 or the name of a folder, got .bag, which is ROS 1"
-        )
+        raise check.refused("path", ".mcap, .db3 or the name of a folder", ".bag, which is ROS 1")
     storage = rosbag2.StoragePlugin
     plugin = storage.MCAP if suffix == ".mcap" else storage.SQLITE3
     with (
@@ -489,7 +486,5 @@ def _folder_or_file(path: StrPath, suffix: str) -> Iterator[Path]:
 def _nanoseconds(times: Float64Array) -> list[int]:
     due = [round(time * NANOSECONDS) for time in (times - times[0]).tolist()]
     if due[-1] >= 2**31 * NANOSECONDS:
-        raise InvalidInput(
-            f"motion: expected a duration below 2**31 s, got {times[-1] - times[0]:.6g} s"
-        )
+        raise check.refused("motion", "a duration below 2**31 s", f"{times[-1] - times[0]:.6g} s")
     return due

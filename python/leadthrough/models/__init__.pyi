@@ -16,8 +16,12 @@ from .dynamical.lpv_ds import LPVDS as LPVDS
 from .dynamical.modified_ds import ModifiedDS as ModifiedDS
 from .dynamical.seds import SEDS as SEDS
 from .dynamical.skill import DynamicalSkill as DynamicalSkill
-from .frame import Frame as Frame
-from .framed import Framed as Framed, FramedSkill as FramedSkill, FramedState as FramedState
+from .framed import (
+    Frame as Frame,
+    Framed as Framed,
+    FramedSkill as FramedSkill,
+    FramedState as FramedState,
+)
 from .gaussians.fitting import (
     FittedMixture as FittedMixture,
     choose_components as choose_components,

@@ -310,11 +310,9 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
 
 
 class SteppedSkill(FittedSkill[MotionT_co]):
-    """A skill whose motions pass via points, and go on step by step in a control loop.
+    """A skill whose motions pass via points, and go on step by step in a control loop."""
 
-    A derived class also has a method `step(state, dt, ...)`, and `_begin` for the state at the
-    start of a query.
-    """
+    # A derived class also has `step(state, dt, ...)`, and `_begin` for a query's first state.
 
     @checked_query
     def generate(
@@ -418,6 +416,11 @@ def from_archived(kind: str, settings: dict[str, Any], arrays: Arrays) -> Skill:
     skills: list[Any] = [entry.restored(own, parts), *(entry.restored(*each) for each in others)]
     skill: Skill = skills[0].with_modes(skills) if others else skills[0]
     return skill
+
+
+def prefixed(arrays: Arrays, prefix: str) -> dict[str, NDArray[Any]]:
+    """The arrays whose names begin with a prefix, by the rest of their names."""
+    return {n.removeprefix(prefix): a for n, a in arrays.items() if n.startswith(prefix)}
 
 
 def _of_mode(number: int) -> str:

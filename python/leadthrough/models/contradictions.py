@@ -172,10 +172,8 @@ def _lone(
     far: float,
     at_most: Float64Array,
 ) -> Iterator[tuple[int, Float64Array]]:
-    """Those far from all others, with the distances from the nearest along the path.
-
-    `at_most` are upper bounds of the mean distances from the nearest one, quicker to compute.
-    """
+    """Those far from all others, with the distances from the nearest along the path."""
+    # `at_most` are upper bounds of the mean distances from the nearest one, quicker to compute.
     if count < 3 or at_most.max() <= far:
         return
     distances_of = (apart(i, _others(count, i)) for i in range(count))

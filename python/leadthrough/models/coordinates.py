@@ -298,10 +298,7 @@ def mean_orientations(
 
 
 def middle_orientations(layers: Sequence[Float64Array]) -> Float64Array:
-    """Middle orientations of several motions; they do not depend on their order.
-
-    Source: Markley et al. 2007, "Averaging quaternions".
-    """
+    """Middle orientations of several motions, in any order (Markley et al. 2007)."""
     try:
         return mean_orientations(layers)
     except FitError:

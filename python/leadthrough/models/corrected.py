@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, ClassVar, cast
 
 import numpy as np
@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.models.archive import Arrays, FittedSkill, archived, from_archived
+from leadthrough.models.archive import Arrays, FittedSkill, archived, from_archived, prefixed
 from leadthrough.models.protocol import Demonstrations, Parameter, Skill
 from leadthrough.models.queries import CheckedQuery, is_free
 from leadthrough.motion import (
@@ -137,16 +137,12 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
 
     def parameters(self, demonstrations: Demonstrations[Motion] = ()) -> Sequence[Parameter[Any]]:
         """Adjustable parameters of the skill inside, which stays corrected."""
-        return [
-            replace(each, apply=partial(self._with_parameter, each.apply))
-            for each in self.skill.parameters(demonstrations)
-        ]
 
-    def _with_parameter(
-        self, apply: Callable[[float], Skill[Any]], value: float
-    ) -> CorrectedSkill[Any]:
-        """The same corrections of the skill with another value of a parameter."""
-        return CorrectedSkill(apply(value), self.corrections)
+        def corrected(inside: Callable[[float], Skill[Any]]) -> Callable[[float], Skill[Any]]:
+            return lambda value: CorrectedSkill(inside(value), self.corrections)
+
+        found = self.skill.parameters(demonstrations)
+        return [replace(each, apply=corrected(each.apply)) for each in found]
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         settings, arrays = archived(self.skill)
@@ -213,26 +209,18 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         return np.asarray(np.linalg.solve(self._kernel(self._nodes), wanted))
 
     def _kernel(self, at: Float64Array) -> Float64Array:
-        """Values (n, m) of the kernel of each node.
-
-        Source: Wendland 1995, "Piecewise polynomial, positive definite and compactly supported
-        radial functions of minimal degree", in one dimension, four times differentiable.
-        """
+        """Values (n, m) of the kernel of each node."""
+        # Of Wendland 1995, "Piecewise polynomial, positive definite ... radial functions", in C4.
         r = np.minimum(self._apart(at[:, None], self._nodes[None]) / _REACH, 1.0)
         return np.asarray((1.0 - r) ** 5 * (8.0 * r**2 + 5.0 * r + 1.0))
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> CorrectedSkill[Any]:
     """The skill that `CorrectedSkill.to_archive` took apart."""
-    inside = {
-        name.removeprefix("skill_"): value
-        for name, value in arrays.items()
-        if name.startswith("skill_")
-    }
     at = check.array(arrays["at"], "at", shape=("k",))
     offsets = check.array(arrays["offsets"], "offsets", shape=(len(at), "width"))
     modes = check.array(arrays["mode"], "mode", shape=(len(at),))
-    skill = from_archived(settings["kind"], settings["skill"], inside)
+    skill = from_archived(settings["kind"], settings["skill"], prefixed(arrays, "skill_"))
     rows = zip(at.tolist(), offsets, modes.tolist(), strict=True)
     return CorrectedSkill(
         skill, tuple(Correction(where, offset, int(mode)) for where, offset, mode in rows)

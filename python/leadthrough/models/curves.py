@@ -151,11 +151,8 @@ def _with_mean_ends(rows: Float64Array) -> Float64Array:
 
 
 def modes_of(rows: Float64Array) -> NDArray[np.int64]:
-    """The mode (k,) of each of the curves (k, n, width), numbered from 0.
-
-    Shifted to the same ends, those of one mode lie near each other: the distances at which single
-    linkage joins them have a gap.
-    """
+    """The mode (k,) of each of the curves (k, n, width), numbered from 0."""
+    # Shifted to the same ends, those of one mode lie near each other: linkage distances have a gap.
     from scipy.cluster.hierarchy import fcluster, linkage
     from scipy.spatial.distance import pdist
 
@@ -176,10 +173,7 @@ def modes_of(rows: Float64Array) -> NDArray[np.int64]:
 
 
 def columns_of(motions: Sequence[Motion]) -> tuple[list[Float64Array], Float64Array]:
-    """Columns (n, width) of each motion, and the mean goal orientation (1, 4) of poses.
-
-    Orientations are rotation vectors from that mean, continuous along the motion.
-    """
+    """Columns (n, width) of each motion, and the mean goal orientation (1, 4) of poses."""
     poses = [each for each in motions if isinstance(each, PoseTrajectory)]
     if not poses:
         return [each.positions for each in motions], np.empty((1, 4))

@@ -82,7 +82,9 @@ def learn(
     """
     motions = motions_of(demonstrations, outliers=outliers)
     models = _models(candidates, motions[0])
-    folds = _left_out(len(motions))
+    count = len(motions)
+    some = np.linspace(0, count - 1, min(count, _MAX_LEFT_OUT)).round()
+    folds = [int(i) for i in some] if count > 1 else []  # demonstrations to leave out
     errors = {name: _mean_error(model, motions, folds) for name, model in models.items()}
     chosen = min(errors, key=lambda name: errors[name])
     fitted: Any = fit_all(models[chosen], motions)
@@ -104,13 +106,6 @@ def _models(candidates: Sequence[str | Model], motion: Motion) -> dict[str, Mode
     if not found:
         raise InvalidInput(f"candidates: expected a model that learns {kind}, got {candidates!r}")
     return found
-
-
-def _left_out(count: int) -> list[int]:
-    """The indices of the demonstrations to leave out."""
-    if count < 2:
-        return []
-    return [int(i) for i in np.linspace(0, count - 1, min(count, _MAX_LEFT_OUT)).round()]
 
 
 def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> float:

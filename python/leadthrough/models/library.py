@@ -188,7 +188,7 @@ class SkillLibrary(ShortRepr):
         result = SkillLibrary()
         try:
             for i, head in enumerate(settings["entries"]):
-                own = {n[len(f"{i}.") :]: a for n, a in arrays.items() if n.startswith(f"{i}.")}
+                own = archive.prefixed(arrays, f"{i}.")
                 skill = archive.restored(Path(path), head["kind"], head["settings"], own)
                 names = {name: head[name] for name in ("task", "subtask", "target")}
                 result = result.with_skill(skill, **names)
@@ -206,9 +206,7 @@ class SkillLibrary(ShortRepr):
         known = self._of(task, subtask)
         if not known:
             held = sorted({(each.task, each.subtask) for each in self.entries})
-            raise InvalidInput(
-                f"subtask: expected one of the tasks and subtasks {held}, got {(task, subtask)}"
-            )
+            raise check.refused("subtask", f"one of the tasks and subtasks {held}", (task, subtask))
         return known, check.array(target, "target", shape=known[0].target.shape)
 
 

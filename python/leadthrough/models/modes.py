@@ -40,11 +40,7 @@ def learned_by_mode(
     fit: Callable[[Sequence[MotionT]], _Fitted], motions: Sequence[MotionT]
 ) -> _Fitted:
     """The skill of the most demonstrated mode, which knows those of the others."""
-    return fitted_modes([fit(each) for each in by_mode(motions)])
-
-
-def fitted_modes(skills: Sequence[_Fitted]) -> _Fitted:
-    """The first of several skills, each of one mode, which knows all."""
+    skills = [fit(each) for each in by_mode(motions)]
     return skills[0].with_modes(skills)
 
 

@@ -168,13 +168,21 @@ def even_phases(duration: float, dt: float) -> Float64Array:
     return np.arange(steps + 1) / steps
 
 
+def checked_limits(limits: Any, shape: tuple[int, ...]) -> Float64Array:  # Any: checked here
+    """Lower and upper limits (2, d) of points of a shape (d,)."""
+    if not isinstance(limits, Sequence) or len(limits) != 2:
+        raise InvalidInput(f"limits: expected a pair (lower, upper), got {limits!r}")
+    lower, upper = (check.array(side, "limits", shape=shape) for side in limits)
+    if not (lower < upper).all():
+        raise InvalidInput(f"limits: expected lower < upper, got {lower} and {upper}")
+    return np.stack([lower, upper])
+
+
 def asked_times(times: ArrayLike, name: str, *, at_least: int = 1) -> Float64Array:
     """Times (n,) of a distribution, s, neither too few nor too many."""
     checked = check.array(times, name, shape=("n",))
     if not at_least <= len(checked) <= _MAX_TIMES:
-        raise InvalidInput(
-            f"{name}: expected {at_least} to {_MAX_TIMES:,} times, got {len(checked):,}"
-        )
+        raise check.refused(name, f"{at_least} to {_MAX_TIMES:,} times", f"{len(checked):,}")
     return checked
 
 
@@ -196,8 +204,7 @@ def generate_all(
         NoPath: if obstacles leave no path. The first query without an answer raises.
     """
     check_skill(skill)
-    if not isinstance(queries, Sequence):
-        raise check.refused("queries", "a sequence", type(queries).__name__)
+    check.instance(queries, "queries", Sequence, "a sequence")
     for i, query in enumerate(queries):
         if not isinstance(query, Mapping):
             raise InvalidInput(

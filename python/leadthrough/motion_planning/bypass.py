@@ -20,9 +20,8 @@ from leadthrough.motion import (
     normalised_times,
     with_derivatives,
 )
-from leadthrough.motion_planning.blocked_segment import CollisionFreeIk, blocked_segment_at
 from leadthrough.motion_planning.connection import connect_configurations
-from leadthrough.motion_planning.tip_paths import TipMotion
+from leadthrough.motion_planning.tip_paths import CollisionFreeIk, TipMotion, blocked_segment_at
 from leadthrough.preprocess import join
 from leadthrough.trajectories import minimum_jerk_time_scaling
 

@@ -14,9 +14,8 @@ from leadthrough.arm import Arm, FollowOptions, HeldObject, check_arm
 from leadthrough.check import IkFailure, InvalidInput, ShortRepr
 from leadthrough.models.protocol import Distributed, Skill, check_skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory, normalised_times
-from leadthrough.motion_planning.blocked_segment import CollisionFreeIk
 from leadthrough.motion_planning.bypass import bypass
-from leadthrough.motion_planning.tip_paths import Query, TipMotion, TipPaths
+from leadthrough.motion_planning.tip_paths import CollisionFreeIk, Query, TipMotion, TipPaths
 from leadthrough.shapes import Scene, SceneLike, as_scene
 
 LastResort = Literal["joint_space"]

@@ -82,10 +82,9 @@ def arrival_times(
     last = -1 if stop is None else int(flat_indices(stop, "stop", field.shape)[0])
     steps = spacings(spacing, field.ndim)
     check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
-    march: Any = core.march_float32 if precision == np.float32 else core.march_float64
     with check.enough_memory(f"speed: a grid of shape {field.shape}"):
         map_ = np.ascontiguousarray(field, precision)
-        times: NDArray[FloatT] = march(map_, steps.tolist(), cells, order, radius, last)
+        times: NDArray[FloatT] = core.march(map_, steps.tolist(), cells, order, radius, last)
         return times
 
 
@@ -123,10 +122,10 @@ def arrival_times_batch(
         check_range(*range_of(field), cells=field.size, spacing=steps, dtype=precision)
     fields = [k % len(maps) for k in range(count)]
     cells = [source_cells(starts[k % len(starts)], maps[fields[k]]) for k in range(count)]
-    march = core.march_batch_float32 if precision == np.float32 else core.march_batch_float64
     with check.enough_memory(f"speeds: {count} grids of shape {maps[0].shape}"):
         arrays = [np.ascontiguousarray(field, precision) for field in maps]
-        return march([arrays[k] for k in fields], steps.tolist(), cells, order, radius, threads)
+        some = [arrays[k] for k in fields]
+        return core.march_batch(some, steps.tolist(), cells, order, radius, threads)
 
 
 def nearest_sources(
@@ -148,9 +147,8 @@ def nearest_sources(
     """
     raw = check.regular(arrival, "arrival")
     if raw.dtype.kind != "f" or raw.ndim not in (2, 3) or raw.size == 0 or not raw.min() >= 0.0:
-        raise InvalidInput(
-            "arrival: expected a 2-D or 3-D array of times >= 0, "
-            f"got shape {raw.shape} of {raw.dtype}"
+        raise check.refused(
+            "arrival", "a 2-D or 3-D array of times >= 0", f"shape {raw.shape} of {raw.dtype}"
         )
     cells = flat_indices(sources, "sources", raw.shape)
     times = np.ascontiguousarray(raw, np.float64)
@@ -196,9 +194,7 @@ class ArrivalField:
         self._precision = precision_of(dtype)
         field = checked_speeds(speed)
         if field.shape != check_grid(grid).shape:
-            raise InvalidInput(
-                f"speed: expected the grid's shape {grid.shape}, got shape {field.shape}"
-            )
+            raise check.refused("speed", f"the grid's shape {grid.shape}", f"shape {field.shape}")
         points = check.regular(sources, "sources")
         cells = grid.cells_of(points[None] if points.ndim == 1 else points)
         self._sources = source_cells(cells, field)
@@ -246,8 +242,7 @@ class ArrivalField:
         """
         with self._lock:
             if self._times is None:
-                self._times = self._field.times()
-                self._times.setflags(write=False)
+                self._times = check.freeze(self._field.times())
             return self._times
 
     def update(self, speed: ArrayLike) -> FieldUpdate:
@@ -369,9 +364,8 @@ def checked_speeds(speed: ArrayLike) -> Numbers:
     """`speed` as a 2-D or 3-D array of finite numbers >= 0; raises InvalidInput for others."""
     field = check.regular(speed, "speed")
     if field.dtype.kind not in "fiu" or field.ndim not in (2, 3) or field.size == 0:
-        raise InvalidInput(
-            "speed: expected a 2-D or 3-D array of numbers, "
-            f"got shape {field.shape} of {field.dtype}"
+        raise check.refused(
+            "speed", "a 2-D or 3-D array of numbers", f"shape {field.shape} of {field.dtype}"
         )
     if field.size > MAX_CELLS:
         raise InvalidInput(f"speed: expected at most {MAX_CELLS:.0e} cells, got {field.size}")

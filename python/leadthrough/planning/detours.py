@@ -105,11 +105,7 @@ def _detour(
 
 
 def _stretches(influenced: NDArray[np.bool_]) -> list[tuple[int, int, bool]]:
-    """First and last rows of consecutive parts, and whether each is a detour.
-
-    A detour begins half its length before the rows that are influenced, but no sooner than
-    half-way to the detour before, so that what lies between two detours stays.
-    """
+    """First and last rows of consecutive parts, and whether each is a detour."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], influenced, [0]]))).reshape(-1, 2)
     last = len(influenced) - 1
     bounds, blocked = [0], []

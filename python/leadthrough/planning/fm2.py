@@ -103,9 +103,8 @@ def _times(arrival: ArrayLike, grid: Grid) -> FloatArray:
 def _floats(arrival: ArrayLike, grid: Grid) -> FloatArray:
     raw = check.regular(arrival, "arrival")
     if raw.dtype.kind != "f" or raw.shape != check_grid(grid).shape:
-        raise InvalidInput(
-            f"arrival: expected floats of the grid's shape {grid.shape}, "
-            f"got {raw.shape} of {raw.dtype}"
+        raise check.refused(
+            "arrival", f"floats of the grid's shape {grid.shape}", f"{raw.shape} of {raw.dtype}"
         )
     if raw.dtype == np.float32:
         return np.ascontiguousarray(raw, np.float32)

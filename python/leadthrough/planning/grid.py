@@ -148,8 +148,7 @@ def spacings(spacing: ArrayLike, dimensions: int) -> Float64Array:
         raise InvalidInput(f"spacing: expected {dimensions} numbers, got {len(steps)}")
     for step in steps:
         check.number(float(step), "spacing", above=0.0)
-    steps.setflags(write=False)
-    return steps
+    return check.freeze(steps)
 
 
 def _shape(shape: Iterable[int], dimensions: int) -> tuple[int, ...]:

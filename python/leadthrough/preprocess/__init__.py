@@ -6,8 +6,11 @@ from leadthrough.preprocess.align import (
     dtw_distance as dtw_distance,
     frechet_distance as frechet_distance,
 )
-from leadthrough.preprocess.clean import clean as clean, cut_at_gaps as cut_at_gaps
-from leadthrough.preprocess.report import CleaningReport as CleaningReport
+from leadthrough.preprocess.clean import (
+    CleaningReport as CleaningReport,
+    clean as clean,
+    cut_at_gaps as cut_at_gaps,
+)
 from leadthrough.preprocess.resample import (
     arc_length as arc_length,
     by_arc_length as by_arc_length,

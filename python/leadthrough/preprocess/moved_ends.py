@@ -29,10 +29,7 @@ def with_ends(
     goal: Float64Array,
     fractions: Float64Array | None = None,
 ) -> Float64Array:
-    """The curve, or curves (..., n, d), with both ends' offsets blended linearly along it.
-
-    Fractions (n,) of the path are covered at the rows, by default evenly spaced ones.
-    """
+    """Curves (..., n, d), both ends' offsets blended linearly along them or over fractions (n,)."""
     u = np.linspace(0.0, 1.0, curve.shape[-2]) if fractions is None else fractions
     first, last = curve[..., :1, :], curve[..., -1:, :]
     return np.asarray(curve + (1.0 - u)[:, None] * (start - first) + u[:, None] * (goal - last))
@@ -95,10 +92,7 @@ class Chords:
 
 
 def bounded(path: Float64Array, nominal: Float64Array, moved: float | None = None) -> Float64Array:
-    """A path (n, d), drawn to a nominal one with the same ends until none of it moves farther.
-
-    Farther than `MAX_GAIN` times the move, by default the larger one of both ends.
-    """
+    """A path (n, d) drawn to a nominal one until none moves beyond `MAX_GAIN` times its ends."""
     if moved is None:
         moved = float(np.linalg.norm((path - nominal)[[0, -1]], axis=1).max())
     shifted = with_ends(nominal, path[0], path[-1])

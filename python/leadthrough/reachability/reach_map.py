@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from leadthrough import check, rotations
 from leadthrough.arm import Arm, IkOptions, check_arm
 from leadthrough.check import Float64Array, IkFailure, InvalidInput, ShortRepr
-from leadthrough.io.files import StrPath, replacing
+from leadthrough.io import npz
+from leadthrough.io.files import StrPath
 from leadthrough.models import Skill, TargetRegion
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
@@ -67,16 +68,7 @@ class ReachMap(ShortRepr):
         Raises:
             InvalidInput: if the file cannot be written.
         """
-        with replacing(path) as temporary, temporary.open("wb") as file:
-            np.savez_compressed(
-                file,
-                allow_pickle=False,
-                origin=self.origin,
-                spacing=np.array(self.spacing),
-                orientations=self.orientations,
-                fraction=self.fraction,
-                manipulability=self.manipulability,
-            )
+        npz.write_compressed(path, vars(self) | {"spacing": np.array(self.spacing)})
 
 
 def reach_map(
@@ -226,8 +218,7 @@ def reached(
 
 def reach_rows(*, first: int, count: int, seed: int, workspace: Path) -> list[Row]:
     """A row for each place: the number of orientations reached, and the best manipulability."""
-    with workspace.open("rb") as file:
-        common: Workspace = pickle.load(file)
+    common: Workspace = pickle.loads(workspace.read_bytes())
     places = common.places[first : first + count]
     each = len(common.orientations)
     found, joints = reached(

@@ -8,25 +8,23 @@ Source: Sola, Deray and Atchuthan 2018, "A micro Lie theory for state estimation
 
 from leadthrough.rotations.group import (
     align_signs as align_signs,
+    angular_acceleration as angular_acceleration,
+    angular_velocity as angular_velocity,
     compose as compose,
     distance as distance,
     exp as exp,
     from_euler as from_euler,
     from_matrix as from_matrix,
+    integrate as integrate,
+    interpolate as interpolate,
     inverse as inverse,
+    left_jacobian as left_jacobian,
+    left_jacobian_inverse as left_jacobian_inverse,
     lift as lift,
     log as log,
     mean as mean,
-    to_euler as to_euler,
-    to_matrix as to_matrix,
-)
-from leadthrough.rotations.interpolation import (
-    angular_acceleration as angular_acceleration,
-    angular_velocity as angular_velocity,
-    integrate as integrate,
-    interpolate as interpolate,
-    left_jacobian as left_jacobian,
-    left_jacobian_inverse as left_jacobian_inverse,
     slerp as slerp,
     squad as squad,
+    to_euler as to_euler,
+    to_matrix as to_matrix,
 )

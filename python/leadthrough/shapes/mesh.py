@@ -102,8 +102,7 @@ def _triangles(faces: ArrayLike, vertices: int) -> NDArray[np.int64]:
         raise InvalidInput(
             f"faces: expected indices 0 to {vertices - 1}, got {whole.min()} to {whole.max()}"
         )
-    whole.setflags(write=False)
-    return whole
+    return check.freeze(whole)
 
 
 def _parts(vertices: Float64Array, faces: NDArray[np.int64]) -> list[Float64Array]:

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput, ShortRepr
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.shapes.surface import Surface
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
@@ -214,8 +214,7 @@ def pose(position: ArrayLike, orientation: ArrayLike) -> dict[str, Float64Array]
     """A position (3,) and a unit quaternion (4,), read-only, by their names."""
     centre = check.frozen(position, "position", shape=(3,))
     quaternion = check.quaternions(orientation, "orientation", shape=(4,))
-    quaternion.setflags(write=False)
-    return {"position": centre, "orientation": quaternion}
+    return {"position": centre, "orientation": check.freeze(quaternion)}
 
 
 def checked_points(value: ArrayLike, name: str) -> Float64Array:
@@ -223,9 +222,7 @@ def checked_points(value: ArrayLike, name: str) -> Float64Array:
     points = check.frozen(value, name, shape=("n", 3))
     farthest = float(np.abs(points).max(initial=0.0))
     if farthest > _MAX_COORDINATE:
-        raise InvalidInput(
-            f"{name}: expected coordinates within {_MAX_COORDINATE:g} m, got {farthest:.3g} m"
-        )
+        raise check.refused(name, f"coordinates within {_MAX_COORDINATE:g} m", f"{farthest:.3g} m")
     return points
 
 

@@ -1,4 +1,5 @@
 from . import plot as plot
+from .live_session import LivePage as LivePage
 from .page import InlineScene as InlineScene
 from .plot import placement_figure as placement_figure, reach_figure as reach_figure
 from .reports import (
@@ -7,5 +8,4 @@ from .reports import (
     write_validation as write_validation,
 )
 from .teaching import teach as teach
-from .viewer import LivePage as LivePage
 from .viewing import inline as inline, open_view as open_view, view as view

@@ -19,8 +19,16 @@ from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import Shape, check_shapes
 from leadthrough.shapes.surface import Surface, merged, sphere
-from leadthrough.show.animation import Animation, Item, Layer, link_motion, sampled
-from leadthrough.show.surfaces import thinned, tube, uncertainty_tube
+from leadthrough.show.animation import (
+    Animation,
+    Item,
+    Layer,
+    link_motion,
+    sampled,
+    thinned,
+    tube,
+    uncertainty_tube,
+)
 
 # Radius of the tubes around paths, m: thin enough that drawings of a hand's size stay legible.
 _PATH_RADIUS = 0.004
@@ -103,9 +111,7 @@ def arm_items(
 def demonstration_items(arm: Arm, demonstrations: Iterable[Demonstration]) -> Iterator[Item]:
     """A thin tube for each demonstration."""
     for i, demonstration in enumerate(demonstrations):
-        if not isinstance(demonstration, Demonstration):
-            got = type(demonstration).__name__
-            raise InvalidInput(f"demonstrations[{i}]: expected a Demonstration, got {got}")
+        check.instance(demonstration, f"demonstrations[{i}]", Demonstration)
         points = thinned(tip_path(arm, demonstration.motion), _DEMONSTRATION_POINTS)
         mesh = tube(points, _DEMONSTRATION_FRACTION * _radius(points), sides=6)
         name = demonstration.name or f"demonstration {i + 1}"

@@ -126,10 +126,7 @@ class LedArm:
 
 
 def first_configuration(arm: Arm, scene: Scene) -> Float64Array:
-    """A clear configuration (joints,) with room to lead the tip, in front of the base.
-
-    It is the best of random ones, always the same, with the tool pointing down where that can be.
-    """
+    """A clear configuration (joints,) with room to lead the tip, in front of the base."""
     low, high = _bounds(arm)
     random = np.random.default_rng(0).uniform(0.15, 0.85, (_CANDIDATES, len(low)))
     rows = low + random * (high - low)

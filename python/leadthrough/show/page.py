@@ -164,10 +164,7 @@ def _resource(name: str) -> str:
 
 
 def packed(animation: Animation, *, level: int = _LEVEL, **told: Any) -> str:
-    """The scene as base64 of deflated bytes: the head's length, the head as JSON, arrays.
-
-    The head also says what is `told` by name.
-    """
+    """The scene as base64 of deflated bytes: the head's length, the head as JSON, arrays."""
     arrays: list[NDArray[np.generic]] = []
 
     def stored(values: ArrayLike, kind: type[np.generic]) -> int:

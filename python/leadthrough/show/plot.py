@@ -16,11 +16,9 @@ from leadthrough.drawing import palette
 from leadthrough.drawing.figure import styled
 from leadthrough.models.marching.model import FastMarchingSkill
 from leadthrough.motion import JointTrajectory
-from leadthrough.reachability.figures import (  # of `lt.show` too
-    placement_figure as placement_figure,  # noqa: PLC0414
-    reach_figure as reach_figure,  # noqa: PLC0414
-)
+from leadthrough.reachability.reach_map import Placement, ReachMap
 from leadthrough.shapes import Box
+from leadthrough.validation.validate import Validation
 
 Style = dict[str, Any]  # keyword arguments of matplotlib, each of its own type
 
@@ -131,3 +129,96 @@ def _differences(trajectory: JointTrajectory, order: int) -> tuple[Float64Array,
         values = np.diff(values, axis=0) / np.diff(times)[:, None]
         times = 0.5 * (times[1:] + times[:-1])
     return times, values
+
+
+_SIDES = ((0, 2, "x", "z"), (0, 1, "x", "y"))  # seen from the side, and from above
+
+
+def reach_figure(reach_map: ReachMap) -> Figure:
+    """The best of each line of sight, from the side and from above: reach and manipulability."""
+    with styled():
+        figure = Figure(figsize=(8.5, 7.5))
+        panels = figure.subplots(2, 2)
+        values = {
+            "orientations reached": reach_map.fraction,
+            "manipulability": reach_map.manipulability,
+        }
+        for row, (first, second, *names) in zip(panels, _SIDES, strict=True):
+            for axes, (label, value) in zip(row, values.items(), strict=True):
+                seen = value.max(axis=3 - first - second)
+                drawn = axes.pcolormesh(
+                    _edges(reach_map.axes[first], reach_map.spacing),
+                    _edges(reach_map.axes[second], reach_map.spacing),
+                    np.where(seen > 0.0, seen, np.nan).T,
+                    vmin=0.0,
+                )
+                axes.set(xlabel=f"{names[0]} / m", ylabel=f"{names[1]} / m", aspect="equal")
+                figure.colorbar(drawn, ax=axes, label=label)
+    return figure
+
+
+def placement_figure(placement: Placement) -> Figure:
+    """Best manipulability by base position, over all heights and yaws."""
+    positions, where = np.unique(placement.bases[:, :2], axis=0, return_inverse=True)
+    best, most = np.zeros(len(positions)), np.zeros(len(positions))
+    np.maximum.at(best, where.ravel(), placement.manipulability)
+    np.maximum.at(most, where.ravel(), placement.fraction)
+    with styled():
+        figure = Figure(figsize=(5.5, 4.5))
+        axes = figure.add_subplot()
+        whole = best > 0.0
+        x, y = positions.T
+        axes.scatter(x[~whole], y[~whole], c="lightgray", s=12 + 60 * most[~whole])
+        drawn = axes.scatter(x[whole], y[whole], c=best[whole], s=80, vmin=0.0)
+        if placement.best is not None:
+            axes.plot(placement.best[0], placement.best[1], "x", color="black")
+        axes.set(xlabel="x of the base / m", ylabel="y of the base / m", aspect="equal")
+        figure.colorbar(drawn, ax=axes, label="least manipulability along the motion")
+    return figure
+
+
+def _edges(centres: Float64Array, spacing: float) -> Float64Array:
+    return np.append(centres, centres[-1] + spacing) - 0.5 * spacing
+
+
+_CELLS = 12  # of the map along each axis
+_AXES = "xyz"
+
+
+def success_map(validation: Validation) -> Figure:
+    """The success rate over the region of goals, seen along its shortest side."""
+    goals = validation.certificate.goals
+    sides = goals.upper - goals.lower
+    wide = sorted(np.argsort(-sides, kind="stable")[:2].tolist())
+    with styled():
+        figure = Figure(figsize=(5.5, 4.5))
+        _draw_rates(figure, validation, wide, sides)
+    return figure
+
+
+def _draw_rates(
+    figure: Figure, validation: Validation, wide: list[int], sides: Float64Array
+) -> None:
+    goals, axes = validation.certificate.goals, figure.add_subplot()
+    names = [_AXES[i] if len(sides) == len(_AXES) else f"coordinate {i + 1}" for i in wide]
+    axes.set(xlabel=f"{names[0]} / m", ylabel=f"{names[-1]} / m")
+    at = validation.goals[:, wide] if validation.goals.size else np.empty((0, len(wide)))
+    known = np.isfinite(at).all(axis=1)
+    if len(wide) == 2 and sides[wide].min() > 0.0:
+        edges = [np.linspace(goals.lower[i], goals.upper[i], _CELLS + 1) for i in wide]
+        every = _counted(at[known], edges)
+        good = _counted(at[known & validation.succeeded], edges)
+        rate = np.divide(good, every, out=np.full_like(every, np.nan), where=every > 0)
+        drawn = axes.pcolormesh(edges[0], edges[1], rate.T, vmin=0.0, vmax=1.0, cmap="viridis")
+        figure.colorbar(drawn, ax=axes, label="success rate")
+    failed = at[known & ~validation.succeeded]
+    if len(failed):
+        axes.plot(failed[:, 0], failed[:, -1], ".", color="black", markersize=3)
+
+
+def _counted(at: Float64Array, edges: list[Float64Array]) -> Float64Array:
+    """The number of positions (n, 2) in each cell between the edges."""
+    cells = [np.searchsorted(edge, column) - 1 for edge, column in zip(edges, at.T, strict=True)]
+    counts = np.zeros((_CELLS, _CELLS))
+    np.add.at(counts, tuple(np.clip(each, 0, _CELLS - 1) for each in cells), 1.0)
+    return counts

@@ -11,8 +11,7 @@ from leadthrough.arm.collision import nearest_pairs
 from leadthrough.check import Float64Array, InvalidRobot, MissingDependency
 from leadthrough.motion import JointTrajectory
 from leadthrough.shapes import SceneLike, as_scene
-from leadthrough.show.animation import sampled
-from leadthrough.show.surfaces import thinned
+from leadthrough.show.animation import sampled, thinned
 
 _POINTS = 2000  # of a path that the tip is compared with
 _LEAST = 1e-9  # rad/s (m/s), for limits of zero

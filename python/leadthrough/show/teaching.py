@@ -20,9 +20,8 @@ from leadthrough.motion import Demonstration, Event, JointTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show.leading import LedArm
 from leadthrough.show.lesson import Learned, learned, plan_command
-from leadthrough.show.live_session import Handler, LiveSession, vector
+from leadthrough.show.live_session import Handler, LivePage, LiveSession, vector
 from leadthrough.show.recordings import Recordings, recording_of
-from leadthrough.show.viewer import LivePage
 
 # A closed page or a busy computer must not let the arm jump, s.
 _MAX_STEP = 0.1

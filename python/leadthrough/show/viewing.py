@@ -16,10 +16,9 @@ from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show import page
 from leadthrough.show.animation import Animation
 from leadthrough.show.arm_scene import arm_scene, mode_items, tip_path
-from leadthrough.show.live_session import LiveSession
+from leadthrough.show.live_session import LivePage, LiveSession
 from leadthrough.show.readouts import readouts
 from leadthrough.show.replanner import Answer, Replanner, parted
-from leadthrough.show.viewer import LivePage
 
 
 def view(

@@ -302,9 +302,8 @@ class CartesianImpedance(Controller):
             InvalidInput: if the skill has no distribution of positions.
         """
         if not isinstance(skill, Distributed):
-            raise InvalidInput(
-                f"skill: expected one with a distribution, as ProMP and GMR fit, got "
-                f"{type(skill).__name__}"
+            raise check.refused(
+                "skill", "one with a distribution, as ProMP and GMR fit", type(skill).__name__
             )
         mean, covariance = skill.distribution(np.linspace(0.0, skill.duration, _SAMPLES))
         if skill.coordinates.kind == "joints":

@@ -30,11 +30,7 @@ RUNAWAY = 1e3
 
 
 class RunawayError(FloatingPointError):
-    """A simulated arm that runs away.
-
-    Attributes:
-        joint: number of the joint that did first.
-    """
+    """A simulated arm that runs away; `joint` is the number of the joint that did first."""
 
     def __init__(self, name: str, time: float, joint: int) -> None:
         super().__init__(f"{name} runs away after {time:.3f} s; lower the gains or raise the rate")
@@ -96,8 +92,7 @@ class Disturbances(ShortRepr):
             check.number(self.delay, "delay", at_least=0.0, at_most=_MAX_DELAY)
         object.__setattr__(self, "pushes", tuple(self.pushes))
         for each in self.pushes:
-            if not isinstance(each, Push):
-                raise InvalidInput(f"pushes: expected Push objects, got {type(each).__name__}")
+            check.instance(each, "pushes", Push, "Push objects")
 
     @classmethod
     def ideal(cls) -> Self:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -88,25 +89,17 @@ def simulate_held(
             motions do not fit the grasps.
     """
     mujoco = check.package("mujoco", extra="simulation")
-    if not isinstance(held, HeldObject):
-        raise check.refused("held", "a HeldObject", type(held).__name__)
+    check.instance(held, "held", HeldObject)
     pull = check.array(gravity, "gravity", shape=(3,))
     carried = _Carried.of(held)
     period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
     rows = chunk_of(in_order(trajectory, held.joint_names, "trajectory"), held.pair, period).rows
     q = np.concatenate([rows, np.repeat(rows[-1:], round(_SETTLING / period), axis=0)])
+    pulls = pull, carried.placement.matrices()[0].T @ pull  # in the base frame of either arm
+    driven = partial(SimulatedArm, controller=controller, disturbances=disturbances, rate=rate)
     sides = [
-        SimulatedArm(
-            loaded,
-            own,
-            controller=controller,
-            disturbances=disturbances,
-            gravity=turned,
-            rate=rate,
-        )
-        for loaded, own, turned in zip(
-            carried.loaded, held.pair.split(q[0]), carried.turned(pull), strict=True
-        )
+        driven(arm, first, gravity=own)
+        for arm, first, own in zip(carried.loaded, held.pair.split(q[0]), pulls, strict=True)
     ]
     model = _model(mujoco, carried, sides, pull)
     there, torques, forces = _run(mujoco, model, sides, held.pair.split(q))
@@ -158,10 +151,6 @@ class _Carried:
         across = left @ grasps[0].inverse() @ grasps[1] @ right.inverse()
         loaded = _loaded(arms[0], body, left), _loaded(arms[1], body, across @ right)
         return _Carried(arms, loaded, pair._placement, grasps, body, shape, across)
-
-    def turned(self, vector: Float64Array) -> list[Float64Array]:
-        """A vector of the pair's frame in the base frame of either arm."""
-        return [vector, self.placement.matrices()[0].T @ vector]
 
 
 def _loaded(arm: Arm, body: Load, tip: Transforms) -> Arm:

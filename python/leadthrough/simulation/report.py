@@ -241,7 +241,9 @@ def findings(
             yield Finding("no approach motion", 0.0)
         yield from _wrong_limits(real)
         yield from worst("velocity", np.abs(plan.qd) / plant.velocity)
-        joint = _unstable_joint(run, allowed)
+        joint = run.runaway
+        if joint is None and not np.isfinite(allowed).all():  # by theory it would run away
+            joint = int(np.argmax(np.isinf(allowed)))
         if joint is not None:
             yield Finding("unstable", period * (len(run.q) - 1), names[joint])
             return
@@ -259,13 +261,6 @@ def findings(
                 yield Finding(kind, period * first, ratio=ratio)
 
     return tuple(found())
-
-
-def _unstable_joint(run: Run, allowed: Float64Array) -> int | None:
-    """The joint that ran away, or by theory would."""
-    if run.runaway is not None:
-        return run.runaway
-    return None if np.isfinite(allowed).all() else int(np.argmax(np.isinf(allowed)))
 
 
 def _wrong_limits(real: SimulatedArm) -> Iterator[Finding]:

@@ -238,10 +238,7 @@ _KICKED, _GROWTH = 500, 1.2
 def expected_errors(
     real: SimulatedArm, plan: Plan
 ) -> tuple[Float64Array, Float64Array, Float64Array]:
-    """Tracking errors (n, joints) by the linear model, with and without dry friction.
-
-    Third, the largest errors (joints,) that dry friction makes.
-    """
+    """Linear errors (n, joints) with and without dry friction, and its largest effect (joints,)."""
     law, drives, late = real.law, real.drives, real.drives.late
     q, qd = plan.q, plan.qd
     left = drives.damping * qd + _pushed(real, q) + _unknown_load(real, plan)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -16,10 +17,57 @@ from leadthrough.arm.model import GRAVITY
 from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.guard import CommandedState
 from leadthrough.shapes import SceneLike, as_scene
-from leadthrough.simulation.controllers import ComputedTorque, Controller, Moment
+from leadthrough.simulation.controllers import ComputedTorque, Controller, Law, Moment, Motion
 from leadthrough.simulation.drives import RUNAWAY, Disturbances, RunawayError, drives_of
 from leadthrough.simulation.model import LINK, plant
-from leadthrough.simulation.physics_steps import steps_per_period
+
+# Rate of a mode times the step: a joint let go then errs by at most 2 % of its displacement.
+MAX_CHANGE = 0.2
+_MAX_STEPS = 50  # a period; faster loops are unstable by their controller's period
+_ROUNDING = 1e-6  # steps: rates of default gains are multiples of the bound
+_ALONG = 11  # fractions of the path, for gains that change along it
+
+
+# With the mass matrix M, stiffness K and damping D of all dampers, each mode of M^-1 K has a
+# natural frequency w and a damping rate d. It changes at the rate w, or where it is overdamped at
+# that of its slower pole, d/2 - sqrt(d^2/4 - w^2). The faster pole is of the drives' dampers, which
+# act at the end of a step and so are stable at any. Damping that the controller computes is held
+# for a period, and counts with its full rate.
+def steps_per_period(
+    law: Law, q: Float64Array, mass: Float64Array, damping: Float64Array, *, period: float
+) -> int:
+    """The least number of steps in which no mode changes by more than `MAX_CHANGE` each."""
+    rates = _rates(law, q, mass, damping)
+    if not np.isfinite(rates).all():
+        return _MAX_STEPS
+    least = math.ceil(period * float(rates.max()) / MAX_CHANGE - _ROUNDING)
+    return min(max(least, 1), _MAX_STEPS)
+
+
+def _rates(law: Law, q: Float64Array, mass: Float64Array, damping: Float64Array) -> Float64Array:
+    """Rates (n, joints) of the modes, 1/s, at fractions of the path."""
+    still = np.zeros((_ALONG, len(q)))
+    everywhere = np.tile(mass, (_ALONG, 1, 1))
+    gains = law.gains(Motion(still + q, everywhere, still, still, np.linspace(0.0, 1.0, _ALONG)))
+    back = np.linalg.inv(np.linalg.cholesky(mass))
+    with np.errstate(over="ignore", invalid="ignore"):
+        stiffness = back @ gains.stiffness @ back.T
+    if not np.isfinite(stiffness).all():
+        return np.asarray(stiffness)
+    squares, modes = np.linalg.eigh(stiffness)
+    held = _along(modes, back @ gains.damping @ back.T)
+    rest = _along(modes, back @ np.diag(damping + law.drive_damping) @ back.T)
+    frequency, half = np.sqrt(np.maximum(squares, 0.0)), 0.5 * (held + rest)
+    slower = half - np.sqrt(np.maximum(half**2 - frequency**2, 0.0))
+    return np.asarray(np.maximum(np.where(half > frequency, slower, frequency), held))
+
+
+def _along(modes: Float64Array, matrices: Float64Array) -> Float64Array:
+    """Entries (n, joints) of symmetric matrices for modes in the columns of (n, joints, joints)."""
+    return np.asarray(
+        np.einsum("nji,njk,nki->ni", modes, np.broadcast_to(matrices, modes.shape), modes)
+    )
+
 
 # No arm has such motors, N m (N); MuJoCo would soon give up and write a file about it.
 _STRONGEST = 1e6
@@ -193,7 +241,9 @@ class SimulatedArm(ShortRepr):
         before = self.qd
         spin = self._spin(before, command.qdd)
         self.demanded = asked + self.law.drive_damping * (qd - before) - spin
-        self._shift_limits(spin)
+        # The motors' limits for this period, with the torques of the rotors added.
+        ranges = spin[self._limited, None] + self._ranges
+        self.plant.model.actuator_forcerange[self.plant.motors][self._limited] = ranges
         if self.drives.pushes:
             self._push()
         asked_most = np.minimum(np.abs(self.demanded), self.drives.effort)
@@ -226,11 +276,6 @@ class SimulatedArm(ShortRepr):
         self._last_qd = qd
         fed = self.law.fed_forward
         return np.asarray(fed * qdd + (self.drives.rotors - fed) * last)
-
-    def _shift_limits(self, spin: Float64Array) -> None:
-        """Adds the torques (joints,) of the rotors to the motors' limits for a period."""
-        ranges = spin[self._limited, None] + self._ranges
-        self.plant.model.actuator_forcerange[self.plant.motors][self._limited] = ranges
 
     def _given(self, gained: Float64Array, spin: Float64Array) -> Float64Array:
         """Torques behind the gears in a step that gained speed; the drives' dampers act after."""

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 import leadthrough._core as core
 from leadthrough import check, sanity
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
+from leadthrough.check import Float64Array, LimitsInfeasible, ShortRepr
 from leadthrough.drawing import Drawn, Panel, bars
 from leadthrough.motion import JointTrajectory, computed_joints, in_order, lerp, with_derivatives
 from leadthrough.timing.request import POSITION_ROUNDING
@@ -222,8 +222,7 @@ _LOWEST, _HIGHEST, _RATES = 0, 1, {"velocity": 2, "acceleration": 3, "jerk": 4}
 
 
 def _ordered(trajectory: JointTrajectory, limits: JointLimits) -> JointTrajectory:
-    if not isinstance(limits, JointLimits):
-        raise InvalidInput(f"limits: expected JointLimits, got {type(limits).__name__}")
+    check.instance(limits, "limits", JointLimits, "JointLimits")
     return in_order(trajectory, limits.joint_names, "trajectory")
 
 

@@ -157,9 +157,7 @@ def checked_dwell_times(dwell_times: Mapping[int, float] | None, rows: int) -> d
     """Seconds of rest by row; none where `dwell_times` is None."""
     if dwell_times is None:
         return {}
-    if not isinstance(dwell_times, Mapping):
-        what = type(dwell_times).__name__
-        raise InvalidInput(f"dwell_times: expected a mapping from rows to seconds, got {what}")
+    check.instance(dwell_times, "dwell_times", Mapping, "a mapping from rows to seconds")
     return {
         check.integer(row, "dwell_times", at_least=0, at_most=rows - 1): check.number(
             time, f"dwell_times[{row}]", at_least=0.0

@@ -202,10 +202,7 @@ def keep_timing(
     Raises:
         LimitsInfeasible: as from `retime`.
     """
-    if not isinstance(motion, (JointTrajectory, Curve)):
-        raise InvalidInput(
-            f"motion: expected a JointTrajectory or a curve, got {type(motion).__name__}"
-        )
+    check.instance(motion, "motion", JointTrajectory | Curve, "a JointTrajectory or a curve")
     motion = _named(motion, limits, "motion")
     route = _route(motion, limits)
     request = Request(
@@ -223,8 +220,7 @@ def keep_timing(
 
 def _named(path: PathT, limits: JointLimits, argument: str) -> PathT:
     """The path with its joints in the order of the limits, where it names them."""
-    if not isinstance(limits, JointLimits):
-        raise InvalidInput(f"limits: expected JointLimits, got {type(limits).__name__}")
+    check.instance(limits, "limits", JointLimits, "JointLimits")
     if not isinstance(path, JointTrajectory):
         return path
     return cast(PathT, in_order(path, limits.joint_names, argument))  # of the same type
@@ -241,9 +237,7 @@ def _route(path: JointTrajectory | Curve | ArrayLike, limits: JointLimits) -> Pa
         )
     route = path_of(path)
     if route.joints != len(limits.joint_names):
-        raise InvalidInput(
-            f"limits: expected limits of {route.joints} joints, got {len(limits.joint_names)}"
-        )
+        raise check.refused("limits", f"limits of {route.joints} joints", len(limits.joint_names))
     return route
 
 

@@ -48,13 +48,9 @@ class Samples:
         ends = np.cumsum([0.0, *(motion.times[-1] for motion in motions[:-1])])
         cut = [slice(int(i > 0), None) for i in range(len(motions))]
         pairs = list(zip(motions, cut, strict=True))
-        return Samples(
-            np.concatenate([end + m.times[c] for end, (m, c) in zip(ends, pairs, strict=True)]),
-            np.concatenate([m.rows[c] for m, c in pairs]),
-            np.concatenate([m.positions[c] for m, c in pairs]),
-            np.concatenate([m.velocities[c] for m, c in pairs]),
-            np.concatenate([m.accelerations[c] for m, c in pairs]),
-        )
+        times = [end + m.times[c] for end, (m, c) in zip(ends, pairs, strict=True)]
+        others = ([vars(m)[name][c] for m, c in pairs] for name in list(vars(motions[0]))[1:])
+        return Samples(np.concatenate(times), *map(np.concatenate, others))
 
     def with_dwell_before(self, time: float, rate: float) -> Samples:
         """The motion after a rest."""
@@ -87,13 +83,7 @@ class Samples:
         return Samples(np.arange(count) / rate, rows, positions, still, still)
 
     def _of(self, index: NDArray[np.intp]) -> Samples:
-        return Samples(
-            self.times[index],
-            self.rows[index],
-            self.positions[index],
-            self.velocities[index],
-            self.accelerations[index],
-        )
+        return Samples(*(column[index] for column in vars(self).values()))
 
 
 def time_lines(lines: Lines, limits: JointLimits, rate: float) -> Samples:

@@ -11,15 +11,17 @@ from leadthrough.trajectories.bezier import (
 from leadthrough.trajectories.bspline import (
     BSpline as BSpline,
     Nurbs as Nurbs,
-    bspline_near as bspline_near,
-    nurbs_through as nurbs_through,
-)
-from leadthrough.trajectories.conversion import (
     as_bspline as as_bspline,
     bezier_pieces as bezier_pieces,
+    bspline_near as bspline_near,
+    nurbs_through as nurbs_through,
     with_knot as with_knot,
 )
-from leadthrough.trajectories.curve import Curve as Curve, PointCurve as PointCurve
+from leadthrough.trajectories.curve import (
+    Curve as Curve,
+    PointCurve as PointCurve,
+    Spline as Spline,
+)
 from leadthrough.trajectories.filters import (
     FilterState as FilterState,
     FirstOrderFilter as FirstOrderFilter,
@@ -58,7 +60,6 @@ from leadthrough.trajectories.rotation import (
     Slerp as Slerp,
     Squad as Squad,
 )
-from leadthrough.trajectories.spline import Spline as Spline
 from leadthrough.trajectories.straight_filter import (
     LineState as LineState,
     StraightFilter as StraightFilter,

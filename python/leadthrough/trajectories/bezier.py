@@ -18,8 +18,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.trajectories import curve
-from leadthrough.trajectories.curve import PointCurve
-from leadthrough.trajectories.spline import Spline
+from leadthrough.trajectories.curve import PointCurve, Spline
 
 _MAX_POINTS = 100
 # Ends that are nearer than this, relative to the numbers' size, meet.
@@ -98,9 +97,8 @@ class Bezier(PointCurve):
         """
         free = curve.points(points, "points")
         if free.shape[1] != self.points.shape[1]:
-            raise InvalidInput(
-                f"points: expected {self.points.shape[1]} columns as this curve has, got "
-                f"{free.shape[1]}"
+            raise check.refused(
+                "points", f"{self.points.shape[1]} columns as this curve has", free.shape[1]
             )
         length = check.number(duration, "duration", above=0.0)
         most = check.integer(continuity, "continuity", at_least=0, at_most=_MAX_CONTINUITY)
@@ -148,9 +146,8 @@ def joined(pieces: Sequence[Bezier]) -> Spline:
         raise InvalidInput("pieces: expected at least one Bezier curve, got none")
     for i, (before, after) in enumerate(pairwise(pieces)):
         if before.points.shape[1] != after.points.shape[1]:
-            raise InvalidInput(
-                f"pieces[{i + 1}]: expected {before.points.shape[1]} columns, got "
-                f"{after.points.shape[1]}"
+            raise check.refused(
+                f"pieces[{i + 1}]", f"{before.points.shape[1]} columns", after.points.shape[1]
             )
         size = 1.0 + float(np.abs(before.points).max())
         apart = float(np.abs(after.points[0] - before.points[-1]).max())

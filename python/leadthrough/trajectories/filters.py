@@ -230,8 +230,7 @@ class TimeOptimalFilter(ShortRepr):
 def _inputs(
     state: FilterState, target: ArrayLike, velocity: ArrayLike, period: float
 ) -> tuple[Float64Array, Float64Array, Float64Array, float]:
-    if not isinstance(state, FilterState):
-        raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
+    check.instance(state, "state", FilterState)
     x = state.position
     goal = check.array(target, "target", shape=(len(x),))
     return x, goal, check.row(velocity, "velocity", width=len(x)), check_period(period)
@@ -426,8 +425,7 @@ class JerkFilter(ShortRepr):
         self, state: FilterState, target: ArrayLike
     ) -> tuple[Float64Array, Float64Array, Float64Array]:
         """States (3, d), limits (6, d), low and high, and targets (d,)."""
-        if not isinstance(state, FilterState):
-            raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
+        check.instance(state, "state", FilterState)
         states = np.array((state.position, state.velocity, state.acceleration))
         goal = check.array(target, "target", shape=state.position.shape)
         if max(np.abs(x).max(initial=0.0) for x in (states, goal)) > _MAX_NUMBER:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.trajectories import curve
-from leadthrough.trajectories.spline import Spline
+from leadthrough.trajectories.curve import Spline
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PPoly
@@ -93,9 +93,7 @@ def periodic_cubic(times: ArrayLike, points: ArrayLike) -> Spline:
 
     t, x = _through(times, points)
     if len(t) < 3 or not np.allclose(x[0], x[-1], rtol=0.0, atol=1e-12 * np.abs(x).max()):
-        raise InvalidInput(
-            f"points: expected three or more, the last like the first {x[0]}, got {x[-1]}"
-        )
+        raise check.refused("points", f"three or more, the last like the first {x[0]}", x[-1])
     return _of_scipy(CubicSpline(t, np.vstack([x[:-1], x[:1]]), bc_type="periodic"))
 
 

@@ -55,8 +55,7 @@ def run_by(
         InvalidInput: if the law is not in one dimension, or leaves the path's domain.
     """
     for name, given in (("path", path), ("law", law)):
-        if not isinstance(given, Curve | PoseCurve):
-            raise check.refused(name, "a curve", type(given).__name__)
+        check.instance(given, name, Curve | PoseCurve, "a curve")
     _check_law(path.domain, law)
     if isinstance(path, PoseCurve):
         return PoseCurve(_run(path.positions, law), _Rotations(path.orientations, law))
@@ -147,10 +146,7 @@ class _Points(PointCurve):
 
 
 def _bell(order: int, rates: list[Float64Array]) -> list[Float64Array]:
-    """Partial Bell polynomials B_{order, k}, k = 1 to order, of derivatives (n,) from the first on.
-
-    B_{n,k} = sum_i C(n - 1, i - 1) x_i B_{n-i, k-1}.
-    """
+    """Bell polynomials B_{order, k}: B_{n, k} = sum_i C(n - 1, i - 1) x_i B_{n - i, k - 1}."""
     one, nothing = np.ones_like(rates[0]), np.zeros_like(rates[0])
     table = {(0, 0): one}
     for n in range(1, order + 1):
@@ -206,11 +202,8 @@ class PoseCurve(ShortRepr):
     orientations: RotationCurve
 
     def __post_init__(self) -> None:
-        if not isinstance(self.positions, Curve):
-            raise InvalidInput(f"positions: expected a curve, got {type(self.positions).__name__}")
-        if not isinstance(self.orientations, RotationCurve):
-            what = type(self.orientations).__name__
-            raise InvalidInput(f"orientations: expected a curve of rotations, got {what}")
+        check.instance(self.positions, "positions", Curve, "a curve")
+        check.instance(self.orientations, "orientations", RotationCurve, "a curve of rotations")
         a, b = self.positions.domain, self.orientations.domain
         if not np.allclose(a, b, rtol=0.0, atol=_SAME * (a[1] - a[0])):
             raise InvalidInput(f"orientations: expected the domain {a} of positions, got {b}")

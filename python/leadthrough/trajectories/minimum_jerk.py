@@ -18,9 +18,9 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.trajectories import curve
 from leadthrough.trajectories.bezier import Bezier
+from leadthrough.trajectories.curve import Spline
 from leadthrough.trajectories.filters import limit_for, rate_limit
 from leadthrough.trajectories.interpolation import of_bspline
-from leadthrough.trajectories.spline import Spline
 
 # Coefficients of u^3, u^4 and u^5 (rows) of a quintic over u from 0 to 1 without acceleration at
 # its ends, for its rise from 0, its slope at 0 and its slope at 1 (columns).
@@ -78,10 +78,7 @@ def minimum_jerk_time_scaling(u: ArrayLike, height: ArrayLike = 1.0) -> Float64A
 def quintic_coefficients(
     start: Float64Array, end: Float64Array, start_slope: Float64Array, end_slope: Float64Array
 ) -> Float64Array:
-    """Coefficients (6, d) of the powers of u of the least jerk, without acceleration at the ends.
-
-    Source: Flash and Hogan 1985.
-    """
+    """Coefficients (6, d) of least jerk without acceleration at the ends (Flash and Hogan 1985)."""
     coefficients = np.zeros((6, len(start)))
     coefficients[0] = start
     coefficients[1] = start_slope

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.trajectories.spline import Spline
+from leadthrough.trajectories.curve import Spline
 
 # A velocity is along a line if no more of it, relatively, points elsewhere.
 _ON_THE_LINE = 1e-9
@@ -141,13 +141,10 @@ def _along(rate: ArrayLike, name: str, way: Float64Array, limit: float) -> float
     row = _row(rate, name, len(way))
     found = float(row @ way / (way @ way))
     if np.abs(row - found * way).max() > _ON_THE_LINE * np.abs(row).max():
-        raise InvalidInput(
-            f"{name}: expected a velocity along the line from start to end, {way}, got {row}"
-        )
+        raise check.refused(name, f"a velocity along the line from start to end, {way}", row)
     if abs(found) > limit * (1.0 + _ON_THE_LINE):
-        raise InvalidInput(
-            f"{name}: expected at most the limit of the velocity, {limit / abs(found):.3g} of it, "
-            f"got {row}"
+        raise check.refused(
+            name, f"at most the limit of the velocity, {limit / abs(found):.3g} of it", row
         )
     return min(max(found, -limit), limit)
 

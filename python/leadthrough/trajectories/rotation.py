@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 import leadthrough._core as core
 from leadthrough import check, rotations
 from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr
-from leadthrough.rotations.interpolation import squad_controls
+from leadthrough.rotations.group import squad_controls
 from leadthrough.trajectories import curve
 
 _MAX_POINTS = 50
@@ -166,9 +166,8 @@ class RotationBezier(RotationCurve):
         check.integer(len(q), "number of quaternions", at_least=2, at_most=_MAX_POINTS)
         if (rotations.distance(q[1:], q[:-1]) >= np.pi - 1e-9).any():
             raise InvalidInput("quaternions: expected neighbours less than half a turn apart")
-        q.setflags(write=False)
         knots = curve.knot_times(times, "times")
-        vars(self).update(quaternions=q, times=(float(knots[0]), float(knots[-1])))
+        vars(self).update(quaternions=check.freeze(q), times=(float(knots[0]), float(knots[-1])))
 
     def _rotations(self, t: Float64Array) -> Float64Array:
         fractions = self._fractions(t)
@@ -199,8 +198,7 @@ def checked_samples(times: ArrayLike, quaternions: ArrayLike) -> tuple[Float64Ar
     """Rising times (n,), n >= 2, and unit quaternions (n, 4), continuous in sign; read-only."""
     t = curve.knot_times(times, "times")
     q = rotations.align_signs(check.quaternions(quaternions, "quaternions", shape=(len(t), 4)))
-    q.setflags(write=False)
-    return t, q
+    return t, check.freeze(q)
 
 
 # rad; below it the quotients lose digits to cancellation; their series have this many terms.
@@ -349,8 +347,7 @@ class RotationSpline(RotationCurve):
             raise InvalidInput("quaternions: expected neighbours less than half a turn apart")
         start = check.frozen(start_velocity, "start_velocity", shape=(3,))
         end = check.frozen(end_velocity, "end_velocity", shape=(3,))
-        velocities = _velocities(np.diff(t), turns, start, end)
-        velocities.setflags(write=False)
+        velocities = check.freeze(_velocities(np.diff(t), turns, start, end))
         vars(self).update(
             times=t,
             quaternions=q,
@@ -372,7 +369,7 @@ class RotationSpline(RotationCurve):
         self, t: Float64Array
     ) -> tuple[NDArray[np.intp], tuple[Float64Array, Float64Array, Float64Array]]:
         """The piece of each time, and phi with two derivatives there."""
-        i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
+        i = _pieces(self.times, t)
         s = (t - self.times[i])[:, None]
         a, b, c = (self._cubics[i, k] for k in range(3))
         return i, (

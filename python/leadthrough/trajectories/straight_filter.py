@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput, ShortRepr
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.trajectories.filters import FilterState, JerkFilter, check_period
 
 # A target or a velocity this far off a line, relative to its size, lies on it: rounding.
@@ -44,10 +44,9 @@ class LineState(FilterState):
         shape = self.position.shape
         for name in ("origin", "direction", "drift"):
             vars(self)[name] = check.frozen(getattr(self, name), name, shape=shape)
-        if not isinstance(self.along, FilterState):
-            raise InvalidInput(f"along: expected a FilterState, got {type(self.along).__name__}")
+        check.instance(self.along, "along", FilterState)
         for name in ("limits", "scalar"):
-            check_filter(getattr(self, name), name)
+            check.instance(getattr(self, name), name, JerkFilter)
 
     def with_parts(self, **parts: Any) -> LineState:  # Any: its fields
         """The state with other parts that are just computed."""
@@ -59,12 +58,6 @@ class LineState(FilterState):
         return not self.direction.any() and bool(
             (self.velocity - self.drift).any() or self.acceleration.any()
         )
-
-
-def check_filter(value: object, name: str) -> None:
-    """Raises InvalidInput unless `value` is a JerkFilter."""
-    if not isinstance(value, JerkFilter):
-        raise InvalidInput(f"{name}: expected a JerkFilter, got {type(value).__name__}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +77,7 @@ class StraightFilter(ShortRepr):
     limits: JerkFilter
 
     def __post_init__(self) -> None:
-        check_filter(self.limits, "limits")
+        check.instance(self.limits, "limits", JerkFilter)
 
     def step(
         self,
@@ -100,8 +93,7 @@ class StraightFilter(ShortRepr):
             target: (d,), one period later.
             velocity: the target's, (d,) or one number.
         """
-        if not isinstance(state, FilterState):
-            raise InvalidInput(f"state: expected a FilterState, got {type(state).__name__}")
+        check.instance(state, "state", FilterState)
         goal = check.array(target, "target", shape=state.position.shape)
         drift = self.limits.followed(velocity, len(goal))
         line = self._on_a_line(state, drift)

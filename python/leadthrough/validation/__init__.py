@@ -5,10 +5,11 @@ from leadthrough.models import (
     ConfidenceInterval as ConfidenceInterval,
     TargetRegion as TargetRegion,
 )
-from leadthrough.validation.validate import SamplingPlan as SamplingPlan, validate as validate
-from leadthrough.validation.validation import (
+from leadthrough.validation.validate import (
     Failing as Failing,
+    SamplingPlan as SamplingPlan,
     Validation as Validation,
     clopper_pearson as clopper_pearson,
     confidence_sequence as confidence_sequence,
+    validate as validate,
 )

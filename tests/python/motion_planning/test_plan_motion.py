@@ -13,8 +13,7 @@ from scipy.spatial import KDTree
 import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.motion_planning import connect_configurations
-from leadthrough.motion_planning.blocked_segment import BlockedSegment, CollisionFreeIk
-from leadthrough.motion_planning.tip_paths import detours
+from leadthrough.motion_planning.tip_paths import BlockedSegment, CollisionFreeIk, detours
 
 QUERY = lt.Query(dt=0.02)
 

@@ -15,7 +15,7 @@ from leadthrough.simulation import (
     JointImpedance,
     PositionServo,
     SimulatedArm,
-    physics_steps,
+    simulated_arm,
 )
 from leadthrough.simulation.controllers import Moment
 
@@ -28,12 +28,12 @@ AROUND_Z = (
 
 def finer(monkeypatch):
     """Ten times the steps."""
-    monkeypatch.setattr(physics_steps, "MAX_CHANGE", 0.1 * physics_steps.MAX_CHANGE)
+    monkeypatch.setattr(simulated_arm, "MAX_CHANGE", 0.1 * simulated_arm.MAX_CHANGE)
 
 
 def single(monkeypatch):
     """One step a period."""
-    monkeypatch.setattr(physics_steps, "MAX_CHANGE", np.inf)
+    monkeypatch.setattr(simulated_arm, "MAX_CHANGE", np.inf)
 
 
 def released(controller, periods=40):

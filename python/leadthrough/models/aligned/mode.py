@@ -1,18 +1,25 @@
-"""Aligned demonstrations of one mode, and the motions that they predict."""
+"""Aligned demonstrations of one mode, and the motions that they predict between new ends.
+
+Demonstrations are weighted by the nearness of their ends to the new ones. Their mean follows the
+offsets of both ends as the demonstrations do: at each phase, regression on their own offsets tells
+how much of an offset is left. That is the mean of a Gaussian over curves, conditioned on both ends,
+whose prior covariance is a linear fade. The ways of weighting and fading that predict left-out
+demonstrations best are averaged.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass
 from functools import cached_property
 from typing import Any, Generic
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array
 from leadthrough.models import phase
-from leadthrough.models.aligned.fading import Option, Predictor
 from leadthrough.models.archive import Arrays
 from leadthrough.models.coordinates import NODES, Coordinates, coordinates_of
 from leadthrough.models.curves import (
@@ -30,6 +37,229 @@ from leadthrough.models.curves import (
 from leadthrough.models.queries import CheckedQuery, even_times
 from leadthrough.motion import MotionT, MotionT_co, lerp
 from leadthrough.planning import detours
+from leadthrough.preprocess.moved_ends import ROTATED, Chords, bounded, with_ends
+
+# Width of the weights in median distances of the ends; with the first all are as good as equal.
+_WIDTHS = (1e3, 1.0, 0.4, 0.15)
+# Weight of the linear fade against the demonstrations'; infinite: the linear fade alone.
+_PRIORS = (0.03, 0.3, 3.0, np.inf)
+_AVERAGED = 10
+# An option is preferred as far as it surely predicts better than the first, at this confidence.
+_SURE = 0.975
+_COMPARED = 100  # even rows, at which a prediction is compared with the left-out curve
+_MOST_LEFT_OUT = 16  # demonstrations, evenly chosen
+# Ends this far from those of every demonstration, in extents, and farther than these are apart, say
+# nothing about the fade: up to 0.6 of the nominal path is then rotated and scaled with its chord.
+_FAR, _SIMILAR = 0.3, 0.6
+_TINY = 1e-300
+
+
+@dataclass(frozen=True)
+class Option:
+    """One way of weighting demonstrations and of fading the offsets of their ends."""
+
+    phase: int  # of the curves: 0 by arc length, 1 elastic
+    width: float
+    prior: float
+    rotated: float = 0.0  # fraction that rotates with the chord, of a linear fade
+
+    @staticmethod
+    def of_row(row: Sequence[float]) -> Option:
+        """The option of a row of an archive."""
+        return Option(int(row[0]), *(float(each) for each in row[1:]))
+
+
+DEFAULT = Option(0, 1.0, np.inf, ROTATED)
+
+
+@dataclass(frozen=True, eq=False)
+class Predictor:
+    """Aligned demonstrations of one mode, in scaled columns."""
+
+    phased: tuple[Curves, Curves]  # by arc length, and elastically
+    size: int  # number of columns of the position; the others have fades of their own
+    rotating: bool  # whether positions may rotate with the chord between their ends
+
+    @cached_property
+    def options(self) -> list[Option]:
+        """All options, by their phases."""
+        kinds = [(np.inf, ROTATED)] * self.rotating + [(prior, 0.0) for prior in _PRIORS]
+        return [Option(phase, w, *kind) for phase in (0, 1) for kind in kinds for w in _WIDTHS]
+
+    @cached_property
+    def _chords(self) -> list[Chords]:
+        return [Chords(each.rows[:, :, : self.size]) for each in self.phased]
+
+    def between(
+        self,
+        ends: Float64Array,
+        options: Sequence[Option],
+        without: NDArray[np.int64] | None = None,
+    ) -> dict[Option, Float64Array]:
+        """For each option the rows (m, n, width) over the phase between ends (m, 2, width)."""
+        found = {}
+        for kind, curves in enumerate(self.phased):
+            own = [each for each in options if each.phase == kind]
+            widths = sorted({each.width for each in own}, reverse=True)
+            weights = _weights(curves.rows[:, [0, -1]], ends, widths, without)
+            kinds: dict[tuple[float, float], Float64Array] = {}
+            if any(each.rotated for each in own):
+                adapted = self._rotated(kind, ends)
+                kinds[np.inf, ROTATED] = np.einsum("wmk,mknd->wmnd", weights, adapted)
+            if priors := dict.fromkeys(each.prior for each in own if not each.rotated):
+                faded = self._faded(curves.rows, weights, ends, list(priors))
+                kinds |= {(prior, 0.0): rows for prior, rows in zip(priors, faded, strict=True)}
+            for each in own:
+                found[each] = kinds[each.prior, each.rotated][widths.index(each.width)]
+        return found
+
+    def _faded(
+        self,
+        rows: Float64Array,
+        weights: Float64Array,
+        ends: Float64Array,
+        priors: Sequence[float],
+    ) -> Iterator[Float64Array]:
+        """For each prior the means (widths, m, n, width) of curves, with new ends."""
+        means = np.einsum("wmk,knd->wmnd", weights, rows)
+        progress = np.array([[arc_phases(each) for each in own] for own in means])
+        linear = np.stack([1.0 - progress, progress], axis=2)
+        groups = [slice(0, self.size), slice(self.size, rows.shape[2])]
+        ready = [
+            _Fade(rows[:, :, each], weights, means[..., each], ends[:, :, each])
+            for each in (groups if rows.shape[2] > self.size else groups[:1])
+        ]
+        for prior in priors:
+            yield np.concatenate([each.rows(linear, prior) for each in ready], axis=-1)
+
+    def _rotated(self, phase: int, ends: Float64Array) -> Float64Array:
+        """Curves (m, k, n, width) with new ends, partly shifted and partly rotated."""
+        result = with_ends(self.phased[phase].rows, ends[:, None, :1], ends[:, None, 1:])
+        position = result[..., : self.size]
+        position[:] = self._chords[phase].adapted(ends[:, :, : self.size], position)
+        return result
+
+    def chosen(self) -> list[Option]:
+        """The options to average: those that surely predict left-out demonstrations best."""
+        count = len(self.phased[0].rows)
+        default = self.options.index(DEFAULT) if self.rotating else self.options.index(_PLAIN)
+        if count < 3:
+            return [self.options[default]]
+        from scipy.special import stdtrit  # scipy.stats takes a fifth of a second to load
+
+        out = np.unique(np.linspace(0, count - 1, min(count, _MOST_LEFT_OUT)).round().astype(int))
+        phased = self.phased[0].coarse(_COMPARED), self.phased[1].coarse(_COMPARED)
+        few = Predictor(phased, self.size, self.rotating)
+        wanted = phased[0].rows[out]
+        missed = np.array(
+            [
+                [
+                    np.linalg.norm(_evened(a) - b, axis=1).mean()
+                    for a, b in zip(found, wanted, strict=True)
+                ]
+                for found in few.between(wanted[:, [0, -1]], self.options, out).values()
+            ]
+        )
+        gain = np.log(missed + _TINY) - np.log(missed[default] + _TINY)
+        error = gain.std(axis=1, ddof=1) / np.sqrt(len(out))
+        order = np.argsort(gain.mean(axis=1) + stdtrit(len(out) - 1, _SURE) * error, kind="stable")
+        return [self.options[i] for i in order[:_AVERAGED]]
+
+    def predicted(
+        self, chosen: Sequence[Option], ends: Float64Array
+    ) -> tuple[Float64Array, Float64Array, Float64Array]:
+        """Mean rows (n, width) between ends (2, width), elastic phases (n,) and times (n,)."""
+        every = self.between(ends[None], [*chosen, _TIMING])
+        rows = np.mean([_evened(every[each][0]) for each in chosen], axis=0)
+        rows[[0, -1]] = ends
+        aligned, even = self.phased[1], even_phases(len(rows))
+        phases = np.interp(even, arc_phases(every[_TIMING][0]), even)
+        (weights,) = _weights(aligned.rows[:, [0, -1]], ends[None], [_TIMING.width], None)
+        clock = np.interp(phases, even, weights[0] @ aligned.times)
+        return rows, phases, np.maximum.accumulate(clock)
+
+    def similar(self, rows: Float64Array, nominal: Float64Array) -> Float64Array:
+        """Rows (n, width) with more of the nominal shape the farther their ends are from all."""
+        ends = rows[[0, -1], : self.size]
+        beyond = float(self._distances(ends[None]).min()) - max(_FAR, self._apart)
+        part = _SIMILAR * float(np.clip(beyond / (1.0 - _FAR), 0.0, 1.0))
+        if part == 0.0 or not self.rotating:
+            return rows
+        chords = Chords(nominal[None, :, : self.size])
+        position = chords.adapted(ends[None], rows[None, None, :, : self.size], part)[0, 0]
+        return np.hstack([position, rows[:, self.size :]])
+
+    def _distances(self, ends: Float64Array) -> Float64Array:
+        """Distances (m, k) of ends (m, 2, d) from those of each demonstration."""
+        demonstrated = self.phased[0].rows[:, [0, -1], : self.size]
+        return np.asarray(np.linalg.norm(demonstrated - ends[:, None], axis=3).max(axis=2))
+
+    @cached_property
+    def _apart(self) -> float:
+        """Distance of the ends of a demonstration from the nearest other ones, at most."""
+        distances = self._distances(self.phased[0].rows[:, [0, -1], : self.size])
+        np.fill_diagonal(distances, np.inf)
+        return float(distances.min(axis=1).max()) if len(distances) > 1 else 0.0
+
+    def near(self, rows: Float64Array, nominal: Float64Array) -> Float64Array:
+        """Rows (n, width), drawn to nominal ones until none moves much farther than the ends."""
+        off = (rows - nominal)[[0, -1]]
+        moved = [float(np.linalg.norm(part, axis=1).max()) for part in (off[:, : self.size], off)]
+        parts = [
+            bounded(rows[:, part], nominal[:, part], most)
+            for part, most in zip((slice(0, self.size), slice(self.size, None)), moved, strict=True)
+        ]
+        return np.hstack(parts)
+
+
+_PLAIN = Option(0, 1.0, np.inf)
+_TIMING = Option(1, 1.0, np.inf)
+
+
+def _evened(rows: Float64Array) -> Float64Array:
+    """Rows (n, width) at even steps of their length."""
+    return lerp(even_phases(len(rows)), arc_phases(rows), rows)
+
+
+def _weights(
+    demonstrated: Float64Array,
+    ends: Float64Array,
+    widths: Sequence[float],
+    without: NDArray[np.int64] | None,
+) -> Float64Array:
+    """Weights (widths, m, k) of demonstrations by the nearness of their ends; sum 1."""
+    squared = ((ends[:, None] - demonstrated) ** 2).sum(axis=(2, 3))
+    if without is not None:
+        squared[np.arange(len(ends)), without] = np.inf
+    ranked = np.sort(squared, axis=1)
+    kept = squared.shape[1] - (without is not None)
+    wide = 2.0 * np.square(widths)[:, None, None] * ranked[:, kept // 2, None] + _TINY
+    weights = np.exp(-(squared - ranked[:, :1]) / wide)
+    return np.asarray(weights / weights.sum(axis=2, keepdims=True))
+
+
+class _Fade:
+    """Regression of curves (k, n, d) on their ends, around means (widths, m, n, d)."""
+
+    def __init__(
+        self, rows: Float64Array, weights: Float64Array, means: Float64Array, ends: Float64Array
+    ) -> None:
+        self._means, self._offsets = means, ends - means[:, :, [0, -1]]
+        off = rows[:, [0, -1]] - means[:, :, None, [0, -1]]
+        self._gram = np.einsum("wmk,wmkid,wmkjd->wmij", weights, off, off)
+        # The mean's own part of the product vanishes, as the offsets' mean does.
+        self._seen = np.einsum("wmk,wmkid,knd->wmin", weights, off, rows)
+        self._variance = np.trace(self._gram, axis1=2, axis2=3) / rows.shape[2] + _TINY
+
+    def rows(self, linear: Float64Array, prior: float) -> Float64Array:
+        """Rows (widths, m, n, d) with the ends asked for; `linear` are fades (widths, m, 2, n)."""
+        left = linear
+        if np.isfinite(prior):
+            pull = (prior * self._variance)[..., None, None]
+            left = np.linalg.solve(self._gram + pull * np.eye(2), self._seen + pull * linear)
+            left[..., [0, -1]] = np.eye(2)
+        return np.asarray(self._means + np.einsum("wmin,wmid->wmnd", left, self._offsets))
+
 
 _TURN = 2.0 * np.pi
 

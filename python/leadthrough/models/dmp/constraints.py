@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput, NoPath, UnsupportedQuery
+from leadthrough.check import Float64Array, NoPath, UnsupportedQuery
 from leadthrough.models.dmp.transformation import TransformationSystem, end_of
+from leadthrough.models.queries import checked_limits
 from leadthrough.shapes import Shape, check_shapes, compiled
 from leadthrough.trajectories.minimum_jerk import minimum_jerk_time_scaling
 
@@ -64,12 +65,7 @@ def check_constraints(
         return Constraints(shapes, np.zeros(0), np.zeros(0))
     if channels is None:
         raise UnsupportedQuery("limits: expected none for poses; give walls as obstacles")
-    if not isinstance(limits, Sequence) or len(limits) != 2:
-        raise InvalidInput(f"limits: expected a pair (lower, upper), got {limits!r}")
-    lower, upper = (check.array(side, "limits", shape=(channels,)) for side in limits)
-    if not (lower < upper).all():
-        raise InvalidInput(f"limits: expected lower < upper, got {lower} and {upper}")
-    return Constraints(shapes, lower, upper)
+    return Constraints(shapes, *checked_limits(limits, (channels,)))
 
 
 def roll(
@@ -117,9 +113,7 @@ def _check_ends(constraints: Constraints, start: Float64Array, goal: Float64Arra
     lower, upper = constraints.lower, constraints.upper
     for name, point in (("start", start), ("goal", goal)):
         if len(lower) and not ((lower <= point) & (point <= upper)).all():
-            raise InvalidInput(
-                f"{name}: expected a point inside the limits {lower} to {upper}, got {point}"
-            )
+            raise check.refused(name, f"a point inside the limits {lower} to {upper}", point)
         if (_clearances(constraints.obstacles, point[None]) <= 0.0).any():
             position = point[:3].round(4).tolist()
             raise NoPath(f"{name}: {position} lies in an obstacle", reason=f"{name}_in_wall")

@@ -19,17 +19,15 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.models.archive import Arrays, SteppedSkill
-from leadthrough.models.dmp.channels import PointChannels
+from leadthrough.models.dmp.channels import PointChannels, PoseChannels
 from leadthrough.models.dmp.learning import (
     Primitive,
     check_choices,
-    check_weights,
     learn_motion,
     take_parts,
 )
-from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.query import check_final_velocity, check_state, check_step
-from leadthrough.models.dmp.transformation import RATE
+from leadthrough.models.dmp.transformation import MAX_WEIGHTS, RATE
 from leadthrough.models.modes import learned_by_mode
 from leadthrough.models.protocol import Demonstrations, Outliers, Skill, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, even_phases
@@ -66,7 +64,7 @@ class DMP(Unfitted):
 
     def __post_init__(self) -> None:
         if self.weights is not None:
-            check_weights(self.weights, at_least=2)
+            check.integer(self.weights, "weights", at_least=2, at_most=MAX_WEIGHTS)
         check_choices(self.form, self.regression, self.orientation)
 
     @staticmethod

@@ -30,13 +30,13 @@ from leadthrough.models.coordinates import (
     mean_orientations,
     settings_of,
 )
+from leadthrough.models.dmp.channels import PoseChannels
 from leadthrough.models.dmp.orientation import (
     REPRESENTATIONS,
     OrientationCoordinates,
     learn,
     learn_closed,
 )
-from leadthrough.models.dmp.poses import PoseChannels
 from leadthrough.models.dmp.transformation import (
     FORMS,
     MAX_WEIGHTS,
@@ -241,11 +241,11 @@ class _Target:
 def fit(
     phases: Float64Array,
     values: Float64Array,
+    groups: Sequence[slice],
     *,
     weights: int,
     form: str,
     regression: str,
-    groups: Sequence[slice] = (slice(None),),
 ) -> TransformationSystem:
     """A system that moves through values at phases."""
     rest = np.zeros(values.shape[1])
@@ -265,19 +265,12 @@ def fit(
 
 
 def fit_with_enough(
-    phases: Float64Array,
-    values: Float64Array,
-    *,
-    form: str,
-    regression: str,
-    groups: Sequence[slice] = (slice(None),),
+    phases: Float64Array, values: Float64Array, groups: Sequence[slice], **settings: Any
 ) -> TransformationSystem:
     """A system with as few weights, doubled from 50 to 1000, as replay the values closely."""
     weights = _MIN_WEIGHTS
     while True:
-        system = fit(
-            phases, values, weights=weights, form=form, regression=regression, groups=groups
-        )
+        system = fit(phases, values, groups, weights=weights, **settings)
         if weights == MAX_WEIGHTS or _replays(system, phases, values, groups):
             return system
         weights = min(2 * weights, MAX_WEIGHTS)
@@ -312,10 +305,7 @@ def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> T
         kernels = kernels_of(RHYTHMIC, weights)
         # The springs have swung in after this many periods, to 16 digits.
         response, _ = _responses(kernels, np.concatenate([[0.0], _SWUNG_IN + phases]))
-        design = response[1:]
-        gram = design.T @ design
-        gram[np.diag_indices(len(gram))] += _RIDGE * np.trace(gram) / len(gram)
-        solution = np.asarray(np.linalg.solve(gram, design.T @ (values - centre)), np.float64)
+        solution = _ridge(response[1:], values - centre)
     if not np.isfinite(solution).all():
         raise FitError("demonstrations: numbers too large to fit; use another unit")
     rest = np.zeros(values.shape[1])
@@ -357,19 +347,20 @@ def _by_force(target: _Target, regression: str) -> tuple[Float64Array, Float64Ar
     force = bends - r_bends + 2.0 * RATE * (rates - r_rates) + RATE**2 * (target.values - r)
     fade = _at(target.kernels.fade[:, None], target.kernels, target.phases)
     force = (force - fade * course(target.form, ends).drive) / target.scale
-    solve = _ridge if regression == "ridge" else _locally_weighted
-    solution = solve(target.kernels, target.phases, force)
+    if regression == "ridge":
+        solution = _ridge(_at(target.kernels.features, target.kernels, target.phases), force)
+    else:
+        solution = _locally_weighted(target.kernels, target.phases, force)
     if target.form == "blended":
         _, last = _responses(target.kernels, np.array([0.0, 1.0]))
         solution = _settled(solution, last.T, last.T)
     return np.ascontiguousarray(solution), rates[[0, -1]]
 
 
-def _ridge(kernels: Kernels, phases: Float64Array, force: Float64Array) -> Float64Array:
-    design = _at(kernels.features, kernels, phases)
+def _ridge(design: Float64Array, wanted: Float64Array) -> Float64Array:
     gram = design.T @ design
     gram[np.diag_indices(len(gram))] += _RIDGE * np.trace(gram) / len(gram)
-    return np.asarray(np.linalg.solve(gram, design.T @ force))
+    return np.asarray(np.linalg.solve(gram, design.T @ wanted))
 
 
 def _locally_weighted(kernels: Kernels, phases: Float64Array, force: Float64Array) -> Float64Array:
@@ -482,11 +473,6 @@ def take_parts(
     )
 
 
-def check_weights(weights: int, *, at_least: int) -> None:
-    """Refuses a number of kernels out of range."""
-    check.integer(weights, "weights", at_least=at_least, at_most=MAX_WEIGHTS)
-
-
 def check_choices(form: str, regression: str, orientation: str) -> None:
     """Refuses a form, a regression or an orientation that there is not."""
     check.choice(form, "form", FORMS)
@@ -514,11 +500,11 @@ def learn_motion(
             )
         coordinates, rotated = learn(mean.phases, mean.orientations, orientation)
         values, groups = np.hstack([values, rotated]), (_POSITION, _ORIENTATION)
-    settings: Any = {"form": form, "regression": regression, "groups": groups}
+    settings: Any = {"form": form, "regression": regression}
     if weights is None:
-        system = fit_with_enough(mean.phases, values, **settings)
+        system = fit_with_enough(mean.phases, values, groups, **settings)
     else:
-        system = fit(mean.phases, values, weights=weights, **settings)
+        system = fit(mean.phases, values, groups, weights=weights, **settings)
     if coordinates is not None and mean.orientations is not None:
         channels = PoseChannels(system, mean.size, coordinates)
         if channels.refuses_spins:

@@ -208,10 +208,8 @@ def angular_velocities(orientations: Float64Array) -> Float64Array:
 
 
 def running_mean(values: Float64Array, size: int, mode: str = "nearest") -> Float64Array:
-    """Means (n,) or (n, d) over `size` neighbouring samples.
-
-    To the last bit those of SciPy's `uniform_filter1d`, which takes long to import.
-    """
+    """Means (n,) or (n, d) over `size` neighbouring samples."""
+    # To the last bit those of SciPy's `uniform_filter1d`, which takes long to import.
     before = size // 2
     beside = [(before, size - 1 - before)] + [(0, 0)] * (values.ndim - 1)
     padded = np.pad(values, beside, mode="edge" if mode == "nearest" else "wrap")

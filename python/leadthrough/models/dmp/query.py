@@ -93,8 +93,7 @@ def course_through(
     learned: TransformationSystem, direct: core.DmpCourse, ends: Ends, via: Via, *, count: int
 ) -> core.DmpCourse:
     """A course made to pass via points."""
-    if not isinstance(via, Sequence):
-        raise InvalidInput(f"via: expected a sequence of (phase, point), got {type(via).__name__}")
+    check.instance(via, "via", Sequence, "a sequence of (phase, point)")
     if len(via) == 0:
         return direct
     phases, points = _via(via, count)

@@ -20,7 +20,7 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays
 from leadthrough.models.dmp import transformation
-from leadthrough.models.dmp.learning import Primitive, check_weights, learn_rhythm, take_parts
+from leadthrough.models.dmp.learning import Primitive, learn_rhythm, take_parts
 from leadthrough.models.dmp.query import (
     as_pose,
     check_channels,
@@ -29,7 +29,7 @@ from leadthrough.models.dmp.query import (
     moved_ends,
     pose_acceleration,
 )
-from leadthrough.models.dmp.transformation import RHYTHMIC, Ends
+from leadthrough.models.dmp.transformation import MAX_WEIGHTS, RHYTHMIC, Ends
 from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, checked_query, even_times
 from leadthrough.motion import (
@@ -64,7 +64,7 @@ class RhythmicDMP(Unfitted):
     slider: ClassVar[tuple[str, int, int]] = ("weights", 5, 100)
 
     def __post_init__(self) -> None:
-        check_weights(self.weights, at_least=3)
+        check.integer(self.weights, "weights", at_least=3, at_most=MAX_WEIGHTS)
         if self.period is not None:
             check.number(self.period, "period", above=0.0)
 

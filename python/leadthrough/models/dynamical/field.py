@@ -307,10 +307,7 @@ def _steps(
     longest: float,
     first: float = _FIRST,
 ) -> Iterator[tuple[Float64Array, Float64Array, Float64Array]]:
-    """Times (m,), states (m, s) and rates (m, s) after every round of steps, from the start on.
-
-    A trajectory ends where the first columns of its state are near 0: position, or all.
-    """
+    """Times, states (m, s) and rates after every round of steps, until `columns` are near 0."""
     size, states = field.size, begun.copy()
     times = np.zeros(len(begun))
     steps = np.full(len(begun), first)

@@ -105,11 +105,8 @@ class Descent:
     def corrected(
         self, velocity: Float64Array, x: Float64Array, uphill: Float64Array
     ) -> Float64Array:
-        """The nearest velocities (n, d) that descend an energy.
-
-        Source: Khansari-Zadeh and Billard 2014, whose rho we multiply by |grad V|: it is then a
-        speed, and does not depend on the energy's scale.
-        """
+        """The nearest velocities (n, d) that descend an energy."""
+        # Khansari-Zadeh and Billard 2014, whose rho we multiply by |grad V|: it is then a speed.
         length = np.linalg.norm(uphill, axis=1, keepdims=True)
         direction = uphill / np.maximum(length, _TINY)
         distance = np.linalg.norm(x, axis=1, keepdims=True)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.models.archive import Arrays, FittedSkill
+from leadthrough.models.archive import Arrays, FittedSkill, prefixed
 from leadthrough.models.coordinates import NODES, Coordinates
 from leadthrough.models.dynamical.field import (
     MAX_DISTANCE,
@@ -260,9 +260,8 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> DynamicalSkill:
     coordinates = Coordinates.from_archive(settings, arrays)
     kind = entry_of_class(settings["name"]).load()
     own = {
-        name.removeprefix("field_"): check.frozen(value, name, shape=value.shape)
-        for name, value in arrays.items()
-        if name.startswith("field_")
+        name: check.frozen(value, f"field_{name}", shape=value.shape)
+        for name, value in prefixed(arrays, "field_").items()
     }
     field = kind.system.from_arrays(own)
     if field.size != coordinates.width:

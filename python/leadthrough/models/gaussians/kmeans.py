@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
-from leadthrough.check import Float64Array, InvalidInput, ShortRepr
+from leadthrough.check import Float64Array, ShortRepr
 
 _MAX_STEPS = 300
 
@@ -59,9 +59,7 @@ def kmeans(
     data = check.array(points, "points", shape=("n", "d"))
     size = check.integer(count, "count", at_least=1)
     if size > len(data):
-        raise InvalidInput(
-            f"count: expected at most one cluster per point, {len(data)}, got {size}"
-        )
+        raise check.refused("count", f"at most one cluster per point, {len(data)}", size)
     if isinstance(seed, np.random.Generator):
         rng = seed
     else:

@@ -123,9 +123,7 @@ class Mixture(ShortRepr):
         rest = [column for column in range(self.size) if column not in given]
         chosen = rest if outputs is None else self._columns(outputs, "outputs")
         if not chosen or set(chosen) & set(given):
-            raise InvalidInput(
-                f"outputs: expected at least one column, none of them an input, got {chosen}"
-            )
+            raise check.refused("outputs", "at least one column, none of them an input", chosen)
         x = check.array(values, "values", shape=("n", len(given)))
         return self._conditioned(x, given, chosen)
 
@@ -153,9 +151,7 @@ class Mixture(ShortRepr):
     def _columns(self, columns: Sequence[int], name: str) -> list[int]:
         chosen = [check.integer(c, name, at_least=0, at_most=self.size - 1) for c in columns]
         if not chosen or len(set(chosen)) != len(chosen):
-            raise InvalidInput(
-                f"{name}: expected at least one column, each once, got {list(columns)}"
-            )
+            raise check.refused(name, "at least one column, each once", list(columns))
         return chosen
 
     @cached_property

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from leadthrough import check, rotations
-from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr
+from leadthrough.check import FitError, Float64Array, ShortRepr
 from leadthrough.models.coordinates import (
     Posture,
     agreed,
@@ -139,9 +139,7 @@ def experience_of(
     for i, motion in enumerate(motions):
         width = motion.positions.shape[1]
         if width not in (2, 3):
-            raise InvalidInput(
-                f"demonstrations[{i}]: expected points in two or three dimensions, got {width}"
-            )
+            raise check.refused(f"demonstrations[{i}]", "points in two or three dimensions", width)
         if arc_length(motion.positions)[-1] == 0.0:
             raise FitError(
                 f"demonstrations[{i}]: turns but does not move, and a path needs positions that "

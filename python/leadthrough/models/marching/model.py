@@ -238,9 +238,9 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             threshold: of `kappa`.
         """
         check.number(threshold, "threshold")
-        if not isinstance(motion, Trajectory | PoseTrajectory):
-            got = type(motion).__name__
-            raise InvalidInput(f"motion: expected a Trajectory or a PoseTrajectory, got {got}")
+        check.instance(
+            motion, "motion", Trajectory | PoseTrajectory, "a Trajectory or a PoseTrajectory"
+        )
         if self.kappa(motion.positions) >= threshold:
             return self
         return self.with_experience(motion.positions, duration=motion.duration)
@@ -456,8 +456,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
     def _map(self) -> tuple[Grid, Float64Array]:
         self._dimensions()
         grid, speed, _ = map_of([each.denoised for each in self._all], self._map_scales)
-        speed.setflags(write=False)
-        return grid, speed
+        return grid, check.freeze(speed)
 
     @property
     def _map_scales(self) -> Scales:

@@ -66,16 +66,7 @@ def fit_phases(
     starts: int,
     samples: int = SAMPLES,
 ) -> FittedMixture:
-    """The mixture of times and columns whose components follow phases; None: as few as suffice.
-
-    Args:
-        points: of all demonstrations, one after the other, the time first.
-        components: number of components.
-        poses: whether the columns are of poses.
-        seed: seed of the random number generator.
-        starts: number of starts of EM.
-        samples: number of points of each demonstration.
-    """
+    """The mixture of times and columns whose components follow phases; None: as few as suffice."""
 
     def fitted(
         count: int, starts: int = starts, last_iterations: int = LAST_ITERATIONS
@@ -147,11 +138,8 @@ def phase_blocks(
 
 
 def adapted(mixture: Mixture, points: Float64Array, before: float, *, poses: bool) -> Mixture:
-    """The mixture of new points (n, d) and of the `before` old ones that it stands for.
-
-    Source: Calinon and Billard 2007, "Incremental learning of gestures by imitation in a humanoid
-    robot", direct method: the old mixture stands for the sums of its points.
-    """
+    """The mixture of new points (n, d) and of the `before` old ones that it stands for."""
+    # Calinon and Billard 2007, direct method: the old mixture stands for the sums of its points.
     units = _units_of(mixture, poses=poses)
     covariances = units.scaled_covariances(mixture.covariances)
     old = Blocks(mixture.weights, (units.scaled(mixture.means),), (covariances,))

@@ -21,7 +21,7 @@ import numpy as np
 from leadthrough import rotations
 from leadthrough.check import FitError, Float64Array, NoContinuousLogarithm
 from leadthrough.models.coordinates import NODES, Coordinates, carried, mean_orientations
-from leadthrough.models.frame import Frame
+from leadthrough.models.framed import Frame
 from leadthrough.models.gaussians.mixture import Blocks, Mixture
 from leadthrough.motion import MotionT, PoseTrajectory, normalised_times
 from leadthrough.preprocess.moved_ends import MAX_GAIN, fraction_inside, with_ends

@@ -17,11 +17,11 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
-from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
+from leadthrough.check import Float64Array, UnsupportedQuery
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of, middle_orientations
-from leadthrough.models.frame import Frame, checked_frames
+from leadthrough.models.framed import Frame, checked_frames
 from leadthrough.models.gaussians.mixture import Blocks, Mixture
 from leadthrough.models.mixtures.gmr import GMR, GMRSkill, wanted_ends
 from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns
@@ -186,9 +186,7 @@ class TaskGMRSkill(FittedSkill[MotionT_co]):
         poses = self.coordinates.kind == "poses"
         (given,) = checked_frames([frames], 1, self.coordinates.size, poses=poses)
         if len(given) != len(self.components.means):
-            raise InvalidInput(
-                f"frames: expected {len(self.components.means)} frames, got {len(given)}"
-            )
+            raise check.refused("frames", f"{len(self.components.means)} frames", len(given))
         coordinates = common_coordinates(self.coordinates, self.frame_coordinates, given)
         seen = [
             placed(frame, own, coordinates, means, self.duration)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check, rotations
-from leadthrough.check import Float64Array, InvalidInput, ShortRepr
+from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.models.coordinates import Coordinates, rotated_by
 from leadthrough.models.promp.gaussian import product
 from leadthrough.models.queries import asked_times, checked_threads, mapped
@@ -349,8 +349,7 @@ def phases_at(
         first, last = float(phases.min()), float(phases.max())
     if first < -_ROUNDING or last > 1.0 + _ROUNDING:
         outside = (first if first < -_ROUNDING else last) * duration
-        raise InvalidInput(
-            f"{name}: expected times in [0, {duration:.6g}] s, the motion's duration, "
-            f"got {outside:.6g} s"
+        raise check.refused(
+            name, f"times in [0, {duration:.6g}] s, the motion's duration", f"{outside:.6g} s"
         )
     return phases if first >= 0.0 and last <= 1.0 else np.clip(phases, 0.0, 1.0)

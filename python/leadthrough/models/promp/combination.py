@@ -84,9 +84,8 @@ def blend(
     active = check.array(activations, "activations", shape=(len(at), len(skills)))
     if (active < 0.0).any() or (active.sum(axis=1) == 0.0).any():
         row = int(np.argmax((active < 0.0).any(axis=1) | (active.sum(axis=1) == 0.0)))
-        raise InvalidInput(
-            "activations: expected numbers >= 0, not all 0 at any time, "
-            f"got {active[row]} at sample {row}"
+        raise check.refused(
+            "activations", "numbers >= 0, not all 0 at any time", f"{active[row]} at sample {row}"
         )
     phases = normalised_times(at)
     precision, pull = 0.0, 0.0
@@ -147,14 +146,12 @@ def alike(skills: Sequence[ProMPSkill[MotionT]]) -> list[ProMPSkill[MotionT]]:
     if not isinstance(skills, Sequence) or len(skills) == 0:
         raise InvalidInput("skills: expected a sequence of at least one skill")
     for i, each in enumerate(skills):
-        if not isinstance(each, ProMPSkill):
-            raise InvalidInput(f"skills[{i}]: expected a ProMPSkill, got {type(each).__name__}")
+        check.instance(each, f"skills[{i}]", ProMPSkill)
     kinds = sorted({(each.coordinates.kind, each.coordinates.size) for each in skills})
     if len(kinds) > 1:
         got = " and ".join(f"{kind} of {size} columns" for kind, size in kinds)
-        raise InvalidInput(
-            "skills: expected all of points of one dimension, all of the same joints or all of "
-            f"poses, got {got}"
+        raise check.refused(
+            "skills", "all of points of one dimension, all of the same joints or all of poses", got
         )
     names = skills[0].coordinates.joint_names
     return [_with_joints(each, names, f"skills[{i}]") for i, each in enumerate(skills)]

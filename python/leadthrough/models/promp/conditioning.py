@@ -139,9 +139,7 @@ def chosen(columns: Sequence[int] | None, coordinates: Coordinates) -> NDArray[n
     most = coordinates.width - 1
     result = [check.integer(each, "columns", at_least=0, at_most=most) for each in columns]
     if not result or len(set(result)) != len(result):
-        raise InvalidInput(
-            f"columns: expected at least one of 0 to {most}, each once, got {list(columns)}"
-        )
+        raise check.refused("columns", f"at least one of 0 to {most}, each once", list(columns))
     return np.array(result)
 
 
@@ -245,9 +243,8 @@ def through(
         q = q + step
         if np.abs(step / skill.scale).max() < _REACHED:
             return weights
-    raise InvalidInput(
-        f"value: expected a value that the motion can reach, got {wanted}; "
-        f"the last step reached {reached}"
+    raise check.refused(
+        "value", "a value that the motion can reach", f"{wanted}; the last step reached {reached}"
     )
 
 

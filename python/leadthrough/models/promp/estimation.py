@@ -318,9 +318,7 @@ def checked_phases(
     """A user's phases of the samples of motions, increasing and in [0, 1] unless rhythmic."""
     if not isinstance(phases, Sequence) or len(phases) != len(motions):
         got = len(phases) if isinstance(phases, Sequence) else type(phases).__name__
-        raise InvalidInput(
-            f"phases: expected one array per demonstration, {len(motions)}, got {got}"
-        )
+        raise check.refused("phases", f"one array per demonstration, {len(motions)}", got)
     checked = []
     for i, (given, motion) in enumerate(zip(phases, motions, strict=True)):
         name = f"phases[{i}]"

@@ -378,11 +378,7 @@ def _forecast_of(
     phases: tuple[Float64Array, Float64Array],
     pace: float,
 ) -> tuple[Float64Array, Float64Array, Float64Array, Float64Array]:
-    """The forecast of a left-out curve from phases seen for those ahead, at an unexpected pace.
-
-    The foreseen and the true deviations (n, d) from what was known before, and the covariances
-    (n, d, d) after and before it was seen.
-    """
+    """Deviations (n, d) of a left-out curve, foreseen and true; covariances after and before."""
     (curve, predictive), (seen, ahead) = left_out, phases
     columns, known = curve.reshape(len(noise), -1).T, predictive.known
     values = basis(np.minimum(pace * seen, 1.0)) @ columns
@@ -401,10 +397,7 @@ def _followed(kept: Float64Array, deviations: Float64Array, most: Float64Array) 
 
 
 def _kept(foreseen: Float64Array, gained: Float64Array) -> Float64Array:
-    """The fractions (n,) in [0, 1] of deviations (m, n, d) that come true.
-
-    Each is the mean of the fraction at its phase and the one over all phases.
-    """
+    """Fractions (n,) in [0, 1] of deviations (m, n, d) that come true, half by their own phase."""
     product, squared = (foreseen * gained).sum(axis=(0, 2)), (foreseen**2).sum(axis=(0, 2))
     smallest = np.finfo(np.float64).tiny
     own = product / np.maximum(squared, smallest)

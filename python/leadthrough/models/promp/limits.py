@@ -117,10 +117,8 @@ def _wall(
 
 
 def _solved(weights: Gaussian, constraints: Float64Array, limits: Float64Array) -> Float64Array:
-    """The w that minimises |w - mean|^2 in the covariance's metric, constraints @ w <= limits.
-
-    With w = mean + root z it is the least distance programme of Lawson and Hanson 1974, chapter 23.
-    """
+    """The w of least |w - mean|^2 in the covariance's metric with constraints @ w <= limits."""
+    # With w = mean + root z a least distance programme (Lawson and Hanson 1974, chapter 23).
     from scipy.optimize import nnls
 
     reduced = -product(constraints, weights.steady_root)

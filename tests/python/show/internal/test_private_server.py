@@ -11,7 +11,7 @@ pytest.importorskip("websockets", reason="websockets is not installed")
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
-from leadthrough.show.private import PageServer
+from leadthrough.show.live_session import PageServer
 
 
 class Greeting:

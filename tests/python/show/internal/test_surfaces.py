@@ -6,8 +6,8 @@ from hypothesis import given, strategies as st
 
 import leadthrough as lt
 from leadthrough.shapes import surface
-from leadthrough.show import surfaces
-from leadthrough.show.surfaces import creased
+from leadthrough.show import animation as surfaces
+from leadthrough.show.animation import creased
 
 
 def volume(mesh):

@@ -6,7 +6,7 @@ from refusals import refused
 from scipy import stats
 
 from leadthrough.validation import TargetRegion, clopper_pearson, confidence_sequence
-from leadthrough.validation.validation import Findings
+from leadthrough.validation.validate import Findings
 
 GOALS = TargetRegion([0.0, 0.0, 0.0], [1.0, 1.0, 1.0])
 REPETITIONS = 200
