@@ -71,11 +71,12 @@ class Teaching(LiveSession):
         self._events: list[Event] = []
         self._learner = ThreadPoolExecutor(1)
         self._lesson: Future[Learned] | None = None
+        self._to_save = False
 
     @property
     def idle(self) -> bool:
         """Whether all that was asked for has been answered."""
-        return self._lesson is None and super().idle
+        return self._lesson is None and not self._to_save and super().idle
 
     def greeting(self) -> list[str]:
         """Messages to a browser that has just opened the page."""
@@ -91,6 +92,10 @@ class Teaching(LiveSession):
         super()._go_on(dt)
         if self._lesson is not None and self._lesson.done():
             self._finish(self._lesson)
+        # Not before the plan is whole, whose verdict would replace what is said here.
+        if self._to_save and super().idle:
+            self._to_save = False
+            self._write()
 
     def left(self) -> None:
         """Keeps the recording that runs when the last browser closes the page."""
@@ -189,9 +194,12 @@ class Teaching(LiveSession):
         self._say(found.text)
 
     def _save(self, _: dict[str, Any]) -> None:
+        self._to_save = self.planner is not None
         if self.planner is None:
             self._say("Press Learn first.")
-            return
+
+    def _write(self) -> None:
+        assert self.planner is not None
         self.planner.skill.save(self.skill_path)
         scene = self.skill_path.with_suffix(".html")
         self.drawn.write(scene)

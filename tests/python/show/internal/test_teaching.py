@@ -355,14 +355,16 @@ def test_learned_moved_corrected_undone_and_saved(teaching, panda):
     middle = 0.5 * teaching.motion.duration
     wanted = panda.forward_kinematics(teaching.motion.at(middle))[0] + [0.0, 0.0, 0.03]
     said(teaching, "correct", time=middle, position=wanted.tolist())
-    assert planned(teaching)["corrections"] == 1
+    said(teaching, "save")  # while it plans, whose verdict must not hide where the skill is
+    told = planned(teaching)
+    assert told["corrections"] == 1
+    assert told["text"].startswith("The skill is in")
     np.testing.assert_allclose(
         panda.forward_kinematics(teaching.motion.at(middle))[0], wanted, atol=3e-3
     )
     np.testing.assert_allclose(teaching.planner.via, [wanted], atol=3e-3)
     assert [each.layer for each in teaching.drawn._whole().items][-2:] == ["goal", "via points"]
     assert panda.check(teaching.motion, teaching.led.scene).ok
-    said(teaching, "save")
     assert "<title>panda</title>" in teaching.skill_path.with_suffix(".html").read_text()
     saved = lt.load_skill(teaching.skill_path)
     assert len(saved.corrections) == 1
