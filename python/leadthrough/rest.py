@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from typing import cast
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,10 @@ _UNCLEAR = 5.0  # times the speed of a hand at rest: noise of recordings stays b
 _LONG = 0.05  # fraction of the duration; shorter rests are slow parts of the motion
 # s: a short window finds the beginning to a tenth of a second; noise may need a longer one.
 _WINDOWS = (0.2, 0.3, 0.5)
+
+
+# Of motions as long as they are in use: each is fitted again with others left out.
+_LONG_RESTS = WeakKeyDictionary[Motion, list[tuple[float, float]]]()
 
 
 @dataclass(frozen=True)
@@ -117,6 +122,12 @@ def rests(
 
 def long_rests(motion: Motion) -> list[tuple[float, float]]:
     """Start and end, s, of each rest longer than a twentieth of a motion; none found in noise."""
+    if motion not in _LONG_RESTS:
+        _LONG_RESTS[motion] = _long_rests(motion)
+    return _LONG_RESTS[motion]
+
+
+def _long_rests(motion: Motion) -> list[tuple[float, float]]:
     times = motion.times
     # Over a longer window, a reversal is as slow as a rest.
     speeds, window = _clearest_speeds(motion, longest=2.0 * _LONG * motion.duration)

@@ -107,7 +107,7 @@ def _phases_of(motions: tuple[Motion, ...]) -> tuple[Float64Array, ...]:
 def _without_lone_rests(motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
     """The motions on clocks that stop during rests on the way which not all motions share."""
     found = [long_rests(each) for each in motions] if len(motions) > 1 else []
-    if not any(found):
+    if not any(_on_the_way(*each) for each in zip(motions, found, strict=False)):
         return motions
     aligned = elastic(_curves_of(motions)).times
     even = even_phases(aligned.shape[1])
@@ -119,6 +119,12 @@ def _without_lone_rests(motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
         _clocked(each, [rest for rest, at in zip(rests, own, strict=True) if _lone(at, places)])
         for each, rests, own in zip(motions, found, places, strict=True)
     )
+
+
+def _on_the_way(motion: Motion, rests: Sequence[tuple[float, float]]) -> bool:
+    """Whether a rest neither begins with the recording nor ends with it."""
+    first, last = float(motion.times[0]), float(motion.times[-1])
+    return any(start > first and end < last for start, end in rests)
 
 
 def _lone(place: Float64Array, places: Sequence[Float64Array]) -> bool:
