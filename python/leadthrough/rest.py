@@ -139,7 +139,14 @@ def _long_rests(motion: Motion) -> list[tuple[float, float]]:
         # Slopes rise as soon as half their window is in motion.
         still |= (times >= times[a] - 0.5 * window) & (times <= times[b - 1] + 0.5 * window)
     found = [] if still.all() else [(float(times[a]), float(times[b - 1])) for a, b in runs(still)]
-    return [(start, end) for start, end in found if end - start > _LONG * motion.duration]
+    shortest = _LONG * motion.duration
+    # Noise that sets the threshold hides the slow ends of a motion.
+    margin = shortest if speeds.noise_level > 1.0 else -1.0
+    return [
+        (start, end)
+        for start, end in found
+        if end - start > shortest and start - times[0] > margin and times[-1] - end > margin
+    ]
 
 
 def white_noise(values: Float64Array) -> Float64Array:

@@ -28,7 +28,6 @@ _ADVANCING = 1e-3
 
 # Rests this close, in phases of the common path, are at the same place.
 _NEAR = 0.08
-_AT_END = 0.002  # of the phases: a rest of the recording, which `trim` takes off
 
 _MIN_COUNT = 3  # motions, of which two can agree
 _AGREEING = 2  # motions that are rotated alike are a mode; a lone one is refused
@@ -105,9 +104,9 @@ def _phases_of(motions: tuple[Motion, ...]) -> tuple[Float64Array, ...]:
 
 
 def _without_lone_rests(motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
-    """The motions on clocks that stop during rests on the way which not all motions share."""
+    """The motions on clocks that stop during the rests which not all motions share."""
     found = [long_rests(each) for each in motions] if len(motions) > 1 else []
-    if not any(_on_the_way(*each) for each in zip(motions, found, strict=False)):
+    if not any(found):
         return motions
     aligned = elastic(_curves_of(motions)).times
     even = even_phases(aligned.shape[1])
@@ -121,17 +120,9 @@ def _without_lone_rests(motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
     )
 
 
-def _on_the_way(motion: Motion, rests: Sequence[tuple[float, float]]) -> bool:
-    """Whether a rest neither begins with the recording nor ends with it."""
-    first, last = float(motion.times[0]), float(motion.times[-1])
-    return any(start > first and end < last for start, end in rests)
-
-
 def _lone(place: Float64Array, places: Sequence[Float64Array]) -> bool:
-    """Whether a rest on the way, phases from start to end (2,), is not near to one of all."""
+    """Whether a rest, phases from start to end (2,), is not near to one of each motion."""
     start, end = place
-    if start < _AT_END or end > 1.0 - _AT_END:
-        return False
     near = [(own[:, 0] < end + _NEAR) & (own[:, 1] > start - _NEAR) for own in places]
     return not all(each.any() for each in near)
 
