@@ -69,7 +69,7 @@ class Chunks(ShortRepr):
         self._rows = max(16, min(_MAX_ROWS, round(_WINDOW * guard.rate)))
         self._sent: deque[tuple[float, Float64Array]] = deque(maxlen=round(_MEMORY * guard.rate))
         self._time: float | None = None
-        self._waiting: list[ChunkCurve] = []  # the ones that begin later
+        self._waiting: dict[float, ChunkCurve] = {}  # by when they were observed, s
         self._curve: ChunkCurve | None = None  # the one that is followed
         self._observed = -np.inf  # when it was observed, s
         self._again = np.inf  # when more of it is admitted, s
@@ -114,7 +114,7 @@ class Chunks(ShortRepr):
         self._answer = self._guard.admit(q[None], q)
         self._sent.clear()
         self._sent.append((self._time, q))
-        self._waiting, self._curve, self._observed = [], None, -np.inf
+        self._waiting, self._curve, self._observed = {}, None, -np.inf
 
     def put(self, actions: ArrayLike, time: float, *, measured: ArrayLike | None = None) -> int:
         """Takes over a chunk.
@@ -136,7 +136,7 @@ class Chunks(ShortRepr):
             base = check.array(measured, "measured", shape=rows.shape[1:])
         if not self._due(stamp, len(rows)) or not np.isfinite(rows).all():
             return 0
-        return self._take(self._absolute(rows, stamp, base), stamp)
+        return self._take(self._absolute(rows, stamp, base), stamp, stamp)
 
     def put_poses(self, positions: ArrayLike, orientations: ArrayLike, time: float) -> int:
         """Takes over a chunk of poses of the tip, by the configurations nearest to each other.
@@ -167,12 +167,12 @@ class Chunks(ShortRepr):
                 break
             q = found.q
             rows.append(q)
-        stamp += first * self._step
-        return self._take(np.array(rows), stamp) if self._due(stamp, len(rows)) else 0
+        start = stamp + first * self._step
+        return self._take(np.array(rows), start, stamp) if self._due(start, len(rows)) else 0
 
     def stop(self) -> Admission:
         """Brakes now, and forgets all chunks."""
-        self._waiting, self._curve, self._observed = [], None, -np.inf
+        self._waiting, self._curve, self._observed = {}, None, -np.inf
         self._answer = self._guard.stop()
         return self._answer
 
@@ -188,11 +188,12 @@ class Chunks(ShortRepr):
         if not missed:
             now = due + _DRIFT * (now - due)  # drift is followed, jitter is not
         self._time = now
-        begun = [each for each in self._waiting if each.start <= now]
+        begun = [stamp for stamp, each in self._waiting.items() if each.start <= now]
         if begun:
-            self._curve = begun[-1].slowed(now, self._guard.arm.limits)
-            self._observed = begun[-1].start
-            self._waiting = [each for each in self._waiting if each.start > now]
+            self._observed = max(begun)
+            self._curve = self._waiting[self._observed].slowed(now, self._guard.arm.limits)
+            later = [stamp for stamp in self._waiting if stamp > self._observed]
+            self._waiting = {stamp: self._waiting[stamp] for stamp in later}
         if self._curve is not None and (begun or missed or now >= self._again):
             self._follow(self._curve, now, joining=bool(begun) or missed)
         state = self._guard.next()
@@ -204,13 +205,12 @@ class Chunks(ShortRepr):
         due = stamp + self._step * np.arange(count) > self.time
         return int(np.count_nonzero(due)) if stamp >= self._observed else 0
 
-    def _take(self, rows: Float64Array, stamp: float) -> int:
+    def _take(self, rows: Float64Array, start: float, observed: float) -> int:
         """Waits for a chunk of joint positions to begin."""
         limits = self._guard.arm.limits
         rows = smoothed(np.clip(rows, limits.lower, limits.upper), self._step, limits)
-        self._waiting = [each for each in self._waiting if each.start < stamp]
-        self._waiting.append(ChunkCurve.of(rows, stamp, self._step))
-        return self._due(stamp, len(rows))
+        self._waiting[observed] = ChunkCurve.of(rows, start, self._step)
+        return self._due(start, len(rows))
 
     def _absolute(
         self, rows: Float64Array, stamp: float, base: Float64Array | None

@@ -194,6 +194,25 @@ def test_poses_of_the_tip_are_followed(panda, chunks):
     assert 0 < chunks.put_poses(away, poses[1], chunks.time) < 30
 
 
+@pytest.mark.parametrize("by", ["put", "put_poses"])
+@pytest.mark.parametrize("between", [0, 10])
+def test_the_chunk_observed_last_is_followed_whatever_came_last(panda, chunks, by, between):
+    def put(offset, observed):
+        rows = np.tile(Q + offset, (90, 1))
+        given = (rows,) if by == "put" else panda.forward_kinematics(rows)
+        return getattr(chunks, by)(*given, observed)
+
+    followed(chunks, [], 1.0)
+    order = [(0.002, 0.5), (-0.002, 0.0)]
+    for offset, observed in order if between == 0 else reversed(order):
+        assert put(offset, observed) > 0
+        for _ in range(between):
+            chunks.next()
+    end, wanted = [chunks.next().q for _ in range(1000)][-1], Q + 0.002
+    tips = [panda.forward_kinematics(q)[0] for q in (end, wanted)]
+    assert np.linalg.norm(tips[0] - tips[1]) < 1e-4
+
+
 def test_what_is_too_late_or_not_finite_is_left_out(chunks):
     followed(chunks, coming(2.0), 1.4)
     assert chunks.put(rows_at(0.0), 0.0) == 0
