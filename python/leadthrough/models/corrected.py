@@ -144,12 +144,17 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         found = self.skill.parameters(demonstrations)
         return [replace(each, apply=corrected(each.apply)) for each in found]
 
+    @property
+    def _offsets(self) -> Float64Array:
+        """Those of the corrections (k, width), also of none."""
+        return np.array([each.offset for each in self.corrections] or np.empty((0, 0)))
+
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
         settings, arrays = archived(self.skill)
         inside = {f"skill_{name}": value for name, value in arrays.items()}
         own = {
             "at": np.array([each.at for each in self.corrections]),
-            "offsets": np.array([each.offset for each in self.corrections]),
+            "offsets": self._offsets,
             "mode": np.array([each.mode for each in self.corrections], dtype=np.float64),
         }
         return {"kind": self.skill.kind, "skill": settings}, inside | own
@@ -204,8 +209,8 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
     @cached_property
     def _weights(self) -> Float64Array:
         """Weights (m, width) of the kernels, so that each correction is met and the ends stay."""
-        offsets = np.array([each.offset for each in self.corrections])
-        wanted = np.pad(offsets, ((0, len(self._nodes) - len(offsets)), (0, 0)))
+        ends = len(self._nodes) - len(self.corrections)
+        wanted = np.pad(self._offsets, ((0, ends), (0, 0)))
         return np.asarray(np.linalg.solve(self._kernel(self._nodes), wanted))
 
     def _kernel(self, at: Float64Array) -> Float64Array:

@@ -93,9 +93,8 @@ class Teaching(LiveSession):
         if self._lesson is not None and self._lesson.done():
             self._finish(self._lesson)
         # Not before the plan is whole, whose verdict would replace what is said here.
-        if self._to_save and super().idle:
-            self._to_save = False
-            self._write()
+        if super().idle:
+            self._save_now()
 
     def left(self) -> None:
         """Keeps the recording that runs when the last browser closes the page."""
@@ -104,8 +103,10 @@ class Teaching(LiveSession):
             self._stop({})
 
     def close(self) -> None:
-        """Ends the session; a recording that runs is kept."""
+        """Ends the session; a recording that runs is kept, and a skill that is to be saved."""
         super().close()
+        with self._telling():
+            self._save_now()
         self._learner.shutdown(wait=True, cancel_futures=True)
 
     def _grab(self, said: dict[str, Any]) -> None:
@@ -198,8 +199,10 @@ class Teaching(LiveSession):
         if self.planner is None:
             self._say("Press Learn first.")
 
-    def _write(self) -> None:
-        assert self.planner is not None
+    def _save_now(self) -> None:
+        if self.planner is None or not self._to_save:
+            return
+        self._to_save = False
         self.planner.skill.save(self.skill_path)
         scene = self.skill_path.with_suffix(".html")
         self.drawn.write(scene)

@@ -68,7 +68,7 @@ def test_the_point_is_met_and_the_rest_of_the_path_stays(skill):
         assert after.events == before.events
 
 
-def test_all_of_several_corrections_are_met_and_undone_in_turn(skill):
+def test_all_of_several_corrections_are_met_and_undone_in_turn(skill, tmp_path):
     before = skill.generate()
     first, second = moved_point(before, 0.4), moved_point(before, 0.55, -0.02)
     once = skill.corrected(*first)
@@ -77,7 +77,10 @@ def test_all_of_several_corrections_are_met_and_undone_in_turn(skill):
         assert errors(twice.generate(), time, place)[0] < NEAR
     again = twice.undone().generate()
     np.testing.assert_array_equal(again.positions, once.generate().positions)
-    np.testing.assert_array_equal(twice.undone().undone().generate().positions, before.positions)
+    none = twice.undone().undone()
+    none.save(tmp_path / "skill.npz")
+    for each in (none, lt.load_skill(tmp_path / "skill.npz")):
+        np.testing.assert_array_equal(each.generate().positions, before.positions)
 
 
 def test_a_correction_moves_along_with_a_new_goal_and_is_saved(skill, role, tmp_path):

@@ -370,6 +370,11 @@ def test_learned_moved_corrected_undone_and_saved(teaching, panda):
     assert len(saved.corrections) == 1
     said(teaching, "undo")
     assert planned(teaching)["corrections"] == 0
+    teaching.skill_path.unlink()
+    teaching.hear(json.dumps({"do": "goal", "position": goal.tolist()}))
+    teaching.hear(json.dumps({"do": "save"}))
+    teaching.close()
+    assert not lt.load_skill(teaching.skill_path).corrections
     assert first.joint_names == teaching.motion.joint_names
 
 
