@@ -54,6 +54,8 @@ def connect_configurations(
     around = CollisionTest(arm._collision, as_scene(scene))
     begin = check.array(start, "start", shape=(joints,))
     ends = np.atleast_2d(check.array_of_rank(goals, "goals", shapes=((joints,), ("k", joints))))
+    if not len(ends):
+        raise check.refused("goals", "at least one configuration", "none")
     for name, q in (("start", begin[None]), ("goals", ends)):
         if np.any(q < arm.limits.lower) or np.any(q > arm.limits.upper):
             raise InvalidInput(f"{name}: expected joints inside the arm's limits, got {q.tolist()}")

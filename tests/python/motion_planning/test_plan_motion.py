@@ -271,6 +271,7 @@ def test_a_connection_is_clear_or_not_found_in_the_steps_allowed(panda):
         ({"arm": None}, "arm: expected an Arm, got None"),
         ({"start": [0.0] * 6}, "start"),
         ({"goals": [[9.0] * 7]}, "goals: expected joints inside the arm's limits"),
+        ({"goals": np.zeros((0, 7))}, "goals: expected at least one configuration, got none"),
         ({"seed": -1}, "seed"),
         ({"steps": 0}, "steps"),
     ],
