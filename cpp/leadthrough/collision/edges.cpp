@@ -141,7 +141,8 @@ class EdgeTest::Search {
     open_.resize(left);
   }
 
-  // The pairs that are left, at the middles themselves.
+  // The pairs that are left, at the middles themselves; the last first, as edges of trees begin at
+  // what is known to be clear.
   bool middles_clear() {
     return std::all_of(middles_.rbegin(), middles_.rend(), [&](float middle) {
       check_interrupt();

@@ -141,6 +141,24 @@ double widest_gap(const Convex& a, const Transform& A, const Convex& b, const Tr
 
 }  // namespace
 
+// Whole numbers, so that several corners are equally far.
+TEST(Corners, TheFarthestIsTheFirstOfSeveral) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> number(-2, 2);
+  const auto vector = [&] { return Vector3d(number(random), number(random), number(random)); };
+  for (Eigen::Index count = 4; count < 14; ++count) {
+    Eigen::Matrix3Xd points(3, count);
+    for (auto point : points.colwise()) point = vector();
+    const Corners corners(points);
+    for (int k = 0; k < 50; ++k) {
+      const Vector3d along = vector();
+      Eigen::Index first = 0;
+      (along.transpose() * points).maxCoeff(&first);
+      EXPECT_EQ(corners.farthest(along), points.col(first));
+    }
+  }
+}
+
 TEST(ConvexDistance, AgreesWithFclWherePrimitivesAreApart) {
   Random random;
   int apart = 0;
