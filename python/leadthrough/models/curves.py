@@ -32,7 +32,6 @@ _ALIGNED_ROWS = 200  # to which curves are aligned, as the pairs of rows grow wi
 _PAUSE = 1e-4
 _TANGENT = 0.3  # weight of the unit tangent against the position in units of the extent
 _ROUNDS = 2
-_CONFIDENCE = 0.85  # that one way of predicting is better than another
 # Demonstrations of two modes lie farther apart than this fraction of their length, and this many
 # times as far as those of one mode.
 _APART, _GAP = 0.05, 2.5
@@ -220,8 +219,8 @@ def _lifted(motion: PoseTrajectory, reference: Float64Array) -> Float64Array:
     return rotations.lift(rotations.compose(back, motion.orientations), anchor="goal")
 
 
-def upper_mean(samples: Float64Array) -> Float64Array:
-    """A bound (...) below which the mean of samples (..., k) surely lies, by Student's t."""
+def upper_mean(samples: Float64Array, confidence: float) -> Float64Array:
+    """A bound (...) below which the mean of samples (..., k) lies, by Student's t."""
     from scipy.special import stdtrit  # scipy.stats takes a fifth of a second to load
 
     count = samples.shape[-1]
@@ -229,4 +228,4 @@ def upper_mean(samples: Float64Array) -> Float64Array:
     if count < 2:
         return np.asarray(mean)
     error = samples.std(axis=-1, ddof=1) / np.sqrt(count)
-    return np.asarray(mean + stdtrit(count - 1, _CONFIDENCE) * error)
+    return np.asarray(mean + stdtrit(count - 1, confidence) * error)

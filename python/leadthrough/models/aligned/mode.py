@@ -44,9 +44,9 @@ from leadthrough.preprocess.moved_ends import ROTATED, Chords, bounded, with_end
 _WIDTHS = (1e3, 1.0, 0.4, 0.15)
 # Weight of the linear fade against the demonstrations'; infinite: the linear fade alone.
 _PRIORS = (0.03, 0.3, 3.0, np.inf)
-# An option whose error is 3 % larger has 1/e of the best one's share in the mean; shares below the
-# second are left out.
-_SPREAD, _LEAST = 0.03, 0.025
+# An option counts by the error that it stays below with this confidence: where that is 3 % larger
+# it has 1/e of the best one's share in the mean. Shares below the last are left out.
+_SURE, _SPREAD, _LEAST = 0.87, 0.03, 0.025
 _COMPARED = 100  # even rows, at which a prediction is compared with the left-out curve
 _MOST_LEFT_OUT = 16  # demonstrations, evenly chosen
 # Ends this far from those of every demonstration, in extents, and farther than these are apart, say
@@ -155,7 +155,7 @@ class Predictor:
             ]
         )
         gain = np.log(missed + _TINY) - np.log(missed[default] + _TINY)
-        surely = upper_mean(gain)
+        surely = upper_mean(gain, _SURE)
         shares = np.exp((surely.min() - surely) / _SPREAD)
         shares[shares < _LEAST * shares.sum()] = 0.0
         shares /= shares.sum()
