@@ -137,14 +137,15 @@ void bind_simulation(py::module_& module) {
       .def(py::init(&make_drives), py::arg("values"), py::arg("late"), py::arg("period"),
            py::arg("steps"), py::arg("fastest"), py::arg("start"), py::arg("joints"),
            py::arg("state").noconvert())
-      .def("begin", &begin, py::arg("command"), py::arg("progress"), py::arg("law"))
+      .def("begin", &begin, py::arg("command"), py::arg("progress"), py::arg("law").none(false))
       .def(
           "act", [](DrivenArm& arm, int step) { arm.drives.act(step); }, py::arg("step"))
       .def("advance", [](DrivenArm& arm) { return arm.drives.advance(); })
       .def("end", [](DrivenArm& arm) { arm.drives.end(); })
       .def("run", &run, py::arg("q").noconvert(), py::arg("qd").noconvert(),
-           py::arg("qdd").noconvert(), py::arg("progress").noconvert(), py::arg("law"),
-           py::arg("step"), py::arg("touched"), py::arg("periods_after_touch"))
+           py::arg("qdd").noconvert(), py::arg("progress").noconvert(), py::arg("law").none(false),
+           py::arg("step").none(false), py::arg("touched").none(false),
+           py::arg("periods_after_touch"))
       .def_property_readonly("torques", [](const DrivenArm& arm) { return arm.drives.torques(); })
       .def_property_readonly("demanded", [](const DrivenArm& arm) { return arm.drives.demanded(); })
       .def_property_readonly("ticks", [](const DrivenArm& arm) { return arm.drives.ticks(); });
@@ -154,9 +155,9 @@ void bind_simulation(py::module_& module) {
       .def("advance", &advance, py::arg("ease").noconvert(), py::arg("answer").noconvert(),
            py::arg("left").noconvert(), py::arg("q").noconvert(), py::arg("qd").noconvert(),
            py::arg("qdd").noconvert())
-      .def_property_readonly("smooth", &ErrorLoop::smooth)
-      .def_property_readonly("dry", &ErrorLoop::dry)
-      .def_property_readonly("diverged", &ErrorLoop::diverged);
+      .def_property_readonly("smooth", [](const ErrorLoop& loop) { return loop.smooth(); })
+      .def_property_readonly("dry", [](const ErrorLoop& loop) { return loop.dry(); })
+      .def_property_readonly("diverged", [](const ErrorLoop& loop) { return loop.diverged(); });
 }
 
 }  // namespace leadthrough
