@@ -58,7 +58,7 @@ void Drives::read(const double* all, double* result) const {
   for (std::size_t i = 0; i < state_.joints.size(); ++i) result[i] = all[state_.joints[i]];
 }
 
-// What the controller sees: encoded positions and their differences, late.
+// The controller sees encoded positions and their differences, late.
 void Drives::measure() {
   const Index row = ticks_ % seen_q_.rows();
   read_q(speed_.data());

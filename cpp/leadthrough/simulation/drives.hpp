@@ -24,7 +24,7 @@ struct DriveValues {
   double fastest = 1e3;     // rad/s (m/s), from which on a joint runs away
 };
 
-// Where the physics keeps its values; those of motors are of the arm's alone, in its order.
+// Values of the physics in its own memory; those of motors are of the arm's alone, in its order.
 struct PhysicsState {
   const double* q = nullptr;         // of all joints of the model
   const double* qd = nullptr;        // likewise

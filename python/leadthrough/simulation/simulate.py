@@ -105,21 +105,22 @@ def simulate(
     contacts = summed_contacts(run.touches, period)
     times = period * np.arange(len(run.q))
 
-    def trajectory_of(rows: Plan | Run) -> JointTrajectory:
-        return check.computed(
+    planned, simulated = (
+        check.computed(
             JointTrajectory,
             times=times,
-            positions=rows.q,
-            velocities=rows.qd,
-            accelerations=rows.qdd,
+            positions=each.q,
+            velocities=each.qd,
+            accelerations=each.qdd,
             joint_names=arm.joint_names,
             events=(),
         )
-
+        for each in (plan, run)
+    )
     return SimulationReport(
         arm=arm,
-        planned=trajectory_of(plan),
-        simulated=trajectory_of(run),
+        planned=planned,
+        simulated=simulated,
         span=plan.span,
         torques=run.torques,
         torque_limits=real.drives.effort,
@@ -305,7 +306,7 @@ def _response(
     answer = np.concatenate([ease @ gains.stiffness, ease @ gains.damping], axis=2)
     q, qd, qdd = (each[first : first + _PIECE] for each in (plan.q, plan.qd, plan.qdd))
     left = drives.damping * qd + _pushed(real, q, first) + _unknown_load(real, q, qd, qdd)
-    left += _between(gains.unmodelled, len(q))
+    left += lerp(np.arange(len(q)), _EVERY * np.arange(len(mass)), gains.unmodelled)
     if real.steps > 1:
         left += _later(real, q, qd, qdd)
     count = len(mass)
@@ -374,9 +375,3 @@ def _unknown_load(
         each.inverse_dynamics(q, qd, qdd, gravity=real.law.gravity) for each in (heavier, arm)
     )
     return np.asarray(np.copysign(1.0, part) * (with_it - without))
-
-
-def _between(coarse: Float64Array, count: int) -> Float64Array:
-    """Rows for all samples, from those of every tenth."""
-    at, known = np.arange(count), np.arange(len(coarse)) * _EVERY
-    return lerp(at, known, coarse)

@@ -239,13 +239,13 @@ class SimulatedArm(ShortRepr):
         Raises:
             FloatingPointError: if a joint runs away: the gains are too high for the rate.
         """
-        for _ in self._period(command, progress):
+        for _ in self._period(_rows(command), progress):
             self._mujoco.mj_step(self.plant.model, self.data)
         return self.q
 
-    def _period(self, command: CommandedState, progress: float) -> Iterator[None]:
-        """A period; whoever goes through it lets the physics make a step each time."""
-        self._stop_runaway(self._core.begin(_rows(command), progress, self._asked))
+    def _period(self, command: Float64Array, progress: float) -> Iterator[None]:
+        """A period with a command (3, joints); its user lets the physics make a step each time."""
+        self._stop_runaway(self._core.begin(command, progress, self._asked))
         for i in range(self.steps):
             self._core.act(i)
             yield
@@ -267,11 +267,7 @@ class SimulatedArm(ShortRepr):
     def _run(
         self, commands: tuple[Float64Array, ...], touched: Callable[[int], None], most: int
     ) -> tuple[Any, ...]:
-        """A motion as the core records it, up to so many periods after bodies first touch.
-
-        Commands are rows (n, joints) of positions, velocities and accelerations, and fractions (n,)
-        of the path; `touched` hears of each period at whose end bodies touch.
-        """
+        """A motion as the core records it, until so many periods after bodies first touch."""
         model, data, physics = self.plant.model, self.data, self._mujoco.mj_step
 
         def step() -> bool:
