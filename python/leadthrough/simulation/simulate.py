@@ -262,7 +262,7 @@ def expected_errors(
         if loop.diverged >= 0:
             return _diverged(loop.diverged, plan.q)
         if friction.any():  # a joint may be held either way, and so deflect the others
-            most = (np.abs(np.linalg.pinv(stiffness)) @ friction).max(axis=0)
+            most = (np.abs(np.linalg.pinv(stiffness, hermitian=True)) @ friction).max(axis=0)
             held = np.maximum(held, most)
     return errors, loop.smooth, np.maximum(loop.dry, held)
 
