@@ -49,6 +49,7 @@ _MAX_LEFT_OUT = 8  # demonstrations, evenly chosen
 
 
 _STEP = 1e-3  # of the extent, between compared points of a path
+_MAX_ROWS = 4000  # of a demonstration that families are compared by; a long log has 600,000
 _MIN_POINTS, _MAX_POINTS, _POINTS_A_ROW = 200, 4000, 10
 _EVEN = 100  # rows, evenly spaced along each motion
 _CHORD = 2.0 * np.sqrt(2.0)  # Frobenius distance of opposite rotation matrices
@@ -85,7 +86,8 @@ def learn(
     count = len(motions)
     some = np.linspace(0, count - 1, min(count, _MAX_LEFT_OUT)).round()
     folds = [int(i) for i in some] if count > 1 else []  # demonstrations to leave out
-    errors = {name: _mean_error(model, motions, folds) for name, model in models.items()}
+    few = [thinned(each) for each in motions]
+    errors = {name: _mean_error(model, few, folds) for name, model in models.items()}
     chosen = min(errors, key=lambda name: errors[name])
     fitted: Any = fit_all(models[chosen], motions)
     skill: Skill[MotionT] = fitted.with_choice(Choice(chosen, errors, len(folds)))
@@ -106,6 +108,12 @@ def _models(candidates: Sequence[str | Model], motion: Motion) -> dict[str, Mode
     if not found:
         raise InvalidInput(f"candidates: expected a model that learns {kind}, got {candidates!r}")
     return found
+
+
+def thinned(motion: Motion) -> Motion:
+    """Every few samples of a long motion, with the last one, to which it leads."""
+    step = -(-len(motion.times) // _MAX_ROWS)
+    return motion[(len(motion.times) - 1) % step :: step]
 
 
 def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> float:

@@ -224,14 +224,13 @@ def _progress(arm: Arm, q: Float64Array, span: tuple[float, float], period: floa
 def _run(real: SimulatedArm, plan: Plan) -> Run:
     """All steps, or as many as the arm does not run away in."""
     touches = list[tuple[int, list[Touch]]]()
-    *rows, work, energy, use, over, done, runaway = real._run(
+    *rows, work, energy, use, over, done, joint = real._run(
         (plan.q, plan.qd, plan.qdd, plan.progress),
         lambda k: touches.append((k, real.touches)),
         math.ceil(_AFTER_TOUCH / real.period),
     )
     q, qd, qdd, torques = (row[:done] for row in rows)
-    joint = None if runaway < 0 else runaway
-    return Run(q, qd, qdd, torques, work, energy, use, over, touches, joint)
+    return Run(q, qd, qdd, torques, work, energy, use, over, touches, joint if joint >= 0 else None)
 
 
 _EVERY = 10  # samples that share a mass matrix and gains
