@@ -26,6 +26,13 @@ def uniform_progress() -> Float64Array:
     return np.linspace(0.0, 1.0, SAMPLES)
 
 
+def weighted_median(values: Float64Array, weights: Float64Array) -> float:
+    """The median of values (k,) that count as much as their weights (k,)."""
+    order = np.argsort(values, kind="stable")
+    fraction = weights[order] / weights.sum()
+    return float(np.interp(0.5, np.cumsum(fraction) - 0.5 * fraction, values[order]))
+
+
 def speed_of(progress: Float64Array) -> Float64Array:
     """The smoothed change of a progress (1001,) from sample to sample, (1001,)."""
     from scipy.ndimage import uniform_filter1d

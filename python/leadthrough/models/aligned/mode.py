@@ -33,6 +33,7 @@ from leadthrough.models.curves import (
     piece_count,
     scale_of,
     smoothed,
+    upper_mean,
 )
 from leadthrough.models.queries import CheckedQuery, even_times
 from leadthrough.motion import MotionT, MotionT_co, lerp
@@ -43,9 +44,9 @@ from leadthrough.preprocess.moved_ends import ROTATED, Chords, bounded, with_end
 _WIDTHS = (1e3, 1.0, 0.4, 0.15)
 # Weight of the linear fade against the demonstrations'; infinite: the linear fade alone.
 _PRIORS = (0.03, 0.3, 3.0, np.inf)
-_AVERAGED = 10
-# An option is preferred as far as it surely predicts better than the first, at this confidence.
-_SURE = 0.975
+# An option whose error is 3 % larger has 1/e of the best one's share in the mean; shares below the
+# second are left out.
+_SPREAD, _LEAST = 0.03, 0.025
 _COMPARED = 100  # even rows, at which a prediction is compared with the left-out curve
 _MOST_LEFT_OUT = 16  # demonstrations, evenly chosen
 # Ends this far from those of every demonstration, in extents, and farther than these are apart, say
@@ -62,11 +63,6 @@ class Option:
     width: float
     prior: float
     rotated: float = 0.0  # fraction that rotates with the chord, of a linear fade
-
-    @staticmethod
-    def of_row(row: Sequence[float]) -> Option:
-        """The option of a row of an archive."""
-        return Option(int(row[0]), *(float(each) for each in row[1:]))
 
 
 DEFAULT = Option(0, 1.0, np.inf, ROTATED)
@@ -139,14 +135,12 @@ class Predictor:
         position[:] = self._chords[phase].adapted(ends[:, :, : self.size], position)
         return result
 
-    def chosen(self) -> list[Option]:
-        """The options to average: those that surely predict left-out demonstrations best."""
+    def chosen(self) -> dict[Option, float]:
+        """Shares of options in the mean: more, the surer one predicts left-out demonstrations."""
         count = len(self.phased[0].rows)
         default = self.options.index(DEFAULT) if self.rotating else self.options.index(_PLAIN)
         if count < 3:
-            return [self.options[default]]
-        from scipy.special import stdtrit  # scipy.stats takes a fifth of a second to load
-
+            return {self.options[default]: 1.0}
         out = np.unique(np.linspace(0, count - 1, min(count, _MOST_LEFT_OUT)).round().astype(int))
         phased = self.phased[0].coarse(_COMPARED), self.phased[1].coarse(_COMPARED)
         few = Predictor(phased, self.size, self.rotating)
@@ -161,22 +155,26 @@ class Predictor:
             ]
         )
         gain = np.log(missed + _TINY) - np.log(missed[default] + _TINY)
-        error = gain.std(axis=1, ddof=1) / np.sqrt(len(out))
-        order = np.argsort(gain.mean(axis=1) + stdtrit(len(out) - 1, _SURE) * error, kind="stable")
-        return [self.options[i] for i in order[:_AVERAGED]]
+        surely = upper_mean(gain)
+        shares = np.exp((surely.min() - surely) / _SPREAD)
+        shares[shares < _LEAST * shares.sum()] = 0.0
+        shares /= shares.sum()
+        return {each: float(x) for each, x in zip(self.options, shares, strict=True) if x > 0.0}
 
     def predicted(
-        self, chosen: Sequence[Option], ends: Float64Array
+        self, shares: dict[Option, float], ends: Float64Array
     ) -> tuple[Float64Array, Float64Array, Float64Array]:
         """Mean rows (n, width) between ends (2, width), elastic phases (n,) and times (n,)."""
-        every = self.between(ends[None], [*chosen, _TIMING])
-        rows = np.mean([_evened(every[each][0]) for each in chosen], axis=0)
+        every = self.between(ends[None], [*shares, _TIMING])
+        rows = np.sum([x * _evened(every[each][0]) for each, x in shares.items()], axis=0)
         rows[[0, -1]] = ends
         aligned, even = self.phased[1], even_phases(len(rows))
         phases = np.interp(even, arc_phases(every[_TIMING][0]), even)
-        (weights,) = _weights(aligned.rows[:, [0, -1]], ends[None], [_TIMING.width], None)
-        clock = np.interp(phases, even, weights[0] @ aligned.times)
-        return rows, phases, np.maximum.accumulate(clock)
+        ((weights,),) = _weights(aligned.rows[:, [0, -1]], ends[None], [_TIMING.width], None)
+        clock = np.maximum.accumulate(np.interp(phases, even, weights @ aligned.times))
+        # The median, as the mean follows one that was slow.
+        duration = phase.weighted_median(aligned.times[:, -1], weights)
+        return rows, phases, clock * (duration / clock[-1])
 
     def similar(self, rows: Float64Array, nominal: Float64Array) -> Float64Array:
         """Rows (n, width) with more of the nominal shape the farther their ends are from all."""
@@ -213,7 +211,7 @@ class Predictor:
 
 
 _PLAIN = Option(0, 1.0, np.inf)
-_TIMING = Option(1, 1.0, np.inf)
+_TIMING = Option(1, 2.0, np.inf)
 
 
 def _evened(rows: Float64Array) -> Float64Array:
@@ -272,14 +270,14 @@ class Mode(check.Frozen, Generic[MotionT_co]):
         coordinates: meaning of the columns; orientations are rotation vectors from one reference.
         scale: lengths and angles (width,) by which columns are divided.
         predictor: the demonstrations, in these columns.
-        options: the options that are averaged.
+        shares: options and their shares in the mean.
         pieces: number of cubic pieces of a motion; 0 where none hold the demonstrations.
     """
 
     coordinates: Coordinates[MotionT_co]
     scale: Float64Array
     predictor: Predictor
-    options: tuple[Option, ...]
+    shares: dict[Option, float]
     pieces: int
 
     @cached_property
@@ -308,12 +306,12 @@ class Mode(check.Frozen, Generic[MotionT_co]):
     @cached_property
     def _nominal(self) -> Float64Array:
         """The path (n, width) between the demonstrations' mean ends, scaled."""
-        rows, *_ = self.predictor.predicted(self.options, self.ends.mean(axis=0))
+        rows, *_ = self.predictor.predicted(self.shares, self.ends.mean(axis=0))
         return smoothed(rows, self.pieces)
 
     def _predicted(self, query: CheckedQuery) -> tuple[Float64Array, Float64Array, Float64Array]:
         """As by `Predictor.predicted`, no part of the path moved much farther than the ends."""
-        rows, phases, clock = self.predictor.predicted(self.options, self.asked(query))
+        rows, phases, clock = self.predictor.predicted(self.shares, self.asked(query))
         rows = self.predictor.similar(smoothed(rows, self.pieces), self._nominal)
         return self.predictor.near(rows, self._nominal), phases, clock
 
@@ -361,7 +359,7 @@ class Mode(check.Frozen, Generic[MotionT_co]):
         arc, aligned = self.predictor.phased
         return {
             "scale": self.scale,
-            "options": np.array([astuple(each) for each in self.options]),
+            "options": np.array([(*astuple(each), x) for each, x in self.shares.items()]),
             "pieces": np.array(self.pieces),
             "rows": np.stack([arc.rows, aligned.rows]),
             "clocks": np.stack([arc.times, aligned.times]),
@@ -374,13 +372,17 @@ def restored(settings: dict[str, Any], arrays: Arrays) -> Mode:
     coordinates = Coordinates.from_archive(settings, arrays)
     rows = check.frozen(arrays["rows"], "rows", shape=(2, "k", "n", coordinates.width))
     clocks = check.frozen(arrays["clocks"], "clocks", shape=rows.shape[:3])
-    options = check.with_gaps(arrays["options"], "options", shape=("m", 4))
+    options = check.with_gaps(arrays["options"], "options", shape=("m", "n"))
+    shares = options[:, 4] if options.shape[1] == 5 else np.full(len(options), 1.0 / len(options))
     phased = Curves(rows[0], clocks[0]), Curves(rows[1], clocks[1])
     return Mode(
         coordinates,
         check.frozen(arrays["scale"], "scale", shape=(coordinates.width,)),
         Predictor(phased, coordinates.size, coordinates.kind != "joints"),
-        tuple(Option.of_row(row) for row in options),
+        {
+            Option(int(row[0]), *(float(each) for each in row[1:4])): float(x)
+            for row, x in zip(options, shares, strict=True)
+        },
         check.integer(int(arrays["pieces"]), "pieces", at_least=0),
     )
 
@@ -398,12 +400,11 @@ def learned(motions: Sequence[MotionT]) -> Mode[MotionT]:
         motions, phases, middle=lambda _: np.repeat(reference, len(NODES), 0)
     )
     predictor = Predictor((curves, aligned), coordinates.size, coordinates.kind != "joints")
-    options = predictor.chosen()
     return Mode(
         coordinates,
         check.frozen(scale, "scale", shape=("n",)),
         predictor,
-        tuple(options),
+        predictor.chosen(),
         piece_count(curves.rows),
     )
 

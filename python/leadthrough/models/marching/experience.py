@@ -18,7 +18,7 @@ from leadthrough.models.coordinates import (
     groups_of,
     mean_orientations,
 )
-from leadthrough.models.phase import SAMPLES, progress_of
+from leadthrough.models.phase import SAMPLES, progress_of, weighted_median
 from leadthrough.models.protocol import Demonstrations, Outliers, motions_of
 from leadthrough.motion import (
     Event,
@@ -167,9 +167,7 @@ def nominal_duration(used: Sequence[Experience], weights: Float64Array, length: 
     ratios = [length / each.length or 1.0 for each in used]
     durations = [each.duration for each in used]
     adapted = np.array(durations) * [ratio**_DURATION_EXPONENT for ratio in ratios]
-    order = np.argsort(adapted, kind="stable")
-    fraction = weights[order] / weights.sum()
-    return float(np.interp(0.5, np.cumsum(fraction) - 0.5 * fraction, adapted[order]))
+    return weighted_median(adapted, weights)
 
 
 def experience_like(
