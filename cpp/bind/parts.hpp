@@ -35,6 +35,7 @@ void bind_number_text(pybind11::module_& module);
 void bind_path(pybind11::module_& module);
 void bind_priority(pybind11::module_& module);
 void bind_shapes(pybind11::module_& module);
+void bind_simulation(pybind11::module_& module);
 void bind_so3(pybind11::module_& module);
 void bind_speeds(pybind11::module_& module);
 void bind_spline_fit(pybind11::module_& module);

@@ -4,9 +4,9 @@ Attributes are properties that cannot be set. A class whose name begins with an 
 classes of the module have in common.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import Enum
-from typing import Final, Self, TypeVar, overload
+from typing import Any, Final, Self, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,6 +152,67 @@ class Dynamics:
         self, q: Float64Array, qd: Float64Array, qdd: Float64Array, gravity: Float64Array
     ) -> Float64Array: ...
     def mass_matrix(self, q: Float64Array) -> Float64Array: ...
+
+class JointLaw:
+    def __init__(
+        self,
+        dynamics: Dynamics,
+        gravity: Float64Array,
+        rotors: Float64Array,
+        of_motion: tuple[float, float],
+        springs: Float64Array,
+        dampers: Float64Array,
+        model: str,
+    ) -> None: ...
+    def torques(self, target: Float64Array, q: Float64Array, qd: Float64Array) -> Float64Array: ...
+
+class Drives:
+    def __init__(
+        self,
+        values: Float64Array,
+        late: int,
+        period: float,
+        steps: int,
+        fastest: float,
+        start: Float64Array,
+        joints: IndexArray,
+        state: Sequence[Float64Array],
+    ) -> None: ...
+    torques: Float64Array
+    demanded: Float64Array
+    ticks: int
+    def begin(self, command: Float64Array, progress: float, law: object) -> int: ...
+    def act(self, step: int) -> None: ...
+    def advance(self) -> int: ...
+    def end(self) -> None: ...
+    def run(
+        self,
+        q: Float64Array,
+        qd: Float64Array,
+        qdd: Float64Array,
+        progress: Float64Array,
+        law: object,
+        step: Callable[[], bool],
+        touched: Callable[[int], None],
+        periods_after_touch: int,
+    ) -> tuple[Any, ...]: ...
+
+class ErrorLoop:
+    def __init__(
+        self, values: Float64Array, period: float, steps: int, late: int, every: int
+    ) -> None: ...
+    smooth: Float64Array
+    dry: Float64Array
+    diverged: int
+    def advance(
+        self,
+        ease: Float64Array,
+        answer: Float64Array,
+        left: Float64Array,
+        q: Float64Array,
+        qd: Float64Array,
+        qdd: Float64Array,
+    ) -> Float64Array: ...
 
 class Shape:
     def distances(self, points: Float64Array) -> Float64Array: ...

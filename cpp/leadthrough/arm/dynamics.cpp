@@ -59,24 +59,51 @@ void copy(const double* values, KDL::JntArray& joints) {
 Dynamics::Dynamics(const Chain& chain)
     : chain_(chain), bodies_(std::make_shared<const KDL::Chain>(to_kdl(chain))) {}
 
+struct InverseDynamics::Room {
+  KDL::ChainIdSolver_RNE solver;
+  KDL::Wrenches none;
+  KDL::JntArray values, rates, second_rates, forces;
+  MovingValues moving;
+};
+
+InverseDynamics::InverseDynamics(const Dynamics& dynamics, const Eigen::Vector3d& gravity)
+    : chain_(dynamics.chain_), bodies_(dynamics.bodies_) {
+  const KDL::JntArray values = joint_array(chain_);
+  room_.reset(new Room{KDL::ChainIdSolver_RNE(*bodies_, to_kdl(gravity)),
+                       KDL::Wrenches(bodies_->getNrOfSegments(), KDL::Wrench::Zero()),
+                       values,
+                       values,
+                       values,
+                       values,
+                       {}});
+}
+
+InverseDynamics::InverseDynamics(InverseDynamics&&) noexcept = default;
+InverseDynamics::~InverseDynamics() = default;
+
+void InverseDynamics::torques(const double* q, const double* qd, const double* qdd,
+                              double* torques) {
+  Room& room = *room_;
+  copy(moving_values(chain_, q, room.moving), room.values);
+  copy(moving_rates(chain_, qd, room.moving), room.rates);
+  copy(moving_rates(chain_, qdd, room.moving), room.second_rates);
+  require_success(
+      room.solver.CartToJnt(room.values, room.rates, room.second_rates, room.none, room.forces));
+  std::fill_n(torques, chain_.joints(), 0.0);
+  for (std::size_t k = 0; k < moving_count(chain_); ++k)
+    torques[chain_.drives[k].joint] +=
+        chain_.drives[k].multiplier * room.forces(static_cast<unsigned>(k));
+}
+
 Rows Dynamics::torques(const Eigen::Ref<const Rows>& q, const Eigen::Ref<const Rows>& qd,
                        const Eigen::Ref<const Rows>& qdd, const Eigen::Vector3d& gravity) const {
   check_rates(chain_, q, {qd, qdd});
-  KDL::ChainIdSolver_RNE solver(*bodies_, to_kdl(gravity));
-  const KDL::Wrenches none(bodies_->getNrOfSegments(), KDL::Wrench::Zero());
-  KDL::JntArray values = joint_array(chain_), rates = values, second_rates = values,
-                forces = values;
-  MovingValues room;
-  Rows torques = Rows::Zero(q.rows(), chain_.joints());
+  InverseDynamics solver(*this, gravity);
+  Rows torques(q.rows(), chain_.joints());
   for (Eigen::Index row = 0; row < q.rows(); ++row) {
     check_interrupt(row);
-    copy(moving_values(chain_, q.row(row).data(), room), values);
-    copy(moving_rates(chain_, qd.row(row).data(), room), rates);
-    copy(moving_rates(chain_, qdd.row(row).data(), room), second_rates);
-    require_success(solver.CartToJnt(values, rates, second_rates, none, forces));
-    for (std::size_t k = 0; k < moving_count(chain_); ++k)
-      torques(row, chain_.drives[k].joint) +=
-          chain_.drives[k].multiplier * forces(static_cast<unsigned>(k));
+    solver.torques(q.row(row).data(), qd.row(row).data(), qdd.row(row).data(),
+                   torques.row(row).data());
   }
   return torques;
 }

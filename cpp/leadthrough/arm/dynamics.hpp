@@ -9,7 +9,8 @@
 
 namespace KDL {
 class Chain;
-}
+class ChainIdSolver_RNE;
+}  // namespace KDL
 
 namespace leadthrough {
 
@@ -29,8 +30,28 @@ class Dynamics {
   Rows mass_matrices(const Eigen::Ref<const Rows>& q) const;
 
  private:
+  friend class InverseDynamics;
+
   Chain chain_;
   std::shared_ptr<const KDL::Chain> bodies_;
+};
+
+// Torques of one configuration after the other, without allocating memory; for one thread.
+class InverseDynamics {
+ public:
+  InverseDynamics(const Dynamics& dynamics, const Eigen::Vector3d& gravity);
+  InverseDynamics(InverseDynamics&&) noexcept;
+  ~InverseDynamics();
+
+  // A value of each joint; the torques are written.
+  void torques(const double* q, const double* qd, const double* qdd, double* torques);
+
+ private:
+  struct Room;
+
+  Chain chain_;
+  std::shared_ptr<const KDL::Chain> bodies_;
+  std::unique_ptr<Room> room_;
 };
 
 }  // namespace leadthrough

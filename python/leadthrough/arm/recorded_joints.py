@@ -71,7 +71,8 @@ def _outside(chain: core.Chain | JointLimits, own: JointTrajectory) -> str | Non
 def _own(chain: core.Chain | JointLimits, trajectory: Motion) -> JointTrajectory:
     names = tuple(chain.joint_names)
     own = in_order(_without_others(trajectory, names), names, "trajectory")
-    return replace(own, positions=_unwrapped(chain, own.positions))
+    unwrapped = _unwrapped(chain, own.positions)
+    return own if unwrapped is own.positions else replace(own, positions=unwrapped)
 
 
 def _without_others(trajectory: Motion, names: tuple[str, ...]) -> Motion:
@@ -79,7 +80,7 @@ def _without_others(trajectory: Motion, names: tuple[str, ...]) -> Motion:
     recorded: tuple[str, ...] = getattr(trajectory, "joint_names", ())
     # LeRobot's names of motors end in ".pos".
     own = [i for i, each in enumerate(recorded) if {each, each.removesuffix(".pos")} & set(names)]
-    if not isinstance(trajectory, JointTrajectory) or len(own) != len(names):
+    if not isinstance(trajectory, JointTrajectory) or not len(own) == len(names) < len(recorded):
         return trajectory
     return columns_of(trajectory, own, tuple(recorded[i] for i in own))
 

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from leadthrough import check, tasks
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, ShortRepr
 from leadthrough.models import Model, ProMP, Skill, Target, TargetRegion
+from leadthrough.models.learn import thinned
 from leadthrough.models.protocol import Demonstrations, fit_all, motions_of
 from leadthrough.motion import Motion, lerp, target_of
 from leadthrough.preprocess import arc_length, by_arc_length
@@ -51,7 +52,6 @@ _GOALS = 100  # at random, of which the least certain is suggested
 _SAMPLES = 200
 _DT = 0.01  # of generated motions, s, unless they are so long that fewer steps are enough
 _STEPS = 2000
-_MAX_ROWS = 4000  # of a demonstration that models are learned from; a long log has 600,000
 _WINDOW = 11  # samples, of a twentieth of the duration: quicker movements are tremor
 _ALONG = 100  # points of a path at which shapes are compared
 _STILL = 0.1  # of the mean speed: slower is a rest
@@ -159,7 +159,7 @@ def judge_demonstrations(
     suspicion, faults = suspicions(motions)
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        few = tuple(_thinned(motion) for motion in motions)
+        few = tuple(thinned(motion) for motion in motions)
         run = LeftOut(Material(learner, few, region), folder, on, task_timeout)
         sound = [i for i, each in enumerate(suspicion) if each < SUSPICIOUS]
         worth = run.worth(len(motions))
@@ -178,12 +178,6 @@ def judge_demonstrations(
         for i, each in enumerate(demonstrations)
     )
     return Judgement(verdicts, before, after, suggestion)
-
-
-def _thinned(motion: Motion) -> Motion:
-    """Every few samples of a long motion, with the last one, to which it leads."""
-    step = -(-len(motion.times) // _MAX_ROWS)
-    return motion[(len(motion.times) - 1) % step :: step]
 
 
 def _goals(goals: TargetRegion, motions: Sequence[Motion]) -> TargetRegion:

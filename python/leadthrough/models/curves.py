@@ -23,7 +23,7 @@ from leadthrough.preprocess.smooth import in_pieces
 
 # Rows of a curve: as few as keep all samples within a fraction of the extent, doubled from the
 # first number up to the last.
-_ROWS, _MAX_ROWS, _DETAIL = 200, 3200, 1e-3
+_ROWS, _MAX_ROWS, _DETAIL = 200, 12_800, 1e-3
 # A motion is of as few cubic pieces, doubled from the first number, as leave out no more than a
 # fraction of the extent, each of at least so many rows; of more pieces, all is detail.
 _PIECES, _MAX_PIECES, _ROWS_A_PIECE, _TREMOR = 8, 256, 3, 2.5e-3

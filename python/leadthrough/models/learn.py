@@ -51,6 +51,7 @@ _SURE = 0.995
 
 
 _STEP = 1e-3  # of the extent, between compared points of a path
+_MAX_ROWS = 4000  # of a demonstration that families are compared by; a long log has 600,000
 _MIN_POINTS, _MAX_POINTS, _POINTS_A_ROW = 200, 4000, 10
 _EVEN = 100  # rows, evenly spaced along each motion
 _CHORD = 2.0 * np.sqrt(2.0)  # Frobenius distance of opposite rotation matrices
@@ -90,7 +91,8 @@ def learn(
     count = len(motions)
     some = np.linspace(0, count - 1, min(count, _MAX_LEFT_OUT)).round()
     folds = [int(i) for i in some] if count > 1 else []  # demonstrations to leave out
-    errors = {name: _errors(model, motions, folds) for name, model in models.items()}
+    few = [thinned(each) for each in motions]
+    errors = {name: _errors(model, few, folds) for name, model in models.items()}
     chosen = _best(errors)
     fitted: Any = fit_all(models[chosen], motions)
     means = {name: float(each.mean()) for name, each in errors.items()}
@@ -119,6 +121,12 @@ def _models(candidates: Sequence[str | Model], motion: Motion) -> dict[str, Mode
     if not found:
         raise InvalidInput(f"candidates: expected a model that learns {kind}, got {candidates!r}")
     return found
+
+
+def thinned(motion: Motion) -> Motion:
+    """Every few samples of a long motion, with the last one, to which it leads."""
+    step = -(-len(motion.times) // _MAX_ROWS)
+    return motion[(len(motion.times) - 1) % step :: step]
 
 
 def _errors(model: Model, motions: Sequence[Motion], folds: list[int]) -> Float64Array:

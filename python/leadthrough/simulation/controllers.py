@@ -14,6 +14,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
@@ -55,28 +56,21 @@ class Law(ABC):
         # N m s/rad (N s/m) per joint, of dampers in the drives: these know their joint's velocity
         # at once, at a far higher rate.
         self.drive_damping = np.zeros(len(arm.joint_names))
+        self.kernel: core.JointLaw | None = None  # the law, if the core has it
 
-    @abstractmethod
     def torques(self, now: Moment) -> Float64Array:
         """Torques (joints,), N m (N), for one period."""
+        assert self.kernel is not None
+        target = np.array([now.target.q, now.target.qd, now.target.qdd])
+        return self.kernel.torques(target, now.q, now.qd)
 
     @abstractmethod
     def gains(self, motion: Motion) -> Gains:
         """The linear model of the law along a motion."""
 
-    def needed(self, q: Float64Array, qd: Float64Array, qdd: Float64Array) -> Float64Array:
-        """Torques (joints,) that a motion needs, without any check of the arguments."""
-        rows = self._dynamics.inverse_dynamics(q[None], qd[None], qdd[None], self.gravity)
-        return np.asarray(rows[0] + self.rotors * qdd)
-
     def mass(self, q: Float64Array) -> Float64Array:
         """Mass matrices of configurations (joints,) or (n, joints), rotors included."""
         return np.asarray(self.arm.mass_matrix(q) + np.diag(self.rotors))
-
-    def held(self, q: Float64Array) -> Float64Array:
-        """Torques (joints,) that hold the arm against gravity, likewise."""
-        still = np.zeros_like(q)
-        return self.needed(q, still, still)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,13 +143,8 @@ class _Linearised(Law):
         self._d = 2.0 * made.damping_ratio * made.frequency
         self._springs = self._k * lacking
         self.drive_damping = self._d * lacking
-
-    def torques(self, now: Moment) -> Float64Array:
-        target = now.target
-        away, slip = target.q - now.q, target.qd - now.qd
-        wanted = target.qdd + self._d * slip + self._k * away
-        pull = self._springs * away + self.drive_damping * slip
-        return self.needed(now.q, now.qd, wanted) + pull
+        gains = (self._k, self._d), self._springs, self.drive_damping
+        self.kernel = core.JointLaw(self._dynamics, gravity, rotors, *gains, "motion")
 
     def gains(self, motion: Motion) -> Gains:
         springs = self._k * motion.mass + np.diag(self._springs)
@@ -231,11 +220,8 @@ class _Springs(Law):
         super().__init__(arm, gravity, rotors)
         self._springs, self.drive_damping = gains
         self._weightless = weightless
-
-    def torques(self, now: Moment) -> Float64Array:
-        pull = self._springs * (now.target.q - now.q)
-        pull += self.drive_damping * (now.target.qd - now.qd)
-        return pull + self.held(now.q) if self._weightless else pull
+        model = "weight" if weightless else "none"
+        self.kernel = core.JointLaw(self._dynamics, gravity, rotors, (0.0, 0.0), *gains, model)
 
     def gains(self, motion: Motion) -> Gains:
         count = (len(motion.q), 1, 1)
@@ -355,7 +341,9 @@ class _AtTip(Law):
         away = _pose_error(self.arm, target.q, q)
         at_tip = jacobian.T @ (spring @ away + damper @ (jacobian @ slip))
         spare = self._spare[0] * (target.q - q) + self._spare[1] * slip
-        return np.asarray(at_tip + free @ spare + self.held(q))
+        still = np.zeros((1, len(q)))
+        weight = self._dynamics.inverse_dynamics(q[None], still, still, self.gravity)[0]
+        return np.asarray(at_tip + free @ spare + weight)
 
     def gains(self, motion: Motion) -> Gains:
         jacobian = self.arm.jacobian(motion.q)

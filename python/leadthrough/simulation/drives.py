@@ -118,11 +118,6 @@ class Drives:
         """Largest error of the payload, as a fraction, that is no fault of the plan."""
         return float(_table()["general"]["payload"]) - 1.0
 
-    def encoded(self, q: Float64Array) -> Float64Array:
-        """Positions (joints,) as the encoders measure them."""
-        steps = np.where(self.encoder > 0.0, self.encoder, 1.0)
-        return np.where(self.encoder > 0.0, np.round(q / steps) * steps, q)
-
 
 def drives_of(arm: Arm, given: Disturbances, period: float) -> Drives:
     """The drives of an arm: given values, and those of a real arm in the place of None."""

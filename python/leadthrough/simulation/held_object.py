@@ -15,7 +15,7 @@ from leadthrough.arm import GRAVITY, Arm, HeldObject
 from leadthrough.arm.attachment import Load
 from leadthrough.arm.rigid_transforms import Transforms, checked_grasps
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.guard.admission import CommandedState, chunk_of
+from leadthrough.guard.admission import chunk_of
 from leadthrough.motion import JointTrajectory, in_order
 from leadthrough.simulation.controllers import Controller
 from leadthrough.simulation.drives import Disturbances
@@ -225,14 +225,12 @@ def _begun(mujoco: Any, model: Any, sides: list[SimulatedArm]) -> Any:
     return data
 
 
-def _commands(side: SimulatedArm, q: Float64Array) -> list[CommandedState]:
-    """One for the end of each period; the acceleration is that of the period."""
+def _commands(side: SimulatedArm, q: Float64Array) -> Float64Array:
+    """States (n, 3, joints), one for the end of each period, with the acceleration during it."""
     qd = np.diff(q, axis=0, prepend=q[:1]) / side.period
     qdd = np.diff(qd, axis=0, append=qd[-1:]) / side.period
     after = [*range(1, len(q)), len(q) - 1]
-    return [
-        check.computed(CommandedState, q=q[i], qd=qd[i], qdd=qdd[k]) for k, i in enumerate(after)
-    ]
+    return np.stack([q[after], qd[after], qdd], axis=1)
 
 
 def _force(mujoco: Any, data: Any, weld: int) -> Float64Array:

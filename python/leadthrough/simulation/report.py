@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, ShortRepr
@@ -203,14 +204,16 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Recorded arrays, (n, joints) each; the torques are those of the period that follows."""
+    """Recorded arrays, (n, joints); the torques are those of the period that follows."""
 
     q: Float64Array  # positions
     qd: Float64Array  # velocities
     qdd: Float64Array  # accelerations
     torques: Float64Array  # of the motors
-    demanded: Float64Array  # what the controller asked of them
-    work: Float64Array  # of the motors during the period, J
+    work: Float64Array  # (joints,) of the motors, J
+    energy: Float64Array  # (joints,) of it what they put in
+    use: Float64Array  # (joints,) most asked of them before a touch, as a fraction of their limits
+    over: NDArray[np.intp]  # (joints,) first samples at which it exceeds these, or -1
     touches: list[tuple[int, list[Touch]]]  # with the index of their sample
     runaway: int | None  # the joint that ran away, by its number
 
@@ -229,18 +232,21 @@ def findings(
     names, plant = real.arm.joint_names, real.plant
     period = real.period
 
-    def worst(kind: Kind, ratios: Float64Array) -> Iterator[Finding]:
-        """(n, joints) fractions of a limit; the joint that exceeds it most, when it first does."""
-        if ratios.max() > 1.0 + _ROUNDING:
-            joint = int(ratios.max(axis=0).argmax())
-            first = int(np.argmax(ratios[:, joint] > 1.0 + _ROUNDING))
-            yield Finding(kind, period * first, names[joint], ratio=float(ratios[:, joint].max()))
+    def worst(kind: Kind, rows: Float64Array, most: Float64Array) -> Iterator[Finding]:
+        """The joint that exceeds its limit most, of (n, joints) rows, and when it first does."""
+        ratios = np.maximum(rows.max(axis=0), -rows.min(axis=0)) / most
+        joint = int(ratios.argmax())
+        if ratios[joint] > 1.0 + _ROUNDING:
+            over = np.abs(rows[:, joint]) / most[joint] > 1.0 + _ROUNDING
+            yield Finding(
+                kind, period * int(np.argmax(over)), names[joint], ratio=float(ratios[joint])
+            )
 
     def found() -> Iterator[Finding]:
         if not plan.way_found:
             yield Finding("no approach motion", 0.0)
         yield from _wrong_limits(real)
-        yield from worst("velocity", np.abs(plan.qd) / plant.velocity)
+        yield from worst("velocity", plan.qd, plant.velocity)
         joint = run.runaway
         if joint is None and not np.isfinite(allowed).all():  # by theory it would run away
             joint = int(np.argmax(np.isinf(allowed)))
@@ -249,10 +255,13 @@ def findings(
             return
         # The errors that follow from a contact are none of their own.
         free = slice(run.touches[0][0] + 1 if run.touches else None)
-        yield from worst("torque", np.abs(run.demanded[free]) / real.drives.effort)
+        if (run.over >= 0).any():
+            joint = int(run.use.argmax())
+            ratio, first = float(run.use[joint]), int(run.over[joint])
+            yield Finding("torque", period * first, names[joint], ratio=ratio)
         for each in contacts:
             yield Finding("contact", each.start, bodies=each.bodies, ratio=each.force)
-        yield from worst("tracking", np.abs(plan.q - run.q)[free] / allowed)
+        yield from worst("tracking", (plan.q - run.q)[free], allowed)
         errors = tip_errors[free]
         for kind, most in tolerances.items():
             if errors.max() > most:

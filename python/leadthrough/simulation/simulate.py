@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+import leadthrough._core as core
 from leadthrough import check, rotations
 from leadthrough.arm import GRAVITY, Arm, check_arm
 from leadthrough.arm.attachment import Load
@@ -17,7 +19,7 @@ from leadthrough.guard.connect import connect
 from leadthrough.motion import Event, JointTrajectory, in_order, lerp
 from leadthrough.shapes import SceneLike, as_scene
 from leadthrough.simulation.controllers import Controller, Motion
-from leadthrough.simulation.drives import Disturbances, RunawayError
+from leadthrough.simulation.drives import Disturbances
 from leadthrough.simulation.report import (
     Kind,
     Plan,
@@ -26,7 +28,7 @@ from leadthrough.simulation.report import (
     findings,
     summed_contacts,
 )
-from leadthrough.simulation.simulated_arm import SimulatedArm
+from leadthrough.simulation.simulated_arm import SimulatedArm, Touch
 
 _SETTLING = 0.2  # s that the arm is held after the end
 _AFTER_TOUCH = 0.1  # s after the first contact, by when real controllers have stopped
@@ -99,24 +101,36 @@ def simulate(
     plan = plan.first(len(run.q))
     expected, smooth, dry = expected_errors(real, plan)
     allowed = allowed_errors(smooth, dry, encoder=real.drives.encoder)
-    (at, turned), (there, done) = (arm.forward_kinematics(q) for q in (plan.q, run.q))
-    tip_errors = np.linalg.norm(at - there, axis=1)
+    tip_errors, tip_turns = _tip_errors(arm, plan.q, run.q)
     contacts = summed_contacts(run.touches, period)
     times = period * np.arange(len(run.q))
+
+    planned, simulated = (
+        check.computed(
+            JointTrajectory,
+            times=times,
+            positions=each.q,
+            velocities=each.qd,
+            accelerations=each.qdd,
+            joint_names=arm.joint_names,
+            events=(),
+        )
+        for each in (plan, run)
+    )
     return SimulationReport(
         arm=arm,
-        planned=JointTrajectory(times, plan.q, plan.qd, plan.qdd, arm.joint_names),
-        simulated=JointTrajectory(times, run.q, run.qd, run.qdd, arm.joint_names),
+        planned=planned,
+        simulated=simulated,
         span=plan.span,
         torques=run.torques,
         torque_limits=real.drives.effort,
         expected=expected,
         allowed=allowed,
         tip_errors=tip_errors,
-        tip_turns=rotations.distance(turned, done),
+        tip_turns=tip_turns,
         contacts=contacts,
-        energy=np.maximum(run.work, 0.0).sum(axis=0),
-        work=run.work.sum(axis=0),
+        energy=run.energy,
+        work=run.work,
         findings=findings(
             real,
             run,
@@ -128,6 +142,21 @@ def simulate(
         ),
         obstacles=around.shapes,
     )
+
+
+def _tip_errors(
+    arm: Arm, planned: Float64Array, simulated: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """Distances (n,) of the tip from where it should be, m, and angles, rad."""
+    errors = []
+    for first in range(0, len(planned), _PIECE):
+        rows = slice(first, first + _PIECE)
+        (at, turned), (there, done) = (
+            arm.forward_kinematics(q[rows]) for q in (planned, simulated)
+        )
+        errors.append([np.linalg.norm(at - there, axis=1), rotations.distance(turned, done)])
+    away, angles = np.concatenate(errors, axis=1)
+    return away, angles
 
 
 def _plan(
@@ -194,42 +223,23 @@ def _progress(arm: Arm, q: Float64Array, span: tuple[float, float], period: floa
 
 def _run(real: SimulatedArm, plan: Plan) -> Run:
     """All steps, or as many as the arm does not run away in."""
-    count, joints = plan.q.shape
-    rows = {name: np.zeros((count, joints)) for name in ("q", "qd", "qdd", "torques", "work")}
-    rows["demanded"] = np.zeros((count, joints))
-    touches, done, runaway = [], count, None
-    q, dofs = real.q, real.plant.joints
-    for k in range(count):
-        after = min(k + 1, count - 1)
-        command = check.computed(
-            CommandedState, q=plan.q[after], qd=plan.qd[after], qdd=plan.qdd[k]
-        )
-        rows["q"][k], rows["qd"][k] = q, real.data.qvel[dofs]
-        try:
-            q = real.step(command, progress=plan.progress[k])
-        except RunawayError as error:
-            done, runaway = k + 1, error.joint
-            break
-        rows["qdd"][k] = (real.data.qvel[dofs] - rows["qd"][k]) / real.period
-        rows["torques"][k], rows["demanded"][k] = real.torques, real.demanded
-        rows["work"][k] = real.torques * (q - rows["q"][k])
-        if real.data.ncon:
-            touches.append((k, real.touches))
-        if touches and k - touches[0][0] >= _AFTER_TOUCH / real.period:
-            done = k + 1
-            break
-    kept = {name: row[:done] for name, row in rows.items()}
-    return Run(**kept, touches=touches, runaway=runaway)
+    touches = list[tuple[int, list[Touch]]]()
+    *rows, work, energy, use, over, done, joint = real._run(
+        (plan.q, plan.qd, plan.qdd, plan.progress),
+        lambda k: touches.append((k, real.touches)),
+        math.ceil(_AFTER_TOUCH / real.period),
+    )
+    q, qd, qdd, torques = (row[:done] for row in rows)
+    return Run(q, qd, qdd, torques, work, energy, use, over, touches, joint if joint >= 0 else None)
 
 
 _EVERY = 10  # samples that share a mass matrix and gains
-_PIECE = 1000 * _EVERY  # samples whose matrices are repeated at once
+_PIECE = 1000 * _EVERY  # samples whose matrices are kept at once
 # The model is linear: products of errors are not in it, by which joints disturb each other too.
 _SLACK, _COUPLED = 1.3, 0.1
 _CURVED = 2.0  # 1/rad (1/m)
 _MIN_ALLOWED = 2e-4  # rad (m)
 _ENCODER_STEPS = 2.0  # that noise of the encoders may move a joint by
-_MOVING = 1e-6  # rad/s (m/s): slower, dry friction is that of the last way
 _DIVERGED = 1e3  # rad (m)
 # Periods after a kick in which a loop shows whether it is stable, and growth that shows it is not.
 _KICKED, _GROWTH = 500, 1.2
@@ -238,48 +248,29 @@ _KICKED, _GROWTH = 500, 1.2
 def expected_errors(
     real: SimulatedArm, plan: Plan
 ) -> tuple[Float64Array, Float64Array, Float64Array]:
-    """Linear errors (n, joints) with and without dry friction, and its largest effect (joints,)."""
-    law, drives, late = real.law, real.drives, real.drives.late
-    q, qd = plan.q, plan.qd
-    left = drives.damping * qd + _pushed(real, q) + _unknown_load(real, plan)
-    torques = law.arm.inverse_dynamics(q, qd, plan.qdd, gravity=law.gravity)
-    if real.steps > 1:
-        left += _later(real, plan) - torques
-    torques += drives.rotors * plan.qdd
-    weight = law.arm.gravity_torques(q, gravity=law.gravity)
-    coarse = slice(None, None, _EVERY)
-    mass = law.mass(q[coarse])
-    gains = law.gains(
-        Motion(q[coarse], mass, torques[coarse], weight[coarse], plan.progress[coarse])
-    )
-    # Dampers in the joints and their drives act at once, and at the end of a step.
-    dampers = drives.damping + law.drive_damping
-    ease = np.asarray(np.linalg.inv(mass + real.period / real.steps * np.diag(dampers)))
-    answer = np.concatenate([ease @ gains.stiffness, ease @ gains.damping], axis=2)
-    left += _between(gains.unmodelled, len(q))
-    pull = _products(ease, left)
-    if late:
-        before = np.maximum(np.arange(len(q)) - late, 0)
-        moved = np.concatenate([q - q[before], qd - qd[before]], axis=1)
-        pull -= _products(answer, moved)
-    if (joint := _growing(answer, ease * dampers, real, len(q))) is not None:
-        smooth = _diverged(joint, q)
-        return smooth, smooth, np.zeros(q.shape[1])
-    smooth = _integrated(answer, ease * dampers, pull, _jumps(real, plan.qdd), real)
-    if not drives.friction.any():
-        return smooth, smooth, np.zeros(q.shape[1])
-    pull = _products(ease, drives.friction * _directions(qd))
-    dry = _integrated(answer, ease * dampers, pull, np.zeros_like(q), real)
-    # A joint may be held either way, and so deflect the others.
-    held = np.abs(np.linalg.pinv(gains.stiffness)) @ drives.friction
-    return smooth + dry, smooth, np.maximum(np.abs(dry).max(axis=0), held.max(axis=0))
+    """Linear errors (n, joints), and the largest (joints,) without and by dry friction alone."""
+    friction = real.drives.friction
+    loop, held = _loop(real, np.zeros_like(friction)), np.zeros_like(friction)
+    errors = np.empty_like(plan.q)
+    for first in range(0, len(plan.q), _PIECE):
+        ease, answer, left, stiffness = _response(real, plan, first)
+        if first == 0 and (joint := _growing(ease, answer, real, len(plan.q))) is not None:
+            return _diverged(joint, plan.q)
+        moved = (each[first : first + _PIECE] for each in (plan.q, plan.qd, plan.qdd))
+        errors[first : first + _PIECE] = loop.advance(ease, answer, left, *moved)
+        if loop.diverged >= 0:
+            return _diverged(loop.diverged, plan.q)
+        if friction.any():  # a joint may be held either way, and so deflect the others
+            most = (np.abs(np.linalg.pinv(stiffness, hermitian=True)) @ friction).max(axis=0)
+            held = np.maximum(held, most)
+    return errors, loop.smooth, np.maximum(loop.dry, held)
 
 
 def allowed_errors(
     smooth: Float64Array, dry: Float64Array, *, encoder: Float64Array
 ) -> Float64Array:
     """The largest error (joints,) that the gains allow."""
-    most = np.abs(smooth).max(axis=0) + dry
+    most = smooth + dry
     if not np.isfinite(most).all():
         return np.asarray(most)
     largest = float(most.max())
@@ -287,78 +278,75 @@ def allowed_errors(
     return np.asarray(_SLACK * most + second_order + _MIN_ALLOWED + _ENCODER_STEPS * encoder)
 
 
-def _later(real: SimulatedArm, plan: Plan) -> Float64Array:
-    """Torques (n, joints) needed in the mean of each period, not at its beginning."""
-    shift = real.period - real.period / real.steps
-    qd = plan.qd + shift * plan.qdd
-    q = plan.q + 0.5 * shift * qd
-    return real.law.arm.inverse_dynamics(q, qd, plan.qdd, gravity=real.law.gravity)
+def _loop(real: SimulatedArm, speed: Float64Array) -> core.ErrorLoop:
+    """The errors' motion from a velocity (joints,) on."""
+    drives = real.drives
+    # Dampers in the joints and their drives act at once, and at the end of a step.
+    dampers = drives.damping + real.law.drive_damping
+    values = np.array([dampers, drives.friction, speed])
+    return core.ErrorLoop(values, real.period, real.steps, drives.late, _EVERY)
 
 
-def _jumps(real: SimulatedArm, qdd: Float64Array) -> Float64Array:
-    """Changes (n, joints) of the planned velocity at samples, between which qdd is constant."""
-    before = np.concatenate([np.zeros((1, qdd.shape[1])), qdd[:-1]])
-    return np.asarray(0.5 * (real.period - real.period / real.steps) * (qdd - before))
+def _response(
+    real: SimulatedArm, plan: Plan, first: int
+) -> tuple[Float64Array, Float64Array, Float64Array, Float64Array]:
+    """Of a piece: inverse masses and their products with the gains, what is left, stiffness."""
+    law, drives = real.law, real.drives
+    # With the next piece's first sample, as what is left is interpolated.
+    q, qd, qdd, progress = (
+        each[first : first + _PIECE + 1 : _EVERY]
+        for each in (plan.q, plan.qd, plan.qdd, plan.progress)
+    )
+    torques = law.arm.inverse_dynamics(q, qd, qdd, gravity=law.gravity) + drives.rotors * qdd
+    mass, weight = law.mass(q), law.arm.gravity_torques(q, gravity=law.gravity)
+    gains = law.gains(Motion(q, mass, torques, weight, progress))
+    dampers = drives.damping + law.drive_damping
+    ease = np.asarray(np.linalg.inv(mass + real.period / real.steps * np.diag(dampers)))
+    answer = np.concatenate([ease @ gains.stiffness, ease @ gains.damping], axis=2)
+    q, qd, qdd = (each[first : first + _PIECE] for each in (plan.q, plan.qd, plan.qdd))
+    left = drives.damping * qd + _pushed(real, q, first) + _unknown_load(real, q, qd, qdd)
+    left += lerp(np.arange(len(q)), _EVERY * np.arange(len(mass)), gains.unmodelled)
+    if real.steps > 1:
+        left += _later(real, q, qd, qdd)
+    count = len(mass)
+    return ease.reshape(count, -1), answer.reshape(count, -1), left, gains.stiffness
 
 
-def _integrated(
-    answer: Float64Array,
-    slowing: Float64Array,
-    pull: Float64Array,
-    jumps: Float64Array,
-    real: SimulatedArm,
+def _later(
+    real: SimulatedArm, q: Float64Array, qd: Float64Array, qdd: Float64Array
 ) -> Float64Array:
-    """Errors (n, joints) by the physics' steps; the controller sees a period's mean velocity."""
-    count, joints = pull.shape
-    period, steps, late = real.period, real.steps, real.drives.late
-    states, speed = np.zeros((count + 1, 2 * joints)), np.zeros(joints)
-    for k in range(count):
-        i, total, step = k // _EVERY, 0.0, period / steps
-        held = pull[k] - answer[i] @ states[max(k - late, 0)]
-        speed = speed + jumps[k]
-        for _ in range(steps):
-            speed = speed + step * (held - slowing[i] @ speed)
-            total = total + speed
-        now, mean = states[k + 1], total / steps
-        now[joints:] = mean
-        now[:joints] = states[k, :joints] + period * mean
-        if k % _EVERY == 0 and not np.abs(now).max() < _DIVERGED:
-            return _diverged(int(np.abs(now).argmax()) % joints, pull)
-    return np.asarray(states[:count, :joints])
+    """Torques (n, joints) needed in the mean of each period, less those at its beginning."""
+    shift, arm, pull = real.period - real.period / real.steps, real.arm, real.law.gravity
+    after = qd + shift * qdd
+    there = arm.inverse_dynamics(q + 0.5 * shift * after, after, qdd, gravity=pull)
+    return np.asarray(there - arm.inverse_dynamics(q, qd, qdd, gravity=pull))
 
 
 def _growing(
-    answer: Float64Array, slowing: Float64Array, real: SimulatedArm, count: int
+    ease: Float64Array, answer: Float64Array, real: SimulatedArm, count: int
 ) -> int | None:
     """The joint that moves fastest at last if all were kicked and the errors grow from then on."""
-    still = np.zeros((min(count, _KICKED), answer.shape[2] // 2))
-    kick = still.copy()
-    kick[:1] = 1.0
-    moved = _integrated(answer, slowing, still, kick, real)
-    if not np.isfinite(moved).all():
-        return int(moved[-1].argmax())
+    still = np.zeros((min(count, _KICKED), len(real.drives.friction)))
+    loop = _loop(real, np.ones(still.shape[1]))
+    moved = loop.advance(ease, answer, *[still] * 4)
+    if loop.diverged >= 0:
+        return loop.diverged
     speeds = np.abs(np.diff(moved, axis=0))
     last = len(speeds) - len(speeds) // 4
     before, after = (part.max(initial=0.0) for part in np.split(speeds, [last]))
     return int(speeds[last:].max(axis=0).argmax()) if after > _GROWTH * before else None
 
 
-def _diverged(joint: int, like: Float64Array) -> Float64Array:
-    """Errors (n, joints) of a loop in which one joint is the first to run away."""
-    return np.where(np.arange(like.shape[1]) == joint, np.inf, np.full(like.shape, _DIVERGED))
+def _diverged(joint: int, like: Float64Array) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """Errors of a loop in which one joint is the first to run away."""
+    most = np.where(np.arange(like.shape[1]) == joint, np.inf, _DIVERGED)
+    return np.tile(most, (len(like), 1)), most, np.zeros_like(most)
 
 
-def _directions(qd: Float64Array) -> Float64Array:
-    """Signs (n, joints) of the velocities; at rest those of the movement before."""
-    signs = np.where(np.abs(qd) > _MOVING, np.sign(qd), 0.0)
-    last = np.maximum.accumulate(np.where(signs != 0.0, np.arange(len(qd))[:, None], 0), axis=0)
-    return np.asarray(np.take_along_axis(signs, last, axis=0))
-
-
-def _pushed(real: SimulatedArm, q: Float64Array) -> Float64Array:
-    """Torques (n, joints) against the pushes."""
+def _pushed(real: SimulatedArm, q: Float64Array, first: int) -> Float64Array:
+    """Torques (n, joints) against the pushes, of samples from one on."""
     result = np.zeros_like(q)
-    times = real.period * np.arange(len(q))
+    times = real.period * np.arange(first, first + len(q))
     for push in real.drives.pushes:
         during = (times >= push.time) & (times < push.time + push.duration)
         if during.any():
@@ -367,13 +355,15 @@ def _pushed(real: SimulatedArm, q: Float64Array) -> Float64Array:
     return result
 
 
-def _unknown_load(real: SimulatedArm, plan: Plan) -> Float64Array:
+def _unknown_load(
+    real: SimulatedArm, q: Float64Array, qd: Float64Array, qdd: Float64Array
+) -> Float64Array:
     """Torques (n, joints) of the part of the load that nobody can be expected to know."""
     drives, arm = real.drives, real.arm
     known_to = drives.payload_known_to
     part = float(np.clip(drives.payload - 1.0, -known_to, known_to))
     if part == 0.0:
-        return np.zeros_like(plan.q)
+        return np.zeros_like(q)
     more = [
         Load(abs(part) * each.mass, each.center, abs(part) * each.inertia)
         for each in arm.attachment.loads
@@ -381,23 +371,6 @@ def _unknown_load(real: SimulatedArm, plan: Plan) -> Float64Array:
     loads = (*arm.attachment.loads, *more)
     heavier = replace(arm, attachment=replace(arm.attachment, loads=loads))
     with_it, without = (
-        each.inverse_dynamics(plan.q, plan.qd, plan.qdd, gravity=real.law.gravity)
-        for each in (heavier, arm)
+        each.inverse_dynamics(q, qd, qdd, gravity=real.law.gravity) for each in (heavier, arm)
     )
     return np.asarray(np.copysign(1.0, part) * (with_it - without))
-
-
-def _products(coarse: Float64Array, vectors: Float64Array) -> Float64Array:
-    """Products (n, rows) of vectors with the matrix that they share with their neighbours."""
-    pieces = []
-    for first in range(0, len(vectors), _PIECE):
-        part = vectors[first : first + _PIECE, :, None]
-        matrices = coarse[first // _EVERY : (first + _PIECE) // _EVERY]
-        pieces.append((np.repeat(matrices, _EVERY, axis=0)[: len(part)] @ part)[:, :, 0])
-    return np.concatenate(pieces)
-
-
-def _between(coarse: Float64Array, count: int) -> Float64Array:
-    """Rows for all samples, from those of every tenth."""
-    at, known = np.arange(count), np.arange(len(coarse)) * _EVERY
-    return lerp(at, known, coarse)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.arm.model import GRAVITY
@@ -69,10 +69,6 @@ def _along(modes: Float64Array, matrices: Float64Array) -> Float64Array:
     )
 
 
-# No arm has such motors, N m (N); MuJoCo would soon give up and write a file about it.
-_STRONGEST = 1e6
-
-
 @dataclass(frozen=True, eq=False)
 class Touch(ShortRepr):
     """Two bodies that touch.
@@ -98,9 +94,7 @@ class SimulatedArm(ShortRepr):
     shapes and the highest torques. The controller knows the same arm, but nothing of the
     disturbances. Equal calls have equal answers.
 
-    `torques` are those behind the gears during the last period (joints,), N m (N), and `demanded`
-    those that the controller asked for. `steps` is the number of physics steps in a period, from
-    the gains and inertias at the start.
+    `steps` is the number of physics steps in a period, from the gains and inertias at the start.
 
     Args:
         arm: the arm.
@@ -157,22 +151,30 @@ class SimulatedArm(ShortRepr):
         model.opt.timestep = self.period / self.steps
 
     def _begin(self, start: CommandedState) -> None:
-        self._limited = np.isfinite(self.drives.effort)
-        self._ranges = self.drives.effort[self._limited, None] * (-1.0, 1.0)
-        late = self.drives.late
         self.data: Any = self._mujoco.MjData(self.plant.model)
         self.data.qpos[:] = self.plant.coordinates(start.q)
         for i, (joint, factor, _) in enumerate(self.plant.drives):
             self.data.qvel[i] = factor * start.qd[joint]
-        self._target = start
-        self._ticks = 0
-        before = self.drives.encoded(start.q - self.period * start.qd)
-        self._seen = deque([self.drives.encoded(start.q)] * (late + 1), maxlen=late + 1)
-        self._seen_qd = deque([start.qd] * (late + 1), maxlen=late + 1)
-        self._last_seen = before
-        self._last_qd = self._mean_qd = start.qd
-        self.demanded = self.torques = np.zeros(len(start.q))
+        self._connect(start)
         self._mujoco.mj_forward(self.plant.model, self.data)
+
+    def _connect(self, start: CommandedState) -> None:
+        """Lets the drives act on the model as it is now."""
+        own, plant, law = self.drives, self.plant, self.law
+        self._start = start
+        data, motors = self.data, plant.motors
+        ranges = plant.model.actuator_forcerange[motors]
+        self._core = core.Drives(
+            np.array([own.encoder, own.rotors, law.fed_forward, own.effort, law.drive_damping]),
+            own.late,
+            self.period,
+            self.steps,
+            RUNAWAY,
+            _rows(start),
+            plant.joints,
+            (data.qpos, data.qvel, data.ctrl[motors], ranges, data.actuator_force[motors]),
+        )
+        self._asked = law.kernel if law.kernel and not own.pushes else self._by_hand
 
     def _share(self, model: Any, data: Any, prefix: str, steps: int) -> None:
         """Moves into a model with more bodies, in which its names have a prefix."""
@@ -189,11 +191,22 @@ class SimulatedArm(ShortRepr):
             motors=slice(motor, motor + len(self.arm.joint_names)),
         )
         self.data, self.steps = data, steps
+        self._connect(self._start)
+
+    @property
+    def torques(self) -> Float64Array:
+        """Torques behind the gears during the last period (joints,), N m (N)."""
+        return np.asarray(self._core.torques)
+
+    @property
+    def demanded(self) -> Float64Array:
+        """Torques that the controller asked for in it (joints,), N m (N)."""
+        return np.asarray(self._core.demanded)
 
     @property
     def time(self) -> float:
         """Since the start, s."""
-        return self._ticks * self.period
+        return self._core.ticks * self.period
 
     @property
     def q(self) -> Float64Array:
@@ -226,74 +239,43 @@ class SimulatedArm(ShortRepr):
         Raises:
             FloatingPointError: if a joint runs away: the gains are too high for the rate.
         """
-        for _ in self._period(command, progress):
+        for _ in self._period(_rows(command), progress):
             self._mujoco.mj_step(self.plant.model, self.data)
         return self.q
 
-    def _period(self, command: CommandedState, progress: float) -> Iterator[None]:
-        """A period; whoever goes through it lets the physics make a step each time."""
-        q, qd = self._measured()
-        target = check.computed(
-            CommandedState, q=self._target.q, qd=self._target.qd, qdd=command.qdd
-        )
-        asked = self.law.torques(Moment(target, q, qd, progress))
-        # Torque limits hold behind the gears, where the rotors' own acceleration has no part.
-        before = self.qd
-        spin = self._spin(before, command.qdd)
-        self.demanded = asked + self.law.drive_damping * (qd - before) - spin
-        # The motors' limits for this period, with the torques of the rotors added.
-        ranges = spin[self._limited, None] + self._ranges
-        self.plant.model.actuator_forcerange[self.plant.motors][self._limited] = ranges
-        if self.drives.pushes:
-            self._push()
-        asked_most = np.minimum(np.abs(self.demanded), self.drives.effort)
-        self._stop_runaway(asked_most, _STRONGEST)
-        step, given, speeds = self.period / self.steps, [], [before]
+    def _period(self, command: Float64Array, progress: float) -> Iterator[None]:
+        """A period with a command (3, joints); its user lets the physics make a step each time."""
+        self._stop_runaway(self._core.begin(command, progress, self._asked))
         for i in range(self.steps):
-            # The drives subtract what their own dampers give. These compare velocities at the end
-            # of a step, with the target's there: between samples its acceleration is constant.
-            ahead = 0.5 * (self.period - step) + (i + 1) * step
-            ctrl = asked + self.law.drive_damping * (qd + ahead * command.qdd)
-            self.data.ctrl[self.plant.motors] = ctrl
+            self._core.act(i)
             yield
-            speeds.append(self.qd)
-            self._stop_runaway(np.abs(speeds[-1]), RUNAWAY)
-            given.append(self._given(speeds[-1] - speeds[-2], spin))
-        self._mean_qd = sum(speeds[2:], speeds[1]) / self.steps
-        self.torques = np.asarray(sum(given[1:], given[0]) / self.steps)
-        self._target = command
-        self._ticks += 1
+            self._stop_runaway(self._core.advance())
+        self._core.end()
 
-    def _stop_runaway(self, values: Float64Array, most: float) -> None:
-        """Raises an error if a value of a joint (joints,) is too large, or no number."""
-        if not values.max() < most:
-            joint = int(values.argmax())
+    def _stop_runaway(self, joint: int) -> None:
+        if joint >= 0:
             raise RunawayError(self.arm.joint_names[joint], self.time, joint)
 
-    def _spin(self, qd: Float64Array, qdd: Float64Array) -> Float64Array:
-        """Torques (joints,) that the rotors take in a period: as fed forward, or as in the last."""
-        last = (qd - self._last_qd) / self.period
-        self._last_qd = qd
-        fed = self.law.fed_forward
-        return np.asarray(fed * qdd + (self.drives.rotors - fed) * last)
+    def _by_hand(self, *moment: Any) -> Float64Array:
+        """The torques of a law that is not the core's, or of one whose arm is pushed."""
+        q, qd, qdd, *measured = moment
+        if self.drives.pushes:
+            self._push()
+        target = check.computed(CommandedState, q=q, qd=qd, qdd=qdd)
+        return self.law.torques(Moment(target, *measured))
 
-    def _given(self, gained: Float64Array, spin: Float64Array) -> Float64Array:
-        """Torques behind the gears in a step that gained speed; the drives' dampers act after."""
-        force = self.data.actuator_force[self.plant.motors] - spin
-        limit = self.drives.effort
-        free = np.abs(force) < limit
-        given = force - free * self.law.drive_damping * gained
-        return np.asarray(np.clip(given, -limit, limit))
+    def _run(
+        self, commands: tuple[Float64Array, ...], touched: Callable[[int], None], most: int
+    ) -> tuple[Any, ...]:
+        """A motion as the core records it, until so many periods after bodies first touch."""
+        model, data, physics = self.plant.model, self.data, self._mujoco.mj_step
 
-    def _measured(self) -> tuple[Float64Array, Float64Array]:
-        """Positions and velocities as the controller sees them."""
-        now = self.drives.encoded(self.q)
-        differences = (now - self._last_seen) / self.period
-        self._last_seen = now
-        speed = np.where(self.drives.encoder > 0.0, differences, self._mean_qd)
-        self._seen.append(now)
-        self._seen_qd.append(speed)
-        return self._seen[0], self._seen_qd[0]
+        def step() -> bool:
+            physics(model, data)
+            return bool(data.ncon)
+
+        q, qd, qdd, progress = commands
+        return self._core.run(q, qd, qdd, progress, self._asked, step, touched, most)
 
     def _push(self) -> None:
         body = self.plant.tip
@@ -315,6 +297,10 @@ def _started(state: CommandedState | ArrayLike, joints: int) -> CommandedState:
         return CommandedState(*rows)
     q = check.array(state, "state", shape=(joints,))
     return CommandedState(q, np.zeros(joints), np.zeros(joints))
+
+
+def _rows(state: CommandedState) -> Float64Array:
+    return np.array([state.q, state.qd, state.qdd])
 
 
 def _touches(mujoco: Any, model: Any, data: Any) -> list[Touch]:

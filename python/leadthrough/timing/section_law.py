@@ -428,25 +428,27 @@ def hurries(due: Float64Array, arrival: Callable[[Free], Float64Array], *, slack
         if not len(points):
             break
         first = begin + int(points[0])
-        end = _end(free, first, lambda some: arrival(some) - due, allowed)
+        end, limiting = _end(free, first, lambda some: arrival(some) - due, allowed)
         free[first:end] = True
         late = arrival(free) - due
-        begin = max(end, first + _HURRY_SPACING)
+        # Whatever is freed before the point that limits this one would bring it early too.
+        begin = max(end, limiting, first + _HURRY_SPACING)
     return free
 
 
-def _end(free: Free, first: int, lateness: Callable[[Free], Float64Array], allowed: float) -> int:
-    """The point up to which the pace may be free from the first one without coming early."""
-
-    def early(end: int) -> bool:
+def _end(
+    free: Free, first: int, lateness: Callable[[Free], Float64Array], allowed: float
+) -> tuple[int, int]:
+    """The point up to which the pace may be free from the first one, and what limits it."""
+    low, high, end, limiting = first, len(free) + 1, len(free), len(free)
+    while high - low > 1:
         trial = free.copy()
         trial[first:end] = True
-        return bool((lateness(trial)[first:] < allowed).any())
-
-    low, high = first, len(free)
-    if not early(high):
-        return high
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if early(middle) else (middle, high)
-    return low
+        # Also before the first point: the motion need not slow down to a slow pace that it was to.
+        early = np.flatnonzero(lateness(trial) < allowed)
+        if len(early):
+            high, limiting = end, int(early[0])
+        else:
+            low = end
+        end = (low + high) // 2
+    return low, limiting

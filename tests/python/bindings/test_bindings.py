@@ -30,6 +30,7 @@ FREE = dict(
         r"(\S+?)\(([^)]*)\)",
         """
     ArrivalField(cells speed)  ArrivalField.update(speed)  Chain.forward_kinematics(q)
+    ErrorLoop(values)  ErrorLoop.advance(answer ease)
     Chain.pose(q)  DmpForces(nodes)  DmpPath(coefficients)  Dynamics.mass_matrix(q)
     MarchingPolicy(arrival)  MarchingPolicy.moved(points)  MarchingPolicy.velocities(points)
     PursuitOptions(acceleration velocity)

@@ -268,3 +268,20 @@ def test_rows_of_numbers_are_written_and_read():
     values, length = core.read_records(text + b"<1;2|x>", layout)
     assert np.array_equal(values.reshape(-1, 3), rows)
     assert length == len(text)
+
+
+def test_a_simulated_arm_moves_as_commanded():
+    panda, rise = lt.Arm.load("panda"), tr.minimum_jerk_time_scaling(U)[:, None]
+    motion = lt.JointTrajectory(U, HOME + rise * np.linspace(0.1, 0.3, 7))
+    pushes = [lt.simulation.Push(0.5, (0.0, 1.0, 0.0))]
+    for each in ((), pushes):  # by a law of the core, and by one of Python
+        disturbances = lt.simulation.Disturbances(pushes=each)
+        report = lt.simulate(panda, motion, disturbances=disturbances, rate=100.0)
+        assert np.abs(report.errors).max() < 0.02
+    real = lt.simulation.SimulatedArm(panda, HOME, rate=100.0)
+    still = np.zeros(7)
+    for _ in range(5):
+        real.step(lt.guard.CommandedState(HOME, still, still))
+    assert np.abs(real.q - HOME).max() < 1e-3 < np.abs(real.torques).max()
+    assert real.time == 0.05
+    assert np.abs(real.demanded - real.torques).max() < 1.0

@@ -207,3 +207,12 @@ def test_a_real_recording_is_replayed_to_a_moved_goal(
     timed = lt.read_motion("timed.npz")
     reached = lt.Arm.load("panda").poses(timed).positions[-1]
     assert np.abs(reached - (shown.positions[-1] + [0.02, -0.02, 0.01])).max() < within
+
+
+@pytest.mark.parametrize("trial", ["trial1.csv", "trial2.csv"])
+def test_a_log_of_five_minutes_is_learned_within_two_millimetres(recordings, tmp_path, trial):
+    """Its curve had 3,200 rows at most, and was 2.1 mm off."""
+    joints = "joints=" + ",".join(f"joint_{i}" for i in range(1, 8))
+    how = ("--rate", 20, "--column", joints, "--robot", "panda", "-o", tmp_path / "skill.npz")
+    learned = facts("learn", recordings / "panda_execution" / trial, *how)
+    assert learned["reproduction"]["position"] < 2e-3

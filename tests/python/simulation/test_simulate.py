@@ -14,6 +14,7 @@ from urdfs import one_joint
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput, MissingDependency
+from leadthrough.guard import CommandedState
 from leadthrough.simulation import (
     CartesianImpedance,
     ComputedTorque,
@@ -22,6 +23,7 @@ from leadthrough.simulation import (
     PositionServo,
     Push,
 )
+from leadthrough.simulation.controllers import Moment
 
 
 def kinds(report):
@@ -258,3 +260,33 @@ def test_without_mujoco_the_error_names_the_extra(loaded, swing, monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(MissingDependency, match=r"leadthrough\[simulation\]"):
         lt.simulate(loaded, swing)
+
+
+def test_laws_of_the_core_are_their_formulas():
+    arm, rng = lt.Arm.load("panda"), np.random.default_rng(1)
+    rotors, pull = rng.uniform(0.1, 0.5, 7), np.array([0.0, 1.0, -9.81])
+    q, qd, qdd, now, rate = HOME, *0.1 * rng.standard_normal((4, 7))
+    moment = Moment(CommandedState(q, qd, qdd), HOME + now, rate, 0.0)
+    away, slip = -now, qd - rate
+    weight = arm.gravity_torques(HOME + now, gravity=pull)
+
+    law = ComputedTorque(30.0).law(arm, HOME, gravity=pull, rotors=rotors)
+    wanted = qdd + 60.0 * slip + 900.0 * away
+    needed = arm.inverse_dynamics(HOME + now, rate, wanted, gravity=pull) + rotors * wanted
+    light = law.drive_damping / 60.0
+    assert law.torques(moment) == pytest.approx(needed + light * (900.0 * away + 60.0 * slip))
+    for made, held in ((PositionServo(50.0), 0.0), (JointImpedance(50.0), weight)):
+        law = made.law(arm, HOME, gravity=pull, rotors=rotors)
+        expected = 50.0 * away + law.drive_damping * slip + held
+        assert law.torques(moment) == pytest.approx(expected)
+
+
+def test_a_law_asked_from_python_moves_the_arm_to_the_bit_as_one_of_the_core(loaded, swing):
+    """With pushes the core asks Python each period; one without force changes nothing."""
+    runs = [
+        lt.simulate(loaded, swing, disturbances=Disturbances(pushes=pushes))
+        for pushes in ((), [Push(0.1, (0.0, 0.0, 0.0))])
+    ]
+    assert np.array_equal(*(each.torques for each in runs))
+    assert np.array_equal(*(each.simulated.positions for each in runs))
+    assert np.array_equal(*(each.expected for each in runs))

@@ -11,6 +11,7 @@ from leadthrough.errors import InvalidInput, LimitsInfeasible
 from leadthrough.timing import check_limits
 
 PANDA = lt.Arm.load("panda").limits
+UR3 = lt.Arm.load("ur3").limits
 MIDDLE = 0.5 * (PANDA.lower + PANDA.upper)
 
 
@@ -88,6 +89,39 @@ def test_nothing_is_reached_early_after_a_slow_beginning(seed):
     rows = slice(len(share) // 30, -len(share) // 30)
     assert lateness(shown, motion, rows).min() > -2e-3
     assert check_limits(motion, PANDA).ok
+
+
+def hurried(seed):
+    """A recording at rest at its ends, with three stretches that may be too fast, and limits."""
+    rng = np.random.default_rng(seed)
+    limits = replace(UR3, jerk=UR3.jerk * [1.0, 0.3, 0.1][seed % 3])
+    duration, count = rng.uniform(4.0, 12.0), int(rng.integers(300, 1500))
+    share = np.linspace(0.0, 1.0, count)
+    pace = 0.15 * np.sin(np.pi * share) ** 2
+    places = (rng.uniform(low, high, 3) for low, high in ((0.1, 0.9), (0.015, 0.06), (0.0, 3.0)))
+    for middle, width, size in zip(*places, strict=True):
+        pace += size * np.exp(-(((share - middle) / width) ** 2)) * 6.0 / duration
+    way = np.cumsum(pace)
+    way = (way - way[0]) / (way[-1] - way[0])
+    bend = rng.uniform(2.0, 6.0) * np.outer(way, 1.0 + 0.1 * rng.permutation(6))
+    return lt.JointTrajectory(
+        duration * share, 0.5 * np.sin(bend + rng.uniform(0.0, 6.0, 6))
+    ), limits
+
+
+@pytest.mark.parametrize("seed", [59, 65, 95])
+def test_catching_up_brings_nothing_early_before_or_after(seed):
+    """A pace freed at one point was kept up before it too, by up to 5 ms."""
+    shown, limits = hurried(seed)
+    rows = slice(len(shown) // 30, -len(shown) // 30)
+    assert lateness(shown, lt.keep_timing(shown, limits), rows).min() > -1e-3
+
+
+def test_where_a_later_point_limits_the_pace_the_motion_catches_up_behind_it():
+    """All attempts were made before that point, and half of the motion was 0.3 s late."""
+    shown, limits = hurried(107)
+    late = lateness(shown, lt.keep_timing(shown, limits))
+    assert late[int(0.9 * len(late))] < 0.03
 
 
 def test_a_stop_that_was_not_shown_is_made_up_for():

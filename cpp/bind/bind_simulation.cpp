@@ -1,0 +1,163 @@
+#include <pybind11/eigen.h>
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "bind/parts.hpp"
+#include "leadthrough/simulation/error_loop.hpp"
+#include "leadthrough/simulation/run.hpp"
+
+namespace py = pybind11;
+
+namespace leadthrough {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using simulation::Command;
+using simulation::Drives;
+using simulation::ErrorLoop;
+using simulation::JointLaw;
+using simulation::Moment;
+using Values = py::array_t<double, py::array::c_style>;
+
+JointLaw make_law(const Dynamics& dynamics, const Eigen::Vector3d& gravity, const VectorXd& rotors,
+                  std::pair<double, double> of_motion, const VectorXd& springs,
+                  const VectorXd& dampers, const std::string& model) {
+  const simulation::Model adds = model == "motion"   ? simulation::Model::motion
+                                 : model == "weight" ? simulation::Model::weight
+                                                     : simulation::Model::none;
+  return {dynamics, gravity, rotors, {of_motion.first, of_motion.second, springs, dampers}, adds};
+}
+
+VectorXd torques(JointLaw& law, const Command& target, const VectorXd& q, const VectorXd& qd) {
+  require(target.rows() == 3 && target.cols() == law.joints());
+  require(q.size() == law.joints() && qd.size() == law.joints());
+  return law.torques({target.row(0), target.row(1), target.row(2), q, qd, 0.0});
+}
+
+// A law of the core, or a function of Python of the moment's values.
+Drives::Law law_of(const py::object& law) {
+  if (py::isinstance<JointLaw>(law)) {
+    auto& own = law.cast<JointLaw&>();
+    return [&own](const Moment& now, VectorXd& result) {
+      require(own.joints() == now.q.size());
+      result = own.torques(now);
+    };
+  }
+  return [law](const Moment& now, VectorXd& result) {
+    const auto torques =
+        law(now.target_q, now.target_qd, now.qdd, now.q, now.qd, now.progress).cast<VectorXd>();
+    require(torques.size() == now.q.size());
+    result = torques;
+  };
+}
+
+// The drives, and the arrays of the physics that they read and write.
+struct DrivenArm {
+  Values q, qd, control, ranges, force;
+  Drives drives;
+
+  DrivenArm(simulation::DriveValues values, const Command& start, std::vector<Index> joints,
+            Values q_of_all, Values qd_of_all, Values asked, Values limits, Values given)
+      : q(std::move(q_of_all)),
+        qd(std::move(qd_of_all)),
+        control(std::move(asked)),
+        ranges(std::move(limits)),
+        force(std::move(given)),
+        drives(std::move(values),
+               {q.data(), qd.data(), std::move(joints), control.mutable_data(),
+                ranges.mutable_data(), force.data()},
+               start) {}
+};
+
+// values: rows (5, joints) of encoders, rotors, the fed part of them, effort limits and dampers.
+// state: positions and velocities of all joints, control, ranges and force of the arm's motors.
+std::unique_ptr<DrivenArm> make_drives(const Rows& values, Index late, double period, int steps,
+                                       double fastest, const Command& start,
+                                       const std::vector<Index>& joints,
+                                       const std::array<Values, 5>& state) {
+  const auto& [q, qd, control, ranges, force] = state;
+  const auto count = static_cast<py::ssize_t>(joints.size());
+  for (const Index joint : joints) require(0 <= joint && joint < std::min(q.size(), qd.size()));
+  require(control.size() == count && force.size() == count && ranges.size() == 2 * count);
+  require(values.rows() == 5);
+  return std::make_unique<DrivenArm>(
+      simulation::DriveValues{values.row(0), values.row(1), values.row(2), values.row(3),
+                              values.row(4), late, period, steps, fastest},
+      start, joints, q, qd, control, ranges, force);
+}
+
+Index begin(DrivenArm& arm, const Command& command, double progress, const py::object& law) {
+  require(command.rows() == 3 && command.cols() == arm.drives.joints());
+  return arm.drives.begin(command, progress, law_of(law));
+}
+
+// The fields of a record, in their order.
+auto run(DrivenArm& arm, const Eigen::Ref<const Rows>& q, const Eigen::Ref<const Rows>& qd,
+         const Eigen::Ref<const Rows>& qdd, const Eigen::Ref<const VectorXd>& progress,
+         const py::object& law, const std::function<bool()>& step,
+         const std::function<void(Index)>& touched, Index periods_after_touch) {
+  const Interruptible call{&signal_raises};  // not without the GIL: the physics is called in Python
+  auto found = simulation::run(arm.drives, {q, qd, qdd, progress}, law_of(law),
+                               {step, touched, periods_after_touch});
+  return std::make_tuple(std::move(found.q), std::move(found.qd), std::move(found.qdd),
+                         std::move(found.torques), std::move(found.work), std::move(found.given),
+                         std::move(found.use), std::move(found.over), found.periods, found.runaway);
+}
+
+// values: rows (3, joints) of dampers, dry friction and the errors' first velocities.
+ErrorLoop make_loop(const Rows& values, double period, int steps, Index late, Index every) {
+  require(values.rows() == 3);
+  return {{values.row(0), values.row(1), period, steps, late, every}, values.row(2).transpose()};
+}
+
+Rows advance(ErrorLoop& loop, const Eigen::Ref<const Rows>& ease,
+             const Eigen::Ref<const Rows>& answer, const Eigen::Ref<const Rows>& left,
+             const Eigen::Ref<const Rows>& q, const Eigen::Ref<const Rows>& qd,
+             const Eigen::Ref<const Rows>& qdd) {
+  const Unlocked unlocked;
+  return loop.advance({ease, answer, left, q, qd, qdd});
+}
+
+}  // namespace
+
+void bind_simulation(py::module_& module) {
+  py::class_<JointLaw>(module, "JointLaw")
+      .def(py::init(&make_law), py::arg("dynamics"), py::arg("gravity"), py::arg("rotors"),
+           py::arg("of_motion"), py::arg("springs"), py::arg("dampers"), py::arg("model"))
+      .def("torques", &torques, py::arg("target"), py::arg("q"), py::arg("qd"));
+  py::class_<DrivenArm>(module, "Drives")
+      .def(py::init(&make_drives), py::arg("values"), py::arg("late"), py::arg("period"),
+           py::arg("steps"), py::arg("fastest"), py::arg("start"), py::arg("joints"),
+           py::arg("state").noconvert())
+      .def("begin", &begin, py::arg("command"), py::arg("progress"), py::arg("law").none(false))
+      .def(
+          "act", [](DrivenArm& arm, int step) { arm.drives.act(step); }, py::arg("step"))
+      .def("advance", [](DrivenArm& arm) { return arm.drives.advance(); })
+      .def("end", [](DrivenArm& arm) { arm.drives.end(); })
+      .def("run", &run, py::arg("q").noconvert(), py::arg("qd").noconvert(),
+           py::arg("qdd").noconvert(), py::arg("progress").noconvert(), py::arg("law").none(false),
+           py::arg("step").none(false), py::arg("touched").none(false),
+           py::arg("periods_after_touch"))
+      .def_property_readonly("torques", [](const DrivenArm& arm) { return arm.drives.torques(); })
+      .def_property_readonly("demanded", [](const DrivenArm& arm) { return arm.drives.demanded(); })
+      .def_property_readonly("ticks", [](const DrivenArm& arm) { return arm.drives.ticks(); });
+  py::class_<ErrorLoop>(module, "ErrorLoop")
+      .def(py::init(&make_loop), py::arg("values"), py::arg("period"), py::arg("steps"),
+           py::arg("late"), py::arg("every"))
+      .def("advance", &advance, py::arg("ease").noconvert(), py::arg("answer").noconvert(),
+           py::arg("left").noconvert(), py::arg("q").noconvert(), py::arg("qd").noconvert(),
+           py::arg("qdd").noconvert())
+      .def_property_readonly("smooth", [](const ErrorLoop& loop) { return loop.smooth(); })
+      .def_property_readonly("dry", [](const ErrorLoop& loop) { return loop.dry(); })
+      .def_property_readonly("diverged", [](const ErrorLoop& loop) { return loop.diverged(); });
+}
+
+}  // namespace leadthrough
