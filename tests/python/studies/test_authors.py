@@ -1,4 +1,4 @@
-"""What the libraries of other laboratories learn is read as they mean it."""
+"""Mixtures and energies of other laboratories' libraries are read as they mean them."""
 
 from types import SimpleNamespace
 
@@ -46,7 +46,7 @@ def test_a_mixture_and_an_energy_of_clf_dm_are_read_as_the_library_means_them():
     value = weights[0, 0] * terms[0] + weights[0, 1:] @ np.maximum(terms[1:], 0.0) ** 2
     assert np.allclose(field.energy(x), value)
 
-    # Where the energy falls fast enough it is the regression, elsewhere it falls at the least rate.
+    # It is the regression if the energy falls fast enough, and else falls at the least rate.
     step = 1e-6
     slope = np.stack([field.energy(x + step * e) - field.energy(x - step * e) for e in np.eye(D)])
     slope = slope.T / (2.0 * step)
