@@ -40,7 +40,7 @@ def write(
     folder.mkdir(parents=True, exist_ok=True)
     _write_text(folder / "results.json", _json(document, rows))
     for name, table in tables.items():
-        _write_table(folder / f"{name}.csv", table)
+        write_table(folder / f"{name}.csv", table)
     for name, figure in figures.items():
         save_figure(figure, folder / f"{name}.png")
     for name, parts in pages.items():
@@ -66,7 +66,7 @@ def _json(document: Mapping[str, Any], rows: Sequence[Row]) -> str:
     return f'{head},\n "rows": [\n{lines}\n]}}\n'
 
 
-def _write_table(path: Path, table: Sequence[Row]) -> None:
+def write_table(path: Path, table: Sequence[Row]) -> None:
     columns = list(table[0]) if table else []
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, columns, lineterminator="\n")

@@ -1,4 +1,4 @@
-"""Figures printed in docs/studies.md and in the guide are those of the results in docs/results.
+"""Figures printed in the documentation are those of the results in docs/results.
 
 A figure is followed by a comment with its place: the file, the column, and what its row has in
 other columns, as in `20<!-- singularity/draws below_8_paper table=I; unit_m_per_rad=1.0 -->`.
@@ -13,7 +13,7 @@ import pytest
 
 DOCS = Path(__file__).parents[3] / "docs"
 PAGE = (DOCS / "studies.md").read_text(encoding="utf-8")
-PRINTED = PAGE + (DOCS / "guide" / "which-model.md").read_text(encoding="utf-8")
+PRINTED = "".join(page.read_text(encoding="utf-8") for page in sorted(DOCS.rglob("*.md")))
 FIGURE = re.compile(r"(-?[\d.]+(?:e-?\d+)?)<!-- (\S+) (\S+) (.*?) -->")
 VERDICTS = {"holds", "fails", "cannot be told", "not yet run"}
 SOURCES = ("Yang, Liu and Pears", "Grioli's notes", "Prados et al.", "Lauretti et al.")
