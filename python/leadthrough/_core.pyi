@@ -263,7 +263,7 @@ class CollisionModel:
         chain: Chain,
         base: str,
         tip: str,
-        meshes: Sequence[Float64Array],
+        meshes: Sequence[Sequence[Float64Array]],
         attached: Sequence[Shape],
     ) -> None: ...
     def beside(

@@ -72,7 +72,7 @@ Convex to_convex(const urdf::Geometry& collision) {
     case urdf::GeometryType::kSphere:
       return sphere(collision.radius);
     case urdf::GeometryType::kMesh:
-      break;  // its hull is given
+      break;  // its parts are given
   }
   return {};
 }
@@ -236,7 +236,7 @@ void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
 
 CollisionModel make_collision_model(const Robot& robot, const Chain& chain, const std::string& base,
                                     const std::string& tip,
-                                    const std::vector<Eigen::Matrix3Xd>& hulls,
+                                    const std::vector<MeshParts>& meshes,
                                     const PlacedShapes& attached, const PairOptions& options) {
   const std::vector<Place> links = places(robot, joints_of_chain(robot, base, tip));
   const auto first = static_cast<std::size_t>(urdf::find_link(robot, base));
@@ -251,7 +251,7 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
     return inverse(frames[index(frame_of(link))]) * T_base_link;
   };
   std::vector<int> body_of_link(robot.links.size(), -1);
-  std::size_t hull_index = 0;
+  std::size_t mesh = 0;
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const urdf::Link& link = robot.links[i];
     if (link.collisions.empty()) continue;
@@ -260,7 +260,7 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
     for (const urdf::Geometry& collision : link.collisions) {
       const Transform pose = in_frame(i) * collision.T_link_shape;
       if (collision.type == urdf::GeometryType::kMesh)
-        add_hull(model, hulls[hull_index++], pose);
+        for (const Eigen::Matrix3Xd& part : meshes[mesh++]) add_hull(model, part, pose);
       else
         add_shape(model, to_convex(collision), pose);
     }
