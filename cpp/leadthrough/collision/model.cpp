@@ -235,8 +235,7 @@ void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
 }  // namespace
 
 CollisionModel make_collision_model(const Robot& robot, const Chain& chain, const std::string& base,
-                                    const std::string& tip,
-                                    const std::vector<MeshParts>& meshes,
+                                    const std::string& tip, const std::vector<MeshParts>& meshes,
                                     const PlacedShapes& attached, const PairOptions& options) {
   const std::vector<Place> links = places(robot, joints_of_chain(robot, base, tip));
   const auto first = static_cast<std::size_t>(urdf::find_link(robot, base));
