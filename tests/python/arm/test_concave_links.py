@@ -38,3 +38,9 @@ def test_an_obstacle_is_no_farther_than_from_the_meshes(ur5):
         theirs = peer.distance_to(peer.moving_links(), *peer.solid(ball))
         ours = max(arm.distance(q, [ball]), 0.0)
         assert theirs - STANDS_OUT < ours < max(theirs, 0.0) + 1e-6
+
+
+def test_links_that_are_nested_by_design_stay_left_out():
+    urdf = urdf_in_package("example-robot-data", "pr2.urdf")
+    arm = lt.Arm.from_urdf(urdf, base="torso_lift_link", tip="l_wrist_roll_link")
+    assert arm.collision_pairs.left_out["l_shoulder_pan_link", "l_upper_arm_link"] == "always"
