@@ -205,7 +205,7 @@ struct Contacts {
   int overlapping = 0;
 };
 
-// Where the shapes are that no joint moves, and the frames of all.
+// Poses of the shapes that no joint moves, and the frames of all.
 std::pair<std::vector<Transform>, std::vector<int>> at_rest(const CollisionModel& model) {
   std::pair<std::vector<Transform>, std::vector<int>> found;
   for (const BodyShape& shape : model.shapes) {
