@@ -57,10 +57,11 @@ def _gap(triangles: Float64Array, hull: Any, axis: int) -> float:
 
 def _best_plane(triangles: Float64Array, axes: frozenset[int] | set[int]) -> _Plane:
     """The plane beside which the hulls are the smallest."""
+    some = triangles[:: len(triangles) // _TRIED + 1]
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     planes, volumes = [], []
     for axis in sorted(axes):
-        slabs, rest = [], triangles[:: len(triangles) // _TRIED + 1]
+        slabs, rest = [], some
         for place in low[axis] + _PLACES * (high[axis] - low[axis]):
             planes.append((axis, place))
             slabs.append(_clipped(rest, planes[-1], -1.0))
@@ -76,7 +77,8 @@ def _volumes(slabs: list[Float64Array]) -> list[float]:
     volumes, points = [], np.empty((0, 3))
     for slab in slabs:
         points = np.concatenate([points, slab.reshape(-1, 3)])
-        points = points[np.unique((points @ directions).argmax(axis=0))]
+        if len(points) > 0:
+            points = points[np.unique((points @ directions).argmax(axis=0))]
         volumes.append(_volume([_hull(points)]))
     return volumes
 
