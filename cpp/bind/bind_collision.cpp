@@ -24,7 +24,7 @@ using Pairs = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
 
 CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const std::string& base,
-                          const std::string& tip, const std::vector<Rows3>& meshes,
+                          const std::string& tip, const std::vector<std::vector<Rows3>>& meshes,
                           const std::vector<Shape>& attached) {
   std::size_t asked = 0;
   for (const urdf::Link& link : robot.links)
@@ -35,9 +35,10 @@ CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const st
   require(std::holds_alternative<Chain>(between) &&
           moving_count(std::get<Chain>(between)) == moving_count(chain));
   const Unlocked unlocked;
-  std::vector<Eigen::Matrix3Xd> hulls;
-  for (const Rows3& mesh : meshes) hulls.emplace_back(mesh.transpose());
-  return make_collision_model(robot, chain, base, tip, hulls, placed_shapes(attached));
+  std::vector<MeshParts> parts(meshes.size());
+  for (std::size_t i = 0; i < meshes.size(); ++i)
+    for (const Rows3& part : meshes[i]) parts[i].emplace_back(part.transpose());
+  return make_collision_model(robot, chain, base, tip, parts, placed_shapes(attached));
 }
 
 CollisionModel beside(const CollisionModel& left, const CollisionModel& right,

@@ -111,11 +111,21 @@ py::tuple solve_all(const Chain& chain, const Eigen::Ref<const Eigen::Vector3d>&
     return solve_ik_all(chain, to_target(position, orientation), q0, options, count, separation,
                         form);
   });
-  IkColumns table = columns(solutions.found, chain.joints());
-  return py::make_tuple(std::move(table.q), std::move(table.position_errors),
-                        std::move(table.orientation_errors), std::move(table.iterations),
-                        static_cast<int>(solutions.status), solutions.complete,
-                        solutions.resolution);
+  const auto rows = static_cast<py::ssize_t>(solutions.found.size());
+  // Filled in place: to hand over Eigen's memory takes longer.
+  py::array_t<double> q({rows, static_cast<py::ssize_t>(chain.joints())});
+  py::array_t<double> position_errors(rows), orientation_errors(rows);
+  py::array_t<int> iterations(rows);
+  for (py::ssize_t i = 0; i < rows; ++i) {
+    const IkResult& each = solutions.found[static_cast<std::size_t>(i)];
+    std::copy(each.q.begin(), each.q.end(), q.mutable_data(i));
+    position_errors.mutable_at(i) = each.position_error;
+    orientation_errors.mutable_at(i) = each.orientation_error;
+    iterations.mutable_at(i) = each.iterations;
+  }
+  return py::make_tuple(std::move(q), std::move(position_errors), std::move(orientation_errors),
+                        std::move(iterations), static_cast<int>(solutions.status),
+                        solutions.complete, solutions.resolution);
 }
 
 py::tuple solve_plainly(const Chain& chain, const Eigen::Ref<const Rows3>& positions,

@@ -25,19 +25,19 @@ Eigen::MatrixXd matrix(const Rows& row, Eigen::Index rows) {
 }  // namespace
 
 Arm::Arm(const std::string& document, const std::string& base, const std::string& tip,
-         const std::vector<Eigen::Matrix3Xd>& hulls)
-    : Arm(accepted(urdf::parse(document)), base, tip, hulls) {}
+         const std::vector<MeshParts>& meshes)
+    : Arm(accepted(urdf::parse(document)), base, tip, meshes) {}
 
 Arm::Arm(const urdf::Robot& robot, const std::string& base, const std::string& tip,
-         const std::vector<Eigen::Matrix3Xd>& hulls)
+         const std::vector<MeshParts>& meshes)
     : chain_(accepted(make_chain(robot, base, tip))), dynamics_(chain_) {
-  std::size_t meshes = 0;
+  std::size_t asked = 0;
   for (const urdf::Link& link : robot.links)
     for (const urdf::Geometry& piece : link.collisions)
-      meshes += piece.type == urdf::GeometryType::kMesh ? 1 : 0;
-  if (hulls.size() != meshes)
-    throw std::invalid_argument("hulls: expected the vertices of each collision mesh");
-  model_ = make_collision_model(robot, chain_, base, tip, hulls, {});
+      asked += piece.type == urdf::GeometryType::kMesh ? 1 : 0;
+  if (meshes.size() != asked)
+    throw std::invalid_argument("meshes: expected the parts of each collision mesh");
+  model_ = make_collision_model(robot, chain_, base, tip, meshes, {});
   itself_ = itself(model_);
 }
 

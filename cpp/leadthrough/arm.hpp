@@ -18,10 +18,10 @@ class Arm {
   using Joints = Eigen::Ref<const Eigen::VectorXd>;
   using Path = Eigen::Ref<const Rows>;  // one configuration a row
 
-  // urdf: the document. hulls: the vertices of the robot's collision meshes, in their order. Throws
-  // std::invalid_argument with the element at fault, as in "joint7: ...".
+  // urdf: the document. meshes: the convex parts of the robot's collision meshes, in their order.
+  // Throws std::invalid_argument with the element at fault, as in "joint7: ...".
   Arm(const std::string& urdf, const std::string& base, const std::string& tip,
-      const std::vector<Eigen::Matrix3Xd>& hulls = {});
+      const std::vector<MeshParts>& meshes = {});
 
   // Names and limits of the joints.
   const Chain& chain() const { return chain_; }
@@ -51,7 +51,7 @@ class Arm {
 
  private:
   Arm(const urdf::Robot& robot, const std::string& base, const std::string& tip,
-      const std::vector<Eigen::Matrix3Xd>& hulls);
+      const std::vector<MeshParts>& meshes);
 
   Chain chain_;
   Dynamics dynamics_;

@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from textwrap import wrap
-from typing import Any, SupportsIndex, TypeVar
+from typing import Any, SupportsIndex, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -310,6 +310,8 @@ def freeze(part: Kind) -> Kind:
 
 def array(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     """`value` as a finite, C-contiguous float64 array, which may share memory with `value`."""
+    if len(shape) == 1 and core.is_finite_vector(value, shape[0]):
+        return cast(Float64Array, value)  # the quick way: single poses come in a control loop
     return _checked(_numeric(value, name), name, shape)
 
 
@@ -381,16 +383,13 @@ def times(value: object, name: str) -> Float64Array:
 def quaternions(value: object, name: str, *, shape: Sequence[int | str]) -> Float64Array:
     """`value` as unit quaternions w, x, y, z, normalised; a copy."""
     result = array(value, name, shape=shape)
-    if result.ndim == 1:  # the quick way: single poses come in a control loop
-        w, x, y, z = result.tolist()
-        length = worst = math.sqrt(w * w + x * x + y * y + z * z)
-    else:
-        length = np.sqrt(np.einsum("...i,...i", result, result))[..., None]
-        worst = max(length.min(initial=1.0), length.max(initial=1.0), key=lambda x: abs(x - 1.0))
+    unit = core.unit_quaternion(result, UNIT_LENGTH_TOLERANCE)
+    if unit is not None:
+        return unit
+    length = np.sqrt(np.einsum("...i,...i", result, result))[..., None]
+    worst = max(length.min(initial=1.0), length.max(initial=1.0), key=lambda x: abs(x - 1.0))
     if abs(worst - 1.0) > UNIT_LENGTH_TOLERANCE:
         raise refused(name, "unit quaternions w, x, y, z", f"one of length {worst:.6g}")
-    if result.ndim == 1:
-        return np.array((w / length, x / length, y / length, z / length))
     return np.asarray(result / length)
 
 
@@ -529,7 +528,6 @@ def _checked(result: Float64Array, name: str, shape: Sequence[int | str]) -> Flo
 
 
 def _numeric(value: object, name: str) -> Float64Array:
-    # The quick way: single poses come in a control loop.
     if type(value) is np.ndarray and value.dtype is _FLOAT64 and value.flags.c_contiguous:
         return value
     with suppress(ValueError):  # of ragged rows, which are named below

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from importlib.util import find_spec
 from typing import Any
 
@@ -32,14 +32,15 @@ class CoalArm:
 
     Args:
         arm: whose URDF has no other moving joints than the arm.
+        packages: folders of the packages that hold its meshes, which count as they are.
     """
 
-    def __init__(self, arm: Arm) -> None:
+    def __init__(self, arm: Arm, packages: Sequence[str] = ()) -> None:
         self._pin = check.package("pinocchio", extra="test")
         self._coal = check.package("coal", extra="mesh")
         self._model = self._pin.buildModelFromXML(arm.document)
         self._geometry = self._pin.buildGeomFromUrdfString(
-            self._model, arm.document, self._pin.GeometryType.COLLISION
+            self._model, arm.document, self._pin.GeometryType.COLLISION, package_dirs=list(packages)
         )
         self._data = self._model.createData()
         self._places = self._geometry.createData()

@@ -66,12 +66,15 @@ struct PairOptions {
   double margin = 0.05;  // m
 };
 
+// Vertices of the convex parts of a mesh.
+using MeshParts = std::vector<Eigen::Matrix3Xd>;
+
 // The model of the robot that `chain` is the arm of, from the links `base` to `tip`. Joints outside
-// the chain stay at zero or at the limit next to it. hulls: the vertices of all meshes, in the
-// order of links and their collisions; attached: in the frame of the tip link, without clouds.
+// the chain stay at zero or at the limit next to it. meshes: in the order of links and their
+// collisions; attached: in the frame of the tip link, without clouds.
 CollisionModel make_collision_model(const urdf::Robot& robot, const Chain& chain,
                                     const std::string& base, const std::string& tip,
-                                    const std::vector<Eigen::Matrix3Xd>& hulls,
+                                    const std::vector<MeshParts>& meshes,
                                     const PlacedShapes& attached, const PairOptions& options = {});
 
 // Moving joints, one bit each.

@@ -31,7 +31,7 @@ class Corners {
   Eigen::Index search_here(const Eigen::Vector3d& along) const;
 
   Eigen::Matrix3Xd points_;
-  std::vector<Four> fours_;  // the last one filled up with the first corner
+  std::vector<Four> fours_;  // an even number, filled up with the first corner
 };
 
 }  // namespace leadthrough

@@ -72,24 +72,53 @@ Convex to_convex(const urdf::Geometry& collision) {
     case urdf::GeometryType::kSphere:
       return sphere(collision.radius);
     case urdf::GeometryType::kMesh:
-      break;  // its hull is given
+      break;  // its parts are given
   }
   return {};
 }
 
-void add_shape(CollisionModel& model, const Convex& convex, const Transform& T_frame_shape) {
-  const int body = static_cast<int>(model.bodies.size()) - 1;
-  model.shapes.push_back({convex, T_frame_shape, body, bounding_radius(convex), nullptr,
-                          std::make_shared<const BallCover>(ball_cover(convex))});
+void add_shape(std::vector<BodyShape>& shapes, int body, const Convex& convex,
+               const Transform& T_frame_shape) {
+  shapes.push_back({convex, T_frame_shape, body, bounding_radius(convex)});
 }
 
 // A mesh's frame may lie far from it: the bounding ball needs the middle as origin.
-void add_hull(CollisionModel& model, const Eigen::Matrix3Xd& vertices,
+void add_hull(std::vector<BodyShape>& shapes, int body, const Eigen::Matrix3Xd& vertices,
               const Transform& T_frame_mesh) {
   const Eigen::Vector3d middle =
       0.5 * (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff());
-  add_shape(model, hull(vertices.colwise() - middle),
+  add_shape(shapes, body, hull(vertices.colwise() - middle),
             T_frame_mesh * Transform{Eigen::Matrix3d::Identity(), middle});
+}
+
+Eigen::Matrix3Xd joined(const MeshParts& parts) {
+  Eigen::Matrix3Xd all(3, 0);
+  for (const Eigen::Matrix3Xd& part : parts) {
+    all.conservativeResize(3, all.cols() + part.cols());
+    all.rightCols(part.cols()) = part;
+  }
+  return all;
+}
+
+// Puts the parts of meshes in place of their hulls, in the pairs too. parts: of each shape, or none
+// where it stays.
+void decompose(CollisionModel& model, std::vector<std::vector<BodyShape>> parts) {
+  std::vector<int> first;
+  std::vector<BodyShape> shapes;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].empty()) parts[i].push_back(model.shapes[i]);
+    first.push_back(static_cast<int>(shapes.size()));
+    shapes.insert(shapes.end(), parts[i].begin(), parts[i].end());
+  }
+  first.push_back(static_cast<int>(shapes.size()));
+  std::vector<ShapePair> pairs;
+  for (const auto& [hull_a, hull_b] : model.pairs)
+    for (int a = first[index(hull_a)]; a < first[index(hull_a) + 1]; ++a)
+      for (int b = first[index(hull_b)]; b < first[index(hull_b) + 1]; ++b) pairs.push_back({a, b});
+  model.shapes = std::move(shapes);
+  model.pairs = std::move(pairs);
+  for (BodyShape& shape : model.shapes)
+    shape.cover = std::make_shared<const BallCover>(ball_cover(shape.convex));
 }
 
 // The nearest link towards the root that has shapes is a link's neighbour, as one of bodies.
@@ -176,11 +205,21 @@ struct Contacts {
   int overlapping = 0;
 };
 
+// Poses of the shapes that no joint moves, and the frames of all.
+std::pair<std::vector<Transform>, std::vector<int>> at_rest(const CollisionModel& model) {
+  std::pair<std::vector<Transform>, std::vector<int>> found;
+  for (const BodyShape& shape : model.shapes) {
+    found.first.push_back(shape.T_frame_shape);
+    found.second.push_back(model.bodies[index(shape.body)].frame);
+  }
+  return found;
+}
+
 // Marks pairs that touch and never overlap.
-void find_meeting_pairs(CollisionModel& model, const std::vector<int>& frame_of) {
+void find_meeting_pairs(CollisionModel& model) {
   constexpr int kFew = 64, kMany = 2000;  // configurations: to find contacts; to exclude overlaps
   std::vector<Contacts> seen(model.pairs.size());
-  std::vector<Transform> poses(model.shapes.size());
+  auto [poses, frame_of] = at_rest(model);
   Frames frames;
   MovingValues room;
   for (int i = 0; i < kMany; ++i) {
@@ -206,12 +245,7 @@ void find_meeting_pairs(CollisionModel& model, const std::vector<int>& frame_of)
 void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
                   const PairOptions& options) {
   std::vector<Candidate> open = candidates(model, neighbour);
-  std::vector<Transform> poses;
-  std::vector<int> frame_of;
-  for (const BodyShape& shape : model.shapes) {
-    poses.push_back(shape.T_frame_shape);
-    frame_of.push_back(model.bodies[index(shape.body)].frame);
-  }
+  auto [poses, frame_of] = at_rest(model);
   Frames frames;
   MovingValues room;
   for (int i = 0; i < options.samples; ++i) {
@@ -229,14 +263,12 @@ void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
       model.left_out.push_back(
           {candidate.a, candidate.b, candidate.apart ? LeftOut::kNever : LeftOut::kAlways});
   }
-  find_meeting_pairs(model, frame_of);
 }
 
 }  // namespace
 
 CollisionModel make_collision_model(const Robot& robot, const Chain& chain, const std::string& base,
-                                    const std::string& tip,
-                                    const std::vector<Eigen::Matrix3Xd>& hulls,
+                                    const std::string& tip, const std::vector<MeshParts>& meshes,
                                     const PlacedShapes& attached, const PairOptions& options) {
   const std::vector<Place> links = places(robot, joints_of_chain(robot, base, tip));
   const auto first = static_cast<std::size_t>(urdf::find_link(robot, base));
@@ -251,18 +283,22 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
     return inverse(frames[index(frame_of(link))]) * T_base_link;
   };
   std::vector<int> body_of_link(robot.links.size(), -1);
-  std::size_t hull_index = 0;
+  std::vector<std::vector<BodyShape>> parts;
+  std::size_t mesh = 0;
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const urdf::Link& link = robot.links[i];
     if (link.collisions.empty()) continue;
-    body_of_link[i] = static_cast<int>(model.bodies.size());
+    const int body = body_of_link[i] = static_cast<int>(model.bodies.size());
     model.bodies.push_back({link.name, frame_of(i)});
     for (const urdf::Geometry& collision : link.collisions) {
       const Transform pose = in_frame(i) * collision.T_link_shape;
-      if (collision.type == urdf::GeometryType::kMesh)
-        add_hull(model, hulls[hull_index++], pose);
-      else
-        add_shape(model, to_convex(collision), pose);
+      parts.emplace_back();
+      if (collision.type != urdf::GeometryType::kMesh) {
+        add_shape(model.shapes, body, to_convex(collision), pose);
+        continue;
+      }
+      add_hull(model.shapes, body, joined(meshes[mesh]), pose);
+      for (const Eigen::Matrix3Xd& part : meshes[mesh++]) add_hull(parts.back(), body, part, pose);
     }
   }
   const std::vector<int> above = neighbours(robot, body_of_link);
@@ -271,11 +307,16 @@ CollisionModel make_collision_model(const Robot& robot, const Chain& chain, cons
     if (body_of_link[i] >= 0) neighbour[static_cast<std::size_t>(body_of_link[i])] = above[i];
   if (!attached.empty()) {
     neighbour.push_back(body_of_link[last] >= 0 ? body_of_link[last] : above[last]);
+    const int body = static_cast<int>(model.bodies.size());
     model.bodies.push_back({"attached", frame_of(last)});
     for (const PlacedShape& held : attached)
-      add_shape(model, held.convex, in_frame(last) * held.pose);
+      add_shape(model.shapes, body, held.convex, in_frame(last) * held.pose);
+    parts.resize(model.shapes.size());
   }
+  // By hulls: those of links that are nested by design always overlap, their parts in most samples.
   choose_pairs(model, neighbour, options);
+  decompose(model, std::move(parts));
+  find_meeting_pairs(model);
   return model;
 }
 

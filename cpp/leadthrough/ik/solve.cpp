@@ -13,7 +13,7 @@ namespace leadthrough {
 namespace {
 
 // Of these one descends to the closest configuration.
-constexpr int kNearestOfSweep = 4;
+constexpr int kNearestOfSweep = 8;
 
 // The search's best configuration, moved in the null space if requested.
 template <int M, typename Target>

@@ -15,7 +15,7 @@ constexpr int kMaxPostures = 64;
 constexpr double kDistinct = 0.1;
 // Beside a closed form: tolerance of the search, m and rad, and distance between its solutions,
 // rad.
-constexpr double kExactly = 1e-9, kApart = 1e-3;
+constexpr double kExactly = 1e-9, kApart = 1e-4;
 
 // Distinct solutions, nearest to the reference first.
 class Postures {

@@ -11,7 +11,7 @@ namespace {
 struct Sample {
   int index, branch;
   double distance;  // squared, from the reference, after clamping
-  bool inside;      // the limits, before clamping
+  double outside;   // of the limits by as much, at most, before clamping, rad
   JointArray q;
 };
 
@@ -20,14 +20,22 @@ JointRange swept_range(const Chain& chain, const ClosedForm& form) {
   return sampled_range(chain, form.parameter == Parameter::kFirstJoint ? 0 : 6);
 }
 
-// Clamps to the limits; false if a joint is farther outside than the next sample may bring it.
+// Moves to the nearest limits; false if a joint is farther outside than the next sample may bring
+// it.
 bool bring_inside(const Chain& chain, const JointVector& reference, Sample& sample) {
   constexpr double kBetweenSamples = 0.3;  // rad
   std::array<bool, kMaxJoints> outside{};
   const JointArray before = sample.q;
-  sample.inside = take_turns(chain, reference, sample.q, outside) == 0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(chain.joints()); ++k)
-    if (outside[k] && apart_within_turn(sample.q[k], before[k]) > kBetweenSamples) return false;
+  take_turns(chain, reference, sample.q, outside);
+  for (int i = 0; i < chain.joints(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!outside[k]) continue;
+    const double below = apart_within_turn(chain.lower[i], before[k]);
+    const double above = apart_within_turn(chain.upper[i], before[k]);
+    sample.q[k] = below < above ? chain.lower[i] : chain.upper[i];
+    sample.outside = std::max(sample.outside, std::min(below, above));
+  }
+  if (sample.outside > kBetweenSamples) return false;
   const Eigen::Map<const Eigen::VectorXd> q(sample.q.data(), chain.joints());
   sample.distance = (q - reference).squaredNorm();
   return true;
@@ -42,7 +50,7 @@ void add_samples(const Chain& chain, const ClosedForm& form, const IkTarget& tar
   solve(form, {*target.rotation, target.position}, parameter, walk, candidates);
   for (int k = 0; k < candidates.count; ++k) {
     const Candidate& candidate = candidates.at[static_cast<std::size_t>(k)];
-    Sample sample{index, candidate.branch, 0.0, false, candidate.q};
+    Sample sample{index, candidate.branch, 0.0, 0.0, candidate.q};
     if (bring_inside(chain, reference, sample)) samples.push_back(sample);
   }
 }
@@ -59,13 +67,14 @@ std::vector<Sample> sweep(const Chain& chain, const ClosedForm& form, const IkTa
   return samples;
 }
 
-// Those that are nearer than their neighbours on the branch, nearest first.
+// Those that are less outside than their neighbours on the branch, or as little and nearer; nearest
+// first. A range inside the limits that is narrower than the steps has a sample beside it.
 std::vector<Sample> nearest_of_branches(const std::vector<Sample>& samples) {
   std::vector<Sample> nearest;
   for (const Sample& sample : samples) {
     const auto beats = [&](const Sample& other) {
       return other.branch == sample.branch && std::abs(other.index - sample.index) == 1 &&
-             other.distance < sample.distance;
+             std::pair(other.outside, other.distance) < std::pair(sample.outside, sample.distance);
     };
     if (std::none_of(samples.begin(), samples.end(), beats)) nearest.push_back(sample);
   }
@@ -88,7 +97,7 @@ JointArray refine(const Chain& chain, const ClosedForm& form, const IkTarget& ta
     trials.clear();
     add_samples(chain, form, target, reference, trial, best.index, trials);
     const auto nearer = std::find_if(trials.begin(), trials.end(), [&](const Sample& each) {
-      return each.branch == best.branch && each.inside && each.distance < best.distance;
+      return each.branch == best.branch && each.outside == 0.0 && each.distance < best.distance;
     });
     if (nearer != trials.end()) {
       best = *nearer, parameter = trial, side = -side;
@@ -145,7 +154,7 @@ std::vector<IkResult> swept_configurations(const Chain& chain, const ClosedForm&
   std::stable_sort(found.begin(), found.end(), nearer);
   // A descent that limits or a singularity stopped leaves samples that are nearer.
   const auto inside = std::find_if(nearest.begin(), nearest.end(),
-                                   [](const Sample& sample) { return sample.inside; });
+                                   [](const Sample& sample) { return sample.outside == 0.0; });
   if (inside != nearest.end() && (found.empty() || inside->distance < distance(found.front()))) {
     const JointArray q = refine(chain, form, target, reference, *inside);
     const PoseDescent<6> there(chain, target, bounds, q);

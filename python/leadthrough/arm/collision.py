@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check, sanity
 from leadthrough.arm.kinematics import joint_rows
-from leadthrough.arm.robot_files import hull_vertices
+from leadthrough.arm.robot_files import mesh_parts
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot, ShortRepr
 from leadthrough.drawing import Drawn, Line, Panel, palette
 from leadthrough.motion import JointTrajectory, in_order
@@ -40,7 +40,7 @@ def collision_model(
     attached: Sequence[Shape],
 ) -> core.CollisionModel:
     """The shapes of the robot and the pairs worth a check; some 10 ms to choose them."""
-    meshes = [hull_vertices(*mesh, mesh_folders) for mesh in robot.meshes]
+    meshes = [mesh_parts(*mesh, mesh_folders) for mesh in robot.meshes]
     model = core.CollisionModel(robot, chain, *ends, meshes, compiled(attached))
     if not model.bodies:
         raise InvalidRobot("robot", "no link has collision geometry, so nothing can be checked")

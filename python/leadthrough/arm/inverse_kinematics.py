@@ -157,7 +157,7 @@ class IkResult(ShortRepr):
     limiting_joints: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class IkBatch(ShortRepr):
     """Solutions of many targets, one row per target; the fields mean what those of IkResult mean.
 
@@ -183,7 +183,7 @@ class IkBatch(ShortRepr):
         return len(self.q)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class IkSolutions(IkBatch):
     """Distinct configurations for one pose, the one nearest to the posture first.
 
@@ -264,18 +264,20 @@ def solutions(found: Found) -> IkSolutions:
     """The core's answer to all configurations of one target."""
     q, position_errors, orientation_errors, iterations, status, complete, resolution = found
     success, converged, limiting = _of_success(*q.shape)
-    return IkSolutions(
-        q,
-        success,
-        converged,
-        position_errors,
-        orientation_errors,
-        iterations,
-        limiting,
-        complete,
-        STATUSES[status],
-        resolution or None,
+    made = object.__new__(IkSolutions)  # its own __init__ sets each field of a frozen class slowly
+    vars(made).update(
+        q=q,
+        success=success,
+        status=converged,
+        position_error=position_errors,
+        orientation_error=orientation_errors,
+        iterations=iterations,
+        limiting_joints=limiting,
+        complete=complete,
+        reason=STATUSES[status],
+        resolution=resolution or None,
     )
+    return made
 
 
 def one_pose(

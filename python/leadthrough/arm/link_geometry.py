@@ -10,7 +10,7 @@ import numpy as np
 import leadthrough._core as core
 from leadthrough import rotations
 from leadthrough.arm.model import ArmModel
-from leadthrough.arm.robot_files import find_mesh, hull_vertices
+from leadthrough.arm.robot_files import find_mesh, mesh_parts
 from leadthrough.check import Float64Array, InvalidInput, MissingDependency
 from leadthrough.shapes.primitives import PRIMITIVES
 from leadthrough.shapes.shape import ConvexPart, Primitive
@@ -79,8 +79,10 @@ def _convex_parts(
 ) -> list[ConvexPart]:
     if geometry.kind != "mesh":
         return list(_primitive(geometry).convex_parts())
-    vertices = hull_vertices(link, geometry.file, geometry.sizes, mesh_folders)
-    return [ConvexPart("mesh", (), geometry.position, _orientation(geometry), vertices)]
+    return [
+        ConvexPart("mesh", (), geometry.position, _orientation(geometry), vertices)
+        for vertices in mesh_parts(link, geometry.file, geometry.sizes, mesh_folders)
+    ]
 
 
 def _surface(

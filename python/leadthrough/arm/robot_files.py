@@ -1,7 +1,7 @@
 """The files of a robot: URDFs by path and by name, and their meshes; its links as a tree.
 
-A mesh of collision geometry counts as its convex hull. The hull contains the mesh, so no collision
-is missed, but the free space inside a hollow mesh counts as occupied.
+A mesh of collision geometry counts as its convex parts. They contain the mesh, so no collision is
+missed, but the free space inside a closed mesh counts as occupied.
 """
 
 from __future__ import annotations
@@ -18,10 +18,9 @@ from pathlib import Path
 from typing import TypeGuard
 from urllib.parse import unquote, urlparse
 
-import numpy as np
-
 import leadthrough._core as core
 from leadthrough import check
+from leadthrough.arm.convex_decomposition import convex_parts
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
 
@@ -30,7 +29,7 @@ _MAX_FILE = 2**25
 _PACKAGES = "example-robot-data or robot_descriptions"
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _XACRO_PREFIX = re.compile(r"""xmlns:([\w.-]+)\s*=\s*["'][^"']*xacro/?["']""")
-_MAX_HULLS = 256  # of the files read last, some kB each
+_MAX_MESHES = 256  # read last, some kB each
 _NOT_OF_AN_ARM = ("fixed", "planar", "floating")
 # Links of tools, and joints of fingers, by how arms' makers name them.
 _TOOL = re.compile(r"(^|[_/-])(tool0|tcp|ee_link|flange)$", re.IGNORECASE)
@@ -231,10 +230,10 @@ def folders(
     return tuple(str(folder) for folder in given)
 
 
-def hull_vertices(
+def mesh_parts(
     link: str, file: str, scale: Float64Array, folders: Sequence[str]
-) -> Float64Array:
-    """Vertices (n, 3) of the convex hull of a link's mesh in m, in the mesh's frame."""
+) -> tuple[Float64Array, ...]:
+    """Vertices (n, 3) of the convex parts of a link's mesh in m, in the mesh's frame."""
     from scipy.spatial import QhullError  # only robots with meshes need it
 
     where = f"link {link!r}"
@@ -248,23 +247,22 @@ def hull_vertices(
         )
     try:
         written = path.stat()
-        return np.asarray(_hull(path, written.st_mtime_ns, written.st_size) * scale)
+        return _parts(path, tuple(scale), written.st_mtime_ns, written.st_size)
     except InvalidInput as error:
         raise InvalidRobot(where, str(error)) from None
     except QhullError:
         raise InvalidRobot(where, f"mesh {file!r} is flat or has too few vertices") from None
 
 
-@lru_cache(_MAX_HULLS)
-def _hull(path: Path, _written: int, _size: int) -> Float64Array:
-    """Vertices (n, 3) of the convex hull of a mesh file, anew when the file is written again."""
-    # They take long to load.
-    from scipy.spatial import ConvexHull
+@lru_cache(_MAX_MESHES)
+def _parts(
+    path: Path, scale: tuple[float, ...], _written: int, _size: int
+) -> tuple[Float64Array, ...]:
+    """Vertices (n, 3) of the convex parts of a mesh file, anew when it is written again."""
+    from leadthrough.io.mesh import read_vertices  # it takes long to load
 
-    from leadthrough.io.mesh import read_vertices
-
-    vertices = read_vertices(path)
-    return np.asarray(vertices[ConvexHull(vertices).vertices])
+    vertices, faces = read_vertices(path)
+    return check.freeze(convex_parts(vertices * scale, faces))
 
 
 def find_mesh(file: str, folders: Sequence[str]) -> Path | None:

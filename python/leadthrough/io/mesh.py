@@ -47,20 +47,16 @@ def read_mesh(
     return Mesh(unit * vertices, faces, position, orientation)
 
 
-def read_vertices(path: Path) -> Float64Array:
-    """All vertices (n, 3) of a mesh, repeated ones included, in the file's unit."""
-    return _read(path)[0]
-
-
 def read_triangles(path: Path) -> _Triangles:
     """Vertices (n, 3) of a mesh, in the file's unit, and vertex indices (m, 3) of its triangles."""
-    vertices, faces = _read(path)
-    if len(faces) == 0 or faces.min() < 0 or faces.max() >= len(vertices):
-        raise InvalidInput(f"{path}: expected triangles between the mesh's own vertices")
+    vertices, faces = read_vertices(path)
+    if len(faces) == 0:
+        raise InvalidInput(f"{path}: expected triangles")
     return vertices, faces
 
 
-def _read(path: Path) -> _Triangles:
+def read_vertices(path: Path) -> _Triangles:
+    """All vertices of a mesh and the triangles, of which there may be none."""
     limits = ReadLimits()
     try:
         with refusing_damage("mesh", damage=(OSError, ValueError, OverflowError, RuntimeError)):
@@ -74,8 +70,11 @@ def _read(path: Path) -> _Triangles:
                     mesh = reader_process.mesh(through_coal, path)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from None
-    if len(mesh[0]) == 0 or not np.isfinite(mesh[0]).all():
+    vertices, faces = mesh
+    if len(vertices) == 0 or not np.isfinite(vertices).all():
         raise InvalidInput(f"{path}: expected a mesh of finite vertices")
+    if faces.min(initial=0) < 0 or faces.max(initial=-1) >= len(vertices):
+        raise InvalidInput(f"{path}: expected triangles between the mesh's own vertices")
     return mesh
 
 

@@ -143,7 +143,7 @@ TEST(Collision, AHullIsWhereItsMeshIs) {
   Eigen::Matrix3Xd corners(3, 8);  // of a cube about (5, 0, 0)
   for (int i = 0; i < 8; ++i)
     corners.col(i) << 5.0 + (i & 1 ? 0.5 : -0.5), i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5;
-  const auto model = make_collision_model(robot, chain, "a", "b", {corners}, {});
+  const auto model = make_collision_model(robot, chain, "a", "b", {{corners}}, {});
   const auto scene = against(model, {{sphere(0.5), kOrigin}});
   EXPECT_NEAR(nearest_batch(scene, Rows::Zero(1, 1), 1)[0].distance, 5.0, 1e-9);
 }

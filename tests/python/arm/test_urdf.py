@@ -222,12 +222,13 @@ class Hulls:
 
 
 def test_meshes_are_found_beside_the_urdf_and_count_as_their_hulls():
-    urdf = urdf_in_package("example-robot-data", "ur5_robot.urdf")
-    arm = lt.Arm.from_urdf(urdf, base="base_link", tip="tool0")
+    urdf = urdf_in_package("example-robot-data", "panda.urdf")
+    arm = lt.Arm.from_urdf(urdf, base="panda_link0", tip="panda_hand")
     peer = Hulls(urdf)
-    rows = np.random.default_rng(1).uniform(-np.pi, np.pi, (40, 6))
+    rows = np.random.default_rng(1).uniform(-np.pi, np.pi, (40, 7))
     for q, ours in zip(rows, arm.self_distance(rows), strict=True):
-        theirs = min(peer.distance(q, pair) for pair in arm.collision_pairs.checked)
+        whole = np.append(q, [0.0, 0.0])  # the fingers
+        theirs = min(peer.distance(whole, pair) for pair in arm.collision_pairs.checked)
         if theirs > 0:
             assert ours == pytest.approx(theirs, abs=1e-5)
         else:

@@ -18,10 +18,12 @@ OPTIONAL = {
     "condition_at": ("time", "position", "noise"),
     "Chain.pose": ("q",),
     "MarchingPolicy.__init__": ("barrier",),
+    "is_finite_vector": ("value", "size"),
     "jacobian_of_one": ("q",),
     "solve_ik": ("form",),
     "solve_ik_batch": ("form",),
     "solve_ik_all": ("form",),
+    "unit_quaternion": ("value",),
 }
 # Arguments of as many numbers, rows or cells as one likes; the sizes of options are looked at
 # where they are used.
@@ -43,14 +45,16 @@ FREE = dict(
     dmp_orientations(values)  dmp_peak_speeds(phases)  dmp_poses(phases)  dmp_rollout(phases)
     dmp_rollout_around(phases)  dtw_distance(a b)  dtw_path(a b)  eased(path)
     first_contact(samples)  first_excess(samples)  fit_spline(q)  frechet_distance(a b)
-    jacobian(q)  jacobian_of_one(q)  joined(target)  longest_step(q)  march(cells speed)
+    is_finite_vector(value)  jacobian(q)  jacobian_of_one(q)  joined(target)  longest_step(q)
+    march(cells speed)
     nearest_bodies(q)  nearest_sources(arrival)  normalised_basis(centres phases)
     polynomial_values(coefficients times)  posture_task(q velocity)  product(left right)
     rms_apart(curves)  rows_apart(q)  sample_truncated_gaussian(velocities)  slowed(path)
     so3_exp(rotation_vectors)  so3_from_matrix(matrices)  so3_left_jacobian(rotation_vectors)
     so3_left_jacobian_inverse(rotation_vectors)  so3_lift(quaternions)  so3_log(quaternions)
     so3_mean(layers)  so3_slerp_through(at)  so3_to_matrix(quaternions)  solve_definite(right)
-    spline_slopes(q)  stopped(path)  time_lines(points)  write_records(values)
+    spline_slopes(q)  stopped(path)  time_lines(points)  unit_quaternion(value)
+    write_records(values)
         """,
     )
 )

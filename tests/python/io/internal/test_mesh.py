@@ -63,7 +63,7 @@ def collada():
 def test_vertices_are_those_of_the_file(tmp_path, name, content):
     path = tmp_path / name
     path.write_bytes(content)
-    vertices = read_vertices(path)
+    vertices, _ = read_vertices(path)
     assert vertices.dtype == np.float64
     np.testing.assert_allclose(np.unique(vertices, axis=0), np.unique(CORNERS, axis=0), atol=1e-6)
 
