@@ -217,15 +217,3 @@ def _lifted(motion: PoseTrajectory, reference: Float64Array) -> Float64Array:
     """Rotation vectors (n, 3) from a reference (1, 4), continuous, the last at most pi long."""
     back = rotations.inverse(np.repeat(reference, len(motion.times), 0))
     return rotations.lift(rotations.compose(back, motion.orientations), anchor="goal")
-
-
-def upper_mean(samples: Float64Array, confidence: float) -> Float64Array:
-    """A bound (...) below which the mean of samples (..., k) lies, by Student's t."""
-    from scipy.special import stdtrit  # scipy.stats takes a fifth of a second to load
-
-    count = samples.shape[-1]
-    mean = samples.mean(axis=-1)
-    if count < 2:
-        return np.asarray(mean)
-    error = samples.std(axis=-1, ddof=1) / np.sqrt(count)
-    return np.asarray(mean + stdtrit(count - 1, confidence) * error)
