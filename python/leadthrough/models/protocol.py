@@ -246,7 +246,9 @@ class Choice:
     def __str__(self) -> str:
         if not self.left_out:
             return f"{self.chosen}: the default, as a single demonstration cannot be left out"
-        return f"{self.chosen}: nearest to {self.left_out} left-out demonstrations ({self.table})"
+        nearest = self.errors[self.chosen] == min(self.errors.values())
+        why = "nearest" if nearest else "no other is a quarter nearer"
+        return f"{self.chosen}: {why} to {self.left_out} left-out demonstrations ({self.table})"
 
     @property
     def table(self) -> str:

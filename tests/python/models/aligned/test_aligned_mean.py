@@ -136,6 +136,15 @@ def test_the_family_that_predicts_left_out_demonstrations_is_learned(tmp_path):
     assert lt.AlignedMean().fit(shown).choice is None
 
 
+def test_the_first_family_stays_unless_another_is_a_quarter_nearer():
+    shown = [stroke((0.0, y), height=0.3 + y) for y in (-0.1, -0.05, 0.0, 0.05, 0.1)]
+    skill = lt.learn(shown, candidates=["gmr", "dmp"])
+    first, second = skill.choice.errors.values()
+    assert 0.75 * first < second < 0.95 * first
+    assert skill.choice.chosen == "gmr"
+    assert "gmr: no other is a quarter nearer to 5 left-out" in str(skill.choice)
+
+
 def test_a_model_with_settings_is_a_candidate():
     shown = [stroke((0.0, y)) for y in (-0.1, 0.0, 0.1)]
     skill = lt.learn(shown, candidates=[lt.ProMP(weights=12), "dmp"])
