@@ -38,7 +38,7 @@ _USUAL = 90  # percentile of the speeds while something moves
 _FEWEST = 5  # samples of a window
 _ROUNDING = 1e-12  # of the extent; a slower motion is rounding
 _UNCLEAR = 5.0  # times the speed of a hand at rest: noise of recordings stays below 2.5
-_LONG = 0.05  # fraction of the duration; shorter rests are slow parts of the motion
+_LONG = 0.05  # fraction of the time in motion; shorter rests are slow parts of the motion
 # s: a short window finds the beginning to a tenth of a second; noise may need a longer one.
 _WINDOWS = (0.2, 0.3, 0.5)
 
@@ -121,7 +121,7 @@ def rests(
 
 
 def long_rests(motion: Motion) -> list[tuple[float, float]]:
-    """Start and end, s, of each rest longer than a twentieth of a motion; none found in noise."""
+    """Start and end, s, of rests longer than a twentieth of the time in motion; none in noise."""
     if motion not in _LONG_RESTS:
         _LONG_RESTS[motion] = _long_rests(motion)
     return _LONG_RESTS[motion]
@@ -139,7 +139,8 @@ def _long_rests(motion: Motion) -> list[tuple[float, float]]:
         # Slopes rise as soon as half their window is in motion.
         still |= (times >= times[a] - 0.5 * window) & (times <= times[b - 1] + 0.5 * window)
     found = [] if still.all() else [(float(times[a]), float(times[b - 1])) for a, b in runs(still)]
-    shortest = _LONG * motion.duration
+    # Of the time in motion, so that a pause elsewhere does not hide a rest.
+    shortest = _LONG * (motion.duration - sum(end - start for start, end in found))
     # Noise that sets the threshold hides the slow ends of a motion.
     margin = shortest if speeds.noise_level > 1.0 else -1.0
     return [

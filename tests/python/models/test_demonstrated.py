@@ -128,6 +128,25 @@ def test_short_pauses_change_no_letter(learner):
     assert frechet_distance(made, wanted) < 0.3  # mm, of 40
 
 
+@pytest.mark.parametrize("learner", (kind("ProMP"), kind("DMP")), ids=str)
+def test_a_long_pause_does_not_hide_a_short_rest(learner):
+    def letter(height, at, pause):
+        """A wave that rests for the last 0.8 s of ten if it is the highest, and for a pause."""
+        moved = 9.2 if height == 0.5 else 10.0
+        times = np.linspace(0.0, 10.0 + pause, 401)
+        u = np.interp(times - np.clip(times - at, 0.0, pause), [0.0, moved], [0.0, 1.0])
+        return lt.Trajectory(times, np.column_stack([u, height * np.sin(3.0 * np.pi * u)]))
+
+    cases = ((0.5, 3.0), (0.4, 4.5), (0.45, 6.0), (0.35, 7.5))
+    wanted, made = (
+        by_arc_length(
+            learner.build().fit([letter(*each, pause) for each in cases]).generate().positions, 200
+        )
+        for pause in (0.0, 7.0)
+    )
+    assert frechet_distance(made, wanted) < 0.01
+
+
 @pytest.mark.parametrize("learner", ALIGNED_LEARNERS, ids=str)
 def test_a_rest_of_all_demonstrations_stays(learner):
     shown = [demonstration(at, learner.motion) for at in (0.48, 0.5, 0.52)]
