@@ -117,6 +117,13 @@ def known_acceleration(limits: JointLimits) -> Float64Array:
     return limits.acceleration
 
 
+def known_rates(limits: JointLimits) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """Limits of velocity, acceleration and jerk (joints,), where all are known to be there."""
+    assert limits.acceleration is not None
+    assert limits.jerk is not None
+    return limits.velocity, limits.acceleration, limits.jerk
+
+
 def zeros(limits: JointLimits) -> dict[str, list[str]]:
     """The joints that cannot move, or move nothing, by limits of zero, and these limits' names."""
     columns = {key: getattr(limits, key) for key in _RATES} | {"range": limits.upper - limits.lower}

@@ -25,11 +25,11 @@ from leadthrough.show.arm_scene import (
     mode_items,
     obstacle_item,
     path_item,
+    readouts,
     spread_items,
     start_item,
     via_items,
 )
-from leadthrough.show.readouts import readouts
 
 _MOTIONLESS = Animation((), np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 4)), ())
 _MARKS = {Layer.PATH: path_item, Layer.START: start_item, Layer.GOAL: goal_item}
