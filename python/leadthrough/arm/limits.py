@@ -181,10 +181,8 @@ def read_limits(
         raise InvalidInput(f"{path}: unknown joint {unknown[0]!r}; the arm's joints are {names}")
     rows = {name: _row(joints, name, path) for name in joints if name in urdf.joint_names}
     changes: dict[str, Any] = {key: _column(urdf, key, rows, path) for key in _BOUNDS + _RATES}
-    try:
+    with check.prefixed(path):
         return replace(urdf, **changes)
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
 
 
 def _values(names: tuple[str, ...], column: ArrayLike, key: str) -> Float64Array:

@@ -181,7 +181,7 @@ def chunk_of(
     if (np.abs(steps - period) <= _SAME_PERIOD * period + 1e-12 * np.abs(own.times[1:])).all():
         states = None
         if own.velocities is not None and own.accelerations is not None:
-            states = states_of(own)
+            states = np.hstack(arrays_of(own))
         return Chunk(own.positions, start, states, own.events).first(most)
     count = 1 + int(np.floor((own.times[-1] - start) / period * (1.0 + 1e-9)))
     kept = min(count, most)
@@ -211,11 +211,6 @@ def _cubics(own: JointTrajectory) -> Float64Array:
     bend = (slopes[:-1] + slopes[1:] - 2.0 * chords) / steps
     parts = (own.positions[:-1], slopes[:-1], (chords - slopes[:-1]) / steps - bend, bend / steps)
     return np.stack(parts, axis=1)
-
-
-def states_of(motion: JointTrajectory) -> Float64Array:
-    """Positions, velocities and accelerations (n, 3 joints) of a motion that has them."""
-    return np.hstack(arrays_of(motion))
 
 
 def begun_at(motion: JointTrajectory, q: Float64Array, rate: float) -> JointTrajectory:

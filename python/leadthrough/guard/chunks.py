@@ -238,16 +238,14 @@ class Chunks(ShortRepr):
         """The command (joints,) that was sent at a time, or nearest to it."""
         return min(self._sent, key=lambda sent: abs(sent[0] - time))[1]
 
-    def _present(self) -> Float64Array:
-        return row_of(self._guard.state, len(self._guard.arm.joint_names))
-
     def _follow(self, curve: ChunkCurve, now: float, *, joining: bool) -> None:
         """Admits a window of the curve, the first row for now."""
         last = now - self._period
         if now > curve.end and not joining:
             self._again = np.inf  # the rest is admitted already
             return
-        present, target = self._present(), self._target(curve, last)
+        present = row_of(self._guard.state, len(self._guard.arm.joint_names))
+        target = self._target(curve, last)
         if joining:
             self._jerk = needed_jerk(present - target[:1], self._join)
         # Also for the rest that may be left after the curve.

@@ -381,7 +381,7 @@ def first_configuration(arm: Arm, scene: Scene) -> Float64Array:
     random = np.random.default_rng(0).uniform(0.15, 0.85, (_CANDIDATES, len(low)))
     rows = low + random * (high - low)
     best = rows[np.argsort(-_worth(arm, rows))][:_SHORT_LIST]
-    tips = _tips(arm, best)
+    tips = arm.forward_kinematics(best)[0]
     down = [arm.inverse_kinematics(p, _DOWN, q0=q) for p, q in zip(tips, best, strict=True)]
     listed = np.array([each.q for each in down if each.success] or best)
     ranked = listed[np.argsort(-_worth(arm, listed))]
@@ -394,13 +394,9 @@ def _bounds(arm: Arm) -> tuple[Float64Array, Float64Array]:
     return arm.limits.lower.clip(-math.pi, math.pi), arm.limits.upper.clip(-math.pi, math.pi)
 
 
-def _tips(arm: Arm, q: Float64Array) -> Float64Array:
-    return arm.forward_kinematics(q)[0]
-
-
 def _worth(arm: Arm, q: Float64Array) -> Float64Array:
     """How well the tip can be led from configurations (n, joints), in m per rad or less."""
-    tips = _tips(arm, q)
+    tips = arm.forward_kinematics(q)[0]
     extent = float(np.abs(tips).max())
     room = np.linalg.svd(arm.jacobian(q)[:, :3], compute_uv=False)[:, -1]
     low, high = _bounds(arm)
