@@ -467,6 +467,15 @@ def enough_memory(what: str) -> Iterator[None]:
         raise InvalidInput(f"{what} is too large for this machine's memory") from None
 
 
+@contextmanager
+def prefixed(words: object) -> Iterator[None]:
+    """Puts words before the message of an InvalidInput, such as the file or option at fault."""
+    try:
+        yield
+    except InvalidInput as error:
+        raise InvalidInput(f"{words}: {error}") from None
+
+
 def choice(value: object, name: str, options: Collection[Text]) -> Text:
     """`value`, if it is one of several texts."""
     if isinstance(value, str):

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import following, inverse_kinematics as ik, recorded_joints, robot_files
-from leadthrough.arm.collision_queries import CollisionQueries
+from leadthrough.arm.collision import CollisionQueries
 from leadthrough.arm.following import FollowOptions, OnRateLimit
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult, IkSolutions
 from leadthrough.arm.limits import JointLimits, checked_values

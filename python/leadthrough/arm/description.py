@@ -74,7 +74,9 @@ def _joints(arm: ArmModel) -> str:
         elif joint.kind != "fixed":
             kind = "" if joint.kind == "revolute" else f" {joint.kind}"
             table.add_row(joint.name + kind, *_limits(arm, joint))
-    return _rendered(table)
+    text = io.StringIO()
+    Console(file=text, width=_MAX_WIDTH, color_system=None).print(table)
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines()).strip("\n")
 
 
 def _zeros(arm: ArmModel) -> Iterator[str]:
@@ -149,12 +151,6 @@ def _numbers(values: np.typing.NDArray[np.float64]) -> str:
 def _number(value: float) -> str:
     # Neither -0 nor 1e+04.
     return f"{value + 0.0:.0f}" if abs(value) >= 1000 else f"{value + 0.0:.4g}"
-
-
-def _rendered(table: Table) -> str:
-    text = io.StringIO()
-    Console(file=text, width=_MAX_WIDTH, color_system=None).print(table)
-    return "\n".join(line.rstrip() for line in text.getvalue().splitlines()).strip("\n")
 
 
 _UNBOUNDED = np.pi  # rad or m, drawn on both sides of a joint without limits

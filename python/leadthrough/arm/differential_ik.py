@@ -82,20 +82,18 @@ class DifferentialIk(ShortRepr):
         check_arm(arm)
         chain, joints = arm._chain, len(arm.joint_names)
         interval = magnitudes.interval(dt)
-        rates = (
-            magnitudes.positive(gain, "gain"),
-            magnitudes.not_negative(nullspace_gain, "nullspace_gain"),
-        )
+        rate = magnitudes.positive(gain, "gain")
+        null_rate = magnitudes.not_negative(nullspace_gain, "nullspace_gain")
         preferred = chain.middle if posture is None else posture
         preferred = magnitudes.frozen(preferred, "posture", shape=(joints,))
         limits = (arm.limits.velocity, known_acceleration(arm.limits))
         vars(self).update(
             arm=arm,
             dt=interval,
-            gain=rates[0],
+            gain=rate,
             posture=preferred,
-            nullspace_gain=rates[1],
-            _solver=core.DifferentialIk(chain, *limits, preferred, interval, *rates),
+            nullspace_gain=null_rate,
+            _solver=core.DifferentialIk(chain, *limits, preferred, interval, rate, null_rate),
             _joints=joints,
         )
 

@@ -17,7 +17,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import recorded_joints
 from leadthrough.arm.arm import Arm, check_arm
-from leadthrough.arm.collision_queries import CollisionQueries
+from leadthrough.arm.collision import CollisionQueries
 from leadthrough.arm.dual_demonstration import BaseLocation, Carried, DualDemonstration, located
 from leadthrough.arm.dual_following import SIDES, Carry, Grasp, motions_of, shape_seen_from, tips_of
 from leadthrough.arm.following import FollowOptions, checked_options, positive_errors, timed

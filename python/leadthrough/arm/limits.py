@@ -117,6 +117,13 @@ def known_acceleration(limits: JointLimits) -> Float64Array:
     return limits.acceleration
 
 
+def known_rates(limits: JointLimits) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """Limits of velocity, acceleration and jerk (joints,), where all are known to be there."""
+    assert limits.acceleration is not None
+    assert limits.jerk is not None
+    return limits.velocity, limits.acceleration, limits.jerk
+
+
 def zeros(limits: JointLimits) -> dict[str, list[str]]:
     """The joints that cannot move, or move nothing, by limits of zero, and these limits' names."""
     columns = {key: getattr(limits, key) for key in _RATES} | {"range": limits.upper - limits.lower}
@@ -174,10 +181,8 @@ def read_limits(
         raise InvalidInput(f"{path}: unknown joint {unknown[0]!r}; the arm's joints are {names}")
     rows = {name: _row(joints, name, path) for name in joints if name in urdf.joint_names}
     changes: dict[str, Any] = {key: _column(urdf, key, rows, path) for key in _BOUNDS + _RATES}
-    try:
+    with check.prefixed(path):
         return replace(urdf, **changes)
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
 
 
 def _values(names: tuple[str, ...], column: ArrayLike, key: str) -> Float64Array:

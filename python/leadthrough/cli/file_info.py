@@ -131,10 +131,7 @@ def _skill(path: Path) -> FileInfo | None:
 
 def _branched(path: Path, robot: core.Robot) -> FileInfo:
     """The links of a robot with several ends, and the lines that choose one."""
-    base, tip = (
-        robot.links[0],
-        proposed_tip(robot) if moves(robot) else None,
-    )
+    base, tip = robot.links[0], proposed_tip(robot) if moves(robot) else None
     facts = {"base": base, "tip": tip, "ends": list(robot.leaves)}
     if tip is None:
         text = f"{link_tree(robot)}\nno joint moves, so this robot has no arm"

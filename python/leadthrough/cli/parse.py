@@ -43,10 +43,8 @@ def tolerances(text: str, name: str) -> tuple[float, float]:
 
 def obstacle(text: str) -> Shape:
     """A shape such as box:0.1,0.1,0.2@0.4,0,0.1."""
-    try:
+    with check.prefixed(f"--obstacle {text}"):
         return _shape(text)
-    except InvalidInput as error:
-        raise InvalidInput(f"--obstacle {text}: {error}") from None
 
 
 def obstacles(given: Sequence[str] | None) -> list[Shape]:
@@ -142,12 +140,10 @@ def places(text: str, middle: Float64Array, name: str) -> TargetRegion:
             raise InvalidInput(f"{name}: expected {len(middle)} numbers, or twice as many with a "
                                f"colon between them, got {text!r}")  # fmt: skip
     turn = float(numbers(angle, name)[0]) if angle else 0.0
-    try:
+    with check.prefixed(name):
         if len(corners) == 1:
             return TargetRegion.around(middle, corners[0], turn=turn)
         return TargetRegion(corners[0], corners[1], turn)
-    except InvalidInput as error:
-        raise InvalidInput(f"{name}: {error}") from None
 
 
 def corners(text: str, name: str) -> TargetRegion:
@@ -160,11 +156,8 @@ def corners(text: str, name: str) -> TargetRegion:
 def random_obstacle(text: str) -> RandomObstacle:
     """An obstacle at a random position, such as box:0.1,0.1,0.2@0.4,0,0.1~0.1,0.1,0."""
     form, _, reach = text.rpartition("~")
-    try:
-        shape = _shape(form)
-        return RandomObstacle(shape, numbers(reach, "distances"))
-    except InvalidInput as error:
-        raise InvalidInput(f"--random-obstacle {text}: {error}") from None
+    with check.prefixed(f"--random-obstacle {text}"):
+        return RandomObstacle(_shape(form), numbers(reach, "distances"))
 
 
 def parameters(given: Sequence[str]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from leadthrough import check
 from leadthrough.arm import Arm, DualArm
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.motion import Event, JointTrajectory, computed_joints, in_order
+from leadthrough.timing.limits_report import arrays_of
 
 Verdict = Literal["allowed", "changed", "braking"]
 Kind = Literal[
@@ -124,7 +125,7 @@ class Admission(ShortRepr):
             return self.motion
         pair = (self.motion, self.brake)
         times = np.concatenate([each.times for each in pair])
-        parts = [np.concatenate(columns) for columns in zip(*map(_columns, pair), strict=True)]
+        parts = [np.concatenate(columns) for columns in zip(*map(arrays_of, pair), strict=True)]
         names = self.brake.joint_names
         return computed_joints(times, *parts, joint_names=names, events=self.motion.events)
 
@@ -180,7 +181,7 @@ def chunk_of(
     if (np.abs(steps - period) <= _SAME_PERIOD * period + 1e-12 * np.abs(own.times[1:])).all():
         states = None
         if own.velocities is not None and own.accelerations is not None:
-            states = states_of(own)
+            states = np.hstack(arrays_of(own))
         return Chunk(own.positions, start, states, own.events).first(most)
     count = 1 + int(np.floor((own.times[-1] - start) / period * (1.0 + 1e-9)))
     kept = min(count, most)
@@ -212,24 +213,12 @@ def _cubics(own: JointTrajectory) -> Float64Array:
     return np.stack(parts, axis=1)
 
 
-def states_of(motion: JointTrajectory) -> Float64Array:
-    """Positions, velocities and accelerations (n, 3 joints) of a motion that has them."""
-    return np.hstack(_columns(motion))
-
-
-def _columns(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float64Array]:
-    """Positions, velocities and accelerations (n, joints) of a motion that has them."""
-    assert motion.velocities is not None
-    assert motion.accelerations is not None
-    return motion.positions, motion.velocities, motion.accelerations
-
-
 def begun_at(motion: JointTrajectory, q: Float64Array, rate: float) -> JointTrajectory:
     """The motion on a clock from 0, a period after rest at positions (joints,)."""
     now = float(motion.times[0]) - 1.0 / rate
     events = tuple(replace(each, time=each.time - now) for each in motion.events)
     rest = (q[None], *np.zeros((2, 1, len(q))))
-    parts = [np.concatenate(both) for both in zip(rest, _columns(motion), strict=True)]
+    parts = [np.concatenate(both) for both in zip(rest, arrays_of(motion), strict=True)]
     times = np.arange(len(motion) + 1) / rate
     return computed_joints(times, *parts, joint_names=motion.joint_names, events=events)
 

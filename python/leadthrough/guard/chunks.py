@@ -1,9 +1,20 @@
-"""Chunks of a policy's actions, followed at the rate of a control loop."""
+"""Chunks of a policy's actions, followed at the rate of a control loop.
+
+A chunk is the uniform cubic B-spline whose control points are its actions: its acceleration is
+continuous, it stays in the hull of its actions, so that limits of position and velocity that these
+keep hold between them too, it has no lag, and it passes 1/6 of their second difference beside them.
+It begins and ends on its first and its last action. A chunk takes over from another, from rest or
+after periods that were missed, by the difference between the state commanded and the chunk, which
+each joint ends by the fastest motion of bounded jerk that the chunk's own rates leave room for.
+Nothing jumps up to the acceleration, and the chunk's own timing is kept.
+
+Source: de Boor 1978, "A Practical Guide to Splines".
+"""
 
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -11,10 +22,10 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
-from leadthrough.arm import Arm
+from leadthrough.arm import Arm, JointLimits
+from leadthrough.arm.limits import known_rates
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard.admission import Admission, CommandedState, trajectory
-from leadthrough.guard.chunk_curve import ChunkCurve, needed_jerk, smoothed
 from leadthrough.guard.guard import Guard
 from leadthrough.guard.rules import row_of, step_limits
 
@@ -27,6 +38,9 @@ _GENTLE = 0.5  # of the limits that a stop at the end of a chunk uses, if that i
 _JITTER = 0.005  # s that a call may be off its time, if the half of a period is less
 _DRIFT = 0.01  # of what a call is off its time that is followed at once
 _PASSED = 3  # poses before now that the curve needs
+_MAX_PASSES = 4  # of smoothing
+_ROOM = 0.7  # of the limits: a chunk that uses more is smoothed
+_FOLLOWED = 0.95  # of the limits that a chunk may use, so that it can be joined
 
 
 class Chunks(ShortRepr):
@@ -224,16 +238,14 @@ class Chunks(ShortRepr):
         """The command (joints,) that was sent at a time, or nearest to it."""
         return min(self._sent, key=lambda sent: abs(sent[0] - time))[1]
 
-    def _present(self) -> Float64Array:
-        return row_of(self._guard.state, len(self._guard.arm.joint_names))
-
     def _follow(self, curve: ChunkCurve, now: float, *, joining: bool) -> None:
         """Admits a window of the curve, the first row for now."""
         last = now - self._period
         if now > curve.end and not joining:
             self._again = np.inf  # the rest is admitted already
             return
-        present, target = self._present(), self._target(curve, last)
+        present = row_of(self._guard.state, len(self._guard.arm.joint_names))
+        target = self._target(curve, last)
         if joining:
             self._jerk = needed_jerk(present - target[:1], self._join)
         # Also for the rest that may be left after the curve.
@@ -264,3 +276,85 @@ class Chunks(ShortRepr):
         rest = states[-1:].copy()
         rest[:, len(self._guard.arm.joint_names) :] = 0.0
         return np.concatenate([states, rest])
+
+
+@dataclass(frozen=True, eq=False)
+class ChunkCurve:
+    """The B-spline of a chunk."""
+
+    start: float  # s
+    step: float  # s, between actions
+    points: Float64Array  # (n + 2, joints); the first and the last one continue the chunk straight
+    own: tuple[float, float] | None = None  # start and step of the policy, if this is slower
+
+    @staticmethod
+    def of(rows: Float64Array, start: float, step: float) -> ChunkCurve:
+        padded = np.concatenate([rows[:1], rows, rows[-1:]])
+        if len(rows) > 1:
+            padded[0] += rows[0] - rows[1]
+            padded[-1] += rows[-1] - rows[-2]
+        return ChunkCurve(start, step, padded)
+
+    @property
+    def end(self) -> float:
+        return self.start + self.step * (len(self.points) - 3)
+
+    def slowed(self, now: float, limits: JointLimits) -> ChunkCurve:
+        """The curve, from now on as much slower as its control points demand."""
+        now = max(now, self.start)
+        left = self.points[max(0, int((now - self.start) / self.step)) :]
+        uses = enumerate(_uses(left, self.step, limits), 1)
+        slower = max(1.0, *((used / _FOLLOWED) ** (1.0 / order) for order, used in uses))
+        if slower == 1.0:
+            return self
+        start = now - (now - self.start) * slower
+        return ChunkCurve(start, self.step * slower, self.points, (self.start, self.step))
+
+    def lag(self, now: float) -> float:
+        """How far it is behind the policy's own timing, s."""
+        if self.own is None:
+            return 0.0
+        start, step = self.own
+        return float(now - start - step * (min(now, self.end) - self.start) / self.step)
+
+    def states(self, times: Float64Array) -> Float64Array:
+        """States (n, 3 joints) at times up to its end."""
+        place = (times - self.start) / self.step
+        piece = np.clip(place.astype(np.intp), 0, max(0, len(self.points) - 4))
+        u = (place - piece)[:, None]
+        near = np.minimum(piece[:, None] + np.arange(4), len(self.points) - 1)
+        a, b, c, d = self.points[near].transpose(1, 0, 2)
+        v = 1.0 - u
+        q = (a * (v * v * v) + b * (4.0 - 3.0 * u * u * (1.0 + v)) + d * (u * u * u)) / 6.0
+        q += c * (4.0 - 3.0 * v * v * (1.0 + u)) / 6.0
+        qd = ((b - a) * v * v + (c - b) * (1.0 + 2.0 * u * v) + (d - c) * u * u) / (2.0 * self.step)
+        qdd = ((a - 2.0 * b + c) * v + (b - 2.0 * c + d) * u) / self.step**2
+        return np.hstack([q, qd, qdd])
+
+
+def needed_jerk(away: Float64Array, duration: float) -> Float64Array:
+    """A jerk (joints,) by which a difference of states (1, 3 joints) ends in a duration, s.
+
+    The sum of those by which a distance, a velocity and an acceleration end alone, by the fastest
+    motion that only the jerk limits.
+    """
+    e, ed, edd = np.abs(away.reshape(3, -1))
+    return np.asarray(32.0 * e / duration**3 + 27.0 * ed / duration**2 + 5.0 * edd / duration)
+
+
+def smoothed(rows: Float64Array, step: float, limits: JointLimits) -> Float64Array:
+    """Actions (n, joints) smoothed, without lag, until their B-spline keeps limits, or for long."""
+    for _ in range(_MAX_PASSES):
+        if max(_uses(rows, step, limits)) <= _ROOM or len(rows) < 3:
+            break
+        inner = (rows[:-2] + 2.0 * rows[1:-1] + rows[2:]) / 4.0
+        rows = np.concatenate([rows[:1], inner, rows[-1:]])
+    return rows
+
+
+def _uses(points: Float64Array, step: float, limits: JointLimits) -> list[float]:
+    """The largest fractions of the limits of velocity, acceleration and jerk of a B-spline."""
+    return [
+        float((np.abs(np.diff(points, order, axis=0)) / (limit * step**order)).max(initial=0.0))
+        for order, limit in enumerate(known_rates(limits), 1)
+    ]

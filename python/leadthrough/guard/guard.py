@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check
 from leadthrough.arm import Arm, DualArm
+from leadthrough.arm.limits import known_rates
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.guard.admission import (
     KINDS,
@@ -465,12 +466,11 @@ def exceeded(
 
 def _rate_ratios(rules: Rules, start: Float64Array, rows: Float64Array) -> Iterator[Float64Array]:
     """Velocities, accelerations and jerks (n, joints) at rows, as fractions of their limits."""
-    assert rules.joints.acceleration is not None
-    assert rules.joints.jerk is not None
+    velocity, acceleration, jerk = known_rates(rules.joints)
     (q, _, qdd), (q0, _, qdd0) = parts_of(rows), parts_of(start)
-    yield np.abs(np.diff(q, axis=0, prepend=q0) / rules.period) / rules.joints.velocity
-    yield np.abs(qdd) / rules.joints.acceleration
-    yield np.abs(np.diff(qdd, axis=0, prepend=qdd0) / rules.period) / rules.joints.jerk
+    yield np.abs(np.diff(q, axis=0, prepend=q0) / rules.period) / velocity
+    yield np.abs(qdd) / acceleration
+    yield np.abs(np.diff(qdd, axis=0, prepend=qdd0) / rules.period) / jerk
 
 
 def _is_jump(steps: Float64Array, at: tuple[int, int]) -> bool:

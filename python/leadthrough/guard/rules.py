@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import Arm, DualArm, JointLimits, check_arms
+from leadthrough.arm.limits import known_rates
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard.admission import CommandedState, parts_of
 from leadthrough.shapes import Scene, compiled
@@ -215,16 +216,7 @@ def step_limits(limits: JointLimits, period: float) -> core.StepLimits:
                 "`leadthrough info --write-limits` writes a file with assumed ones; in Python, "
                 f"Arm.from_urdf takes a file of limits:\n{limits.template()}"
             )
-    assert limits.acceleration is not None
-    assert limits.jerk is not None
-    return core.StepLimits(
-        limits.lower,
-        limits.upper,
-        limits.velocity,
-        limits.acceleration,
-        limits.jerk,
-        period,
-    )
+    return core.StepLimits(limits.lower, limits.upper, *known_rates(limits), period)
 
 
 def guarded_scene(arm: Arm | DualArm, scene: Scene, period: float) -> core.GuardedScene:

@@ -58,18 +58,16 @@ def read_triangles(path: Path) -> _Triangles:
 def read_vertices(path: Path) -> _Triangles:
     """All vertices of a mesh and the triangles, of which there may be none."""
     limits = ReadLimits()
-    try:
-        with refusing_damage("mesh", damage=(OSError, ValueError, OverflowError, RuntimeError)):
-            match path.suffix.lower():
-                case ".stl":
-                    mesh = _stl(read_bytes(path, limits), limits)
-                case ".obj":
-                    mesh = _obj(read_bytes(path, limits), limits)
-                case _:
-                    reader_process.require("coal", extra="mesh")
-                    mesh = reader_process.mesh(through_coal, path)
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
+    damage = (OSError, ValueError, OverflowError, RuntimeError)
+    with check.prefixed(path), refusing_damage("mesh", damage=damage):
+        match path.suffix.lower():
+            case ".stl":
+                mesh = _stl(read_bytes(path, limits), limits)
+            case ".obj":
+                mesh = _obj(read_bytes(path, limits), limits)
+            case _:
+                reader_process.require("coal", extra="mesh")
+                mesh = reader_process.mesh(through_coal, path)
     vertices, faces = mesh
     if len(vertices) == 0 or not np.isfinite(vertices).all():
         raise InvalidInput(f"{path}: expected a mesh of finite vertices")

@@ -69,12 +69,9 @@ def read_point_cloud(
 def read_points(path: Path) -> Float64Array:
     """The points (n, 3) of a file, in its unit."""
     limits = ReadLimits()
-    try:
-        with refusing_damage("file of points", damage=_DAMAGE):
-            found = _read(path, read_bytes(path, limits), limits)
-            seen = np.ascontiguousarray(found[~np.isnan(found).any(axis=1)], dtype=np.float64)
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
+    with check.prefixed(path), refusing_damage("file of points", damage=_DAMAGE):
+        found = _read(path, read_bytes(path, limits), limits)
+        seen = np.ascontiguousarray(found[~np.isnan(found).any(axis=1)], dtype=np.float64)
     if len(seen) == 0 or not np.isfinite(seen).all():
         raise InvalidInput(f"{path}: expected finite points, got {len(seen)} that are not NaN")
     return seen

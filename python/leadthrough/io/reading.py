@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from leadthrough import check
 from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, lerobot, reader_process, robomimic
 from leadthrough.io.files import StrPath
@@ -140,11 +141,10 @@ def read_recordings(
 def blaming(path: Path) -> Iterator[None]:
     """Puts a file's name before the errors that reading it leads to."""
     try:
-        yield
+        with check.prefixed(printable(path)):
+            yield
     except OSError as error:
         raise InvalidInput(f"{printable(path)}: cannot be read ({error.strerror})") from None
-    except InvalidInput as error:
-        raise InvalidInput(f"{printable(path)}: {error}") from None
 
 
 def printable(path: Path) -> str:

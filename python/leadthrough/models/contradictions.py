@@ -109,13 +109,11 @@ def _of_other_paths(paths: Float64Array, size: int) -> Iterator[tuple[int, str]]
 
     for i, distances in _lone(len(paths), apart, _FAR, _at_most(offsets)):
         at = int(np.argmax(distances))
-        yield (
-            i,
-            (
-                f"takes a path of its own, {distances[at]:.0%} of the extent from its nearest "
-                f"neighbour at {at / (len(distances) - 1):.0%} of the path"
-            ),
+        text = (
+            f"takes a path of its own, {distances[at]:.0%} of the extent from its nearest "
+            f"neighbour at {at / (len(distances) - 1):.0%} of the path"
         )
+        yield i, text
 
 
 def _rotated(motions: Sequence[Motion]) -> Iterator[tuple[int, str]]:
@@ -138,13 +136,11 @@ def _rotated(motions: Sequence[Motion]) -> Iterator[tuple[int, str]]:
     beside = rotations.distance(turned.reshape(-1, 4), following).reshape(-1, _ALONG)
     for i, angles in _lone(len(turned), apart, _ROTATED, beside.mean(axis=1)):
         at = int(np.argmax(angles))
-        yield (
-            i,
-            (
-                f"is rotated by {np.degrees(angles[at]):.0f} degrees against the nearest other at "
-                f"{at / (len(angles) - 1):.0%} of the path"
-            ),
+        text = (
+            f"is rotated by {np.degrees(angles[at]):.0f} degrees against the nearest other at "
+            f"{at / (len(angles) - 1):.0%} of the path"
         )
+        yield i, text
 
 
 def _phases(motion: Motion) -> Float64Array:

@@ -258,7 +258,7 @@ def _box(mesh: Surface) -> Float64Array:
 def sampled(arm: Arm, joints: JointTrajectory | None) -> JointTrajectory:
     """A motion at no more samples than a screen shows."""
     if joints is None:
-        return JointTrajectory(np.zeros(1), _middle(arm)[None], joint_names=arm.joint_names)
+        return JointTrajectory(np.zeros(1), arm._chain.middle[None], joint_names=arm.joint_names)
     joints = in_order(joints, arm.joint_names, "joints")
     wanted = min(int(joints.duration * _FRAME_RATE) + 2, _MAX_FRAMES)
     if len(joints.times) <= wanted:
@@ -274,9 +274,3 @@ def link_motion(arm: Arm, q: Float64Array) -> tuple[tuple[str, ...], Float64Arra
     matrices = np.concatenate([matrix for matrix, _ in poses.values()])
     orientations = rotations.from_matrix(matrices).reshape(len(poses), len(q), 4)
     return tuple(poses), positions, np.stack([*map(rotations.align_signs, orientations)], axis=1)
-
-
-def _middle(arm: Arm) -> Float64Array:
-    low, high = arm.limits.lower, arm.limits.upper
-    bounded = np.isfinite(low) & np.isfinite(high)
-    return 0.5 * (np.where(bounded, low, 0.0) + np.where(bounded, high, 0.0))

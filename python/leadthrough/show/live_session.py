@@ -1,7 +1,4 @@
-"""A live page in the browser: its state, which browsers move and see, and its own server.
-
-A skill plans anew in a thread of its own: after changes quickly, once all rests in full.
-"""
+"""A live page in the browser: all that it draws, as messages, its state and its own server."""
 
 from __future__ import annotations
 
@@ -14,11 +11,11 @@ import secrets
 import threading
 import time
 import webbrowser
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from http import HTTPStatus
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, Protocol, TypeVar
 
@@ -33,70 +30,95 @@ from leadthrough.check import (
     MissingDependency,
     ShortRepr,
 )
+from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene, Shape
-from leadthrough.show.animation import Layer
-from leadthrough.show.live_scene import LAYERS, LiveScene
-from leadthrough.show.replanner import Answer, Replanner
+from leadthrough.show import page
+from leadthrough.show.animation import Animation, Item, Layer
+from leadthrough.show.arm_scene import (
+    arm_motion,
+    arm_scene,
+    demonstration_items,
+    goal_item,
+    mode_items,
+    obstacle_item,
+    path_item,
+    readouts,
+    spread_items,
+    start_item,
+    via_items,
+)
+from leadthrough.show.replanner import Answer, Change, Replanner, Replanning
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
     from websockets.http11 import Request, Response
 
-Change = Callable[[Replanner], None]
 Handler = Callable[[Any, dict[str, Any]], None]
 
 # Durations that the slider offers, as multiples of the skill's own.
 _DURATIONS = (0.2, 3.0)
+_MOTIONLESS = Animation((), np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 4)), ())
+_MARKS = {Layer.PATH: path_item, Layer.START: start_item, Layer.GOAL: goal_item}
+_LAYERS = [layer for layer in Layer if layer not in (Layer.ARM, Layer.PLANNED)]
 
 
-class Replanning:
-    """A replanner that answers in the background, the latest changes first."""
+@dataclass(frozen=True, eq=False)
+class LiveScene:
+    """An arm and what is drawn with it."""
 
-    def __init__(self, planner: Replanner, *, planned: bool) -> None:
-        self.planner = planner
-        self._worker = ThreadPoolExecutor(1)
-        self._changes: list[Change] = []
-        self._is_coarse = not planned
-        self._job: Future[Answer] | None = None
-        self._worker.submit(planner.preview)  # prepares what the first drag would wait for
+    arm: Arm
+    motion: JointTrajectory | None  # that the page plays
+    scene: Scene
+    demonstrations: Sequence[Demonstration] = ()
+    path: Float64Array | None = None  # of the tip (n, 3)
+    goal: Float64Array | None = None  # (3,)
+    skill: Skill | None = None  # whose spread is drawn
+    via: Sequence[Float64Array] = ()  # points (3,) that the path was moved to
+    wanted: Float64Array | None = None  # path of the tip (m, 3) by the skill alone
+    others: Sequence[Float64Array] = ()  # such paths by other modes
 
-    @property
-    def idle(self) -> bool:
-        """Whether all changes have been answered in full."""
-        return self._job is None and not self._changes and not self._is_coarse
+    def document(self, kind: str) -> str:
+        """The page of a kind, "teach" or "view"."""
+        return page.live_document(self._whole(), self.arm.robot.name, kind)
 
-    def request(self, change: Change) -> None:
-        """Plans anew after a change; those that come meanwhile are answered together."""
-        self._changes.append(change)
-        self._begin()
+    def write(self, path: str | Path) -> None:
+        """Writes a page that needs no server."""
+        page.write_page(path, self.arm.robot.name, page.scene(self._whole()), whole=True)
 
-    def collect(self) -> tuple[Answer, bool] | None:
-        """An answer that has come, and whether it is in full; starts the next one."""
-        found = None
-        if self._job is not None and self._job.done():
-            found, self._job = (self._job.result(), not self._is_coarse), None
-        self._begin()
-        return found
+    def message(
+        self, layers: Sequence[str] = _LAYERS, *, moves: bool = False, detailed: bool = True
+    ) -> str:
+        """Surfaces of some layers, and the motion from now on if it `moves`."""
+        items = tuple(item for name in layers for item in self._items(name))
+        motion = arm_motion(self.arm, self.motion) if moves else _MOTIONLESS
+        drawn = replace(motion, items=items)
+        told = self._readouts() if detailed else None
+        data = page.packed(drawn, level=1, layers=list(layers), readouts=told)
+        return json.dumps({"kind": "scene", "data": data, "moves": moves})
 
-    def _begin(self) -> None:
-        """Starts the next answer, unless one is under way."""
-        if self._job is None and (self._changes or self._is_coarse):
-            changes, self._changes = self._changes, []
-            self._is_coarse = bool(changes)
-            self._job = self._worker.submit(self._answer, changes)
+    def _whole(self) -> Animation:
+        drawn = arm_scene(self.arm, self.motion)
+        items = [item for item in drawn.items if item.layer not in _LAYERS]
+        items += [item for name in _LAYERS for item in self._items(name)]
+        return replace(drawn, items=tuple(items), readouts=self._readouts())
 
-    def close(self) -> None:
-        """Ends the thread."""
-        self._worker.shutdown(wait=True, cancel_futures=True)
+    def _readouts(self) -> dict[str, Any] | None:
+        return readouts(self.arm, self.motion, self.scene, self.wanted)
 
-    def _answer(self, changes: Sequence[Change]) -> Answer:
-        try:
-            for change in changes:
-                change(self.planner)
-        except LeadthroughError as error:
-            return Answer(None, None, str(error), "", 0.0)
-        return self.planner.preview() if changes else self.planner.plan()
+    def _items(self, layer: str) -> Iterable[Item]:
+        if layer == Layer.DEMONSTRATIONS:
+            return demonstration_items(self.arm, self.demonstrations)
+        if layer == Layer.OBSTACLES:
+            return [obstacle_item(shape, i) for i, shape in enumerate(self.scene.shapes)]
+        if layer == Layer.SPREAD:
+            return spread_items(self.arm, self.skill)
+        if layer == Layer.VIA:
+            return via_items(self.via)
+        if layer == Layer.MODES:
+            return mode_items(self.others)
+        marked = self.goal if layer == Layer.GOAL else self.path
+        return [] if marked is None else [_MARKS[Layer(layer)](marked)]
 
 
 class LiveSession:
@@ -272,7 +294,7 @@ class LiveSession:
         if answer.joints is not None:
             self.motion = answer.joints
         hidden = {Layer.DEMONSTRATIONS, Layer.OBSTACLES, Layer.SPREAD if answer.trouble else None}
-        layers = [layer for layer in LAYERS if layer not in hidden]
+        layers = [layer for layer in _LAYERS if layer not in hidden]
         self._messages.append(self.drawn.message(layers, moves=moves, detailed=whole))
         how = f"{'planned' if whole else 'previewed'} in {1e3 * answer.seconds:.0f} ms"
         self._say(self._worded(answer.trouble or answer.verdict, how))

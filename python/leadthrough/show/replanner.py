@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Literal
@@ -363,3 +364,55 @@ def parted(target: Target) -> tuple[ArrayLike, ArrayLike | None]:
     if isinstance(target, tuple) and len(target) == 2:
         return target[0], target[1]
     return target, None
+
+
+Change = Callable[[Replanner], None]
+
+
+class Replanning:
+    """A replanner that answers in a thread of its own: after changes quickly, at rest in full."""
+
+    def __init__(self, planner: Replanner, *, planned: bool) -> None:
+        self.planner = planner
+        self._worker = ThreadPoolExecutor(1)
+        self._changes: list[Change] = []
+        self._is_coarse = not planned
+        self._job: Future[Answer] | None = None
+        self._worker.submit(planner.preview)  # prepares what the first drag would wait for
+
+    @property
+    def idle(self) -> bool:
+        """Whether all changes have been answered in full."""
+        return self._job is None and not self._changes and not self._is_coarse
+
+    def request(self, change: Change) -> None:
+        """Plans anew after a change; those that come meanwhile are answered together."""
+        self._changes.append(change)
+        self._begin()
+
+    def collect(self) -> tuple[Answer, bool] | None:
+        """An answer that has come, and whether it is in full; starts the next one."""
+        found = None
+        if self._job is not None and self._job.done():
+            found, self._job = (self._job.result(), not self._is_coarse), None
+        self._begin()
+        return found
+
+    def _begin(self) -> None:
+        """Starts the next answer, unless one is under way."""
+        if self._job is None and (self._changes or self._is_coarse):
+            changes, self._changes = self._changes, []
+            self._is_coarse = bool(changes)
+            self._job = self._worker.submit(self._answer, changes)
+
+    def close(self) -> None:
+        """Ends the thread."""
+        self._worker.shutdown(wait=True, cancel_futures=True)
+
+    def _answer(self, changes: Sequence[Change]) -> Answer:
+        try:
+            for change in changes:
+                change(self.planner)
+        except LeadthroughError as error:
+            return Answer(None, None, str(error), "", 0.0)
+        return self.planner.preview() if changes else self.planner.plan()

@@ -12,9 +12,8 @@ from leadthrough.drawing import palette
 from leadthrough.io.files import StrPath, replacing
 from leadthrough.show import page
 from leadthrough.show.animation import Animation, Layer
-from leadthrough.show.arm_scene import arm_scene
+from leadthrough.show.arm_scene import arm_scene, readouts
 from leadthrough.show.plot import success_map
-from leadthrough.show.readouts import readouts
 from leadthrough.simulation import SimulationReport
 from leadthrough.validation import Validation
 

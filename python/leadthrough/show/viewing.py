@@ -15,9 +15,8 @@ from leadthrough.motion import Demonstration, JointTrajectory, Motion, Target
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.show import page
 from leadthrough.show.animation import Animation
-from leadthrough.show.arm_scene import arm_scene, mode_items, tip_path
+from leadthrough.show.arm_scene import arm_scene, mode_items, readouts, tip_path
 from leadthrough.show.live_session import LivePage, LiveSession
-from leadthrough.show.readouts import readouts
 from leadthrough.show.replanner import Answer, Replanner, parted
 
 

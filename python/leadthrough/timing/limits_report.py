@@ -226,7 +226,8 @@ def _ordered(trajectory: JointTrajectory, limits: JointLimits) -> JointTrajector
     return in_order(trajectory, limits.joint_names, "trajectory")
 
 
-def _arrays(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float64Array]:
+def arrays_of(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float64Array]:
+    """Positions, velocities and accelerations (n, joints) of a motion that has them."""
     assert motion.velocities is not None
     assert motion.accelerations is not None
     return motion.positions, motion.velocities, motion.accelerations
@@ -235,7 +236,7 @@ def _arrays(motion: JointTrajectory) -> tuple[Float64Array, Float64Array, Float6
 def extremes(motion: JointTrajectory, rests: tuple[bool, bool]) -> Extremes:
     """Those of the quintics of a motion with all arrays, at rest before and after it, or not."""
     motion = _standing(motion, rests)
-    arrays = _arrays(motion)
+    arrays = arrays_of(motion)
     if len(motion.times) > 1:
         return Extremes(*core.motion_peaks(motion.times, *arrays))
     q, velocity, acceleration = (rows[0] for rows in arrays)
@@ -263,7 +264,7 @@ def _nearest_in_steps(
 
 def _used_in_steps(motion: JointTrajectory) -> Iterator[tuple[Kind, Float64Array]]:
     """The largest velocities, accelerations and jerks (steps, joints) of each step."""
-    arrays = _arrays(motion)
+    arrays = arrays_of(motion)
     velocities, accelerations = core.step_extremes(motion.times, *arrays)
     yield "velocity", velocities
     del velocities
@@ -275,7 +276,7 @@ def _used_in_steps(motion: JointTrajectory) -> Iterator[tuple[Kind, Float64Array
 
 def _standing(motion: JointTrajectory, rests: tuple[bool, bool]) -> JointTrajectory:
     """The motion with a step of standing still beyond each end that it passes but should not."""
-    times, states = motion.times, _arrays(motion)
+    times, states = motion.times, arrays_of(motion)
     begins, ends = (
         rest and bool(states[1][end].any() or states[2][end].any())
         for rest, end in zip(rests, (0, -1), strict=True)

@@ -34,8 +34,7 @@ from leadthrough.timing.limits_report import (
     report_of,
 )
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed, TipTolerance
-from leadthrough.timing.samples import AT_REST, Samples, time_lines
-from leadthrough.timing.section_law import time_section
+from leadthrough.timing.section_law import AT_REST, Samples, time_lines, time_section
 from leadthrough.timing.sections import Lines, Path, Section, Sections, path_of
 from leadthrough.trajectories import Curve
 

@@ -211,7 +211,6 @@ def _over_a_peak(
     from scipy.optimize import brentq
 
     v, a, j = limits
-
     lowest = max(first, last)
 
     def missing(above: float) -> float:
@@ -243,15 +242,9 @@ def _phases(
     ends: tuple[float, float], above: float, cruise: float, *, a: float, j: float
 ) -> Phases:
     up, down = (ramp(above + (max(ends) - end), a, j) for end in ends)
-    return [
-        (up[0], j),
-        (up[1], 0.0),
-        (up[0], -j),
-        (cruise, 0.0),
-        (down[0], -j),
-        (down[1], 0.0),
-        (down[0], j),
-    ]
+    rising = [(up[0], j), (up[1], 0.0), (up[0], -j)]
+    brake = [(down[0], -j), (down[1], 0.0), (down[0], j)]
+    return [*rising, (cruise, 0.0), *brake]
 
 
 def ramp(change: float, a: float, j: float) -> tuple[float, float]:

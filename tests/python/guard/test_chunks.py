@@ -10,7 +10,7 @@ from refusals import refused
 from scipy.interpolate import BSpline
 
 import leadthrough as lt
-from leadthrough.guard.chunk_curve import ChunkCurve
+from leadthrough.guard.chunks import ChunkCurve
 from leadthrough.guard.lerobot import ChunkStep
 
 Q = HOMES["panda"]

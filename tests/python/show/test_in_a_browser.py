@@ -15,8 +15,7 @@ from PIL import Image
 
 import leadthrough as lt
 from leadthrough.show import open_view, page
-from leadthrough.show.arm_scene import arm_scene
-from leadthrough.show.readouts import readouts
+from leadthrough.show.arm_scene import arm_scene, readouts
 
 OFF = 0.002  # m that a wanted path lies above
 BOX = lt.Box((0.1, 0.1, 0.3), (0.55, 0.0, 0.15))

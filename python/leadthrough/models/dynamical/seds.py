@@ -218,11 +218,8 @@ def _unlikelihood(
 ) -> tuple[float, Float64Array]:
     """The mean negative log-likelihood per sample, and its gradient."""
     parts = _Parts.of(packed, k, d)
-    upper, roots, matrices = (
-        _exp_diagonal(parts.whitening),
-        _exp_diagonal(parts.roots),
-        _matrices(parts),
-    )
+    upper, roots = _exp_diagonal(parts.whitening), _exp_diagonal(parts.roots)
+    matrices = _matrices(parts)
     offsets = x[None] - parts.means[:, None]
     residuals = v[None] - x @ matrices.transpose(0, 2, 1)
     at_positions, z = _log_densities(offsets, upper)

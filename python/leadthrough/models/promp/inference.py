@@ -212,7 +212,7 @@ def _modes_of(skill: ProMPSkill[MotionT]) -> tuple[ProMPSkill[MotionT], ...]:
     One demonstration does not say how its mode varies. Poses of different modes have different
     reference orientations, and stay apart.
     """
-    several = [each for each in skill.modes if not _is_lone(each)]
+    several = [m for m in skill.modes if m.experience is None or len(m.experience.curves) != 1]
     alike_in_basis = all(each.basis == skill.basis for each in skill.modes)
     if len(several) == len(skill.modes) or skill.coordinates.kind == "poses" or not alike_in_basis:
         return skill.modes
@@ -229,10 +229,6 @@ def _modes_of(skill: ProMPSkill[MotionT]) -> tuple[ProMPSkill[MotionT], ...]:
         np.max([own.scale for own in known], axis=0),
     )
     return (*several, replace(skill, experience=every))
-
-
-def _is_lone(mode: ProMPSkill[MotionT]) -> bool:
-    return mode.experience is not None and len(mode.experience.curves) == 1
 
 
 class Continuation(Generic[MotionT]):

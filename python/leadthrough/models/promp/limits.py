@@ -68,8 +68,8 @@ def moved_inside(
     active: list[tuple[int, int, int]] = []  # sample, column, side
     moved = weights.mean
     for _ in range(_MAX_ROUNDS):
-        excess = _excess(product(rows, moved.reshape(len(scale), -1).T), bounds, scale)
-        worst = _worst_of_each(excess)
+        values = product(rows, moved.reshape(len(scale), -1).T)
+        worst = _worst_of_each(np.stack([bounds[0] - values, values - bounds[1]]) / scale)
         if not worst:
             return moved
         active = list(dict.fromkeys([*active, *worst]))
@@ -92,14 +92,8 @@ def _fixed_outside() -> InvalidInput:
     )
 
 
-def _excess(values: Float64Array, bounds: Bounds, scale: Float64Array) -> Float64Array:
-    """How far values lie beyond lower and upper limits, as fractions (2, n, d) of the reach."""
-    lower, upper = bounds
-    return np.stack([(lower - values) / scale, (values - upper) / scale])
-
-
 def _worst_of_each(excess: Float64Array) -> list[tuple[int, int, int]]:
-    """The local maxima of each violation over the samples."""
+    """The local maxima over the samples of how far each limit (2, n, d) is exceeded."""
     padded = np.pad(excess, ((0, 0), (1, 1), (0, 0)), constant_values=-np.inf)
     peak = (excess >= padded[:, :-2]) & (excess >= padded[:, 2:]) & (excess > 0.0)
     return [(int(i), int(j), int(side)) for side, i, j in np.argwhere(peak)]

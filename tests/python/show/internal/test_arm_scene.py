@@ -8,8 +8,7 @@ import pytest
 from refusals import refused
 
 import leadthrough as lt
-from leadthrough.show.arm_scene import arm_scene, distribution_of
-from leadthrough.show.readouts import readouts
+from leadthrough.show.arm_scene import arm_scene, distribution_of, readouts
 
 STICKS = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
 <joint name="one" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>

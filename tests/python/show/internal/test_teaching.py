@@ -11,10 +11,9 @@ import pytest
 from refusals import refused
 
 import leadthrough as lt
-from leadthrough.show.leading import LedArm, first_configuration
 from leadthrough.show.lesson import learned
 from leadthrough.show.recordings import Recordings, recording_of
-from leadthrough.show.teaching import Teaching
+from leadthrough.show.teaching import LedArm, Teaching, first_configuration
 
 STEP = 0.02
 POST = lt.Box((0.1, 0.1, 0.5), (0.5, 0.3, 0.25))

@@ -8,7 +8,7 @@ import leadthrough as lt
 from leadthrough.arm import JointLimits
 from leadthrough.errors import LimitsInfeasible
 from leadthrough.timing import retiming
-from leadthrough.timing.samples import Samples
+from leadthrough.timing.section_law import Samples
 from leadthrough.timing.sections import Section, through
 from leadthrough.trajectories import Spline
 
