@@ -1,4 +1,4 @@
-"""A live page in the browser: all that it draws, as messages, its state and its own server."""
+"""A live page in the browser: its state, which browsers move and see, and its own server."""
 
 from __future__ import annotations
 
@@ -11,11 +11,10 @@ import secrets
 import threading
 import time
 import webbrowser
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from http import HTTPStatus
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, Protocol, TypeVar
 
@@ -30,24 +29,10 @@ from leadthrough.check import (
     MissingDependency,
     ShortRepr,
 )
-from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene, Shape
-from leadthrough.show import page
-from leadthrough.show.animation import Animation, Item, Layer
-from leadthrough.show.arm_scene import (
-    arm_motion,
-    arm_scene,
-    demonstration_items,
-    goal_item,
-    mode_items,
-    obstacle_item,
-    path_item,
-    readouts,
-    spread_items,
-    start_item,
-    via_items,
-)
+from leadthrough.show.animation import Layer
+from leadthrough.show.live_scene import LAYERS, LiveScene
 from leadthrough.show.replanner import Answer, Change, Replanner, Replanning
 
 if TYPE_CHECKING:
@@ -58,67 +43,6 @@ Handler = Callable[[Any, dict[str, Any]], None]
 
 # Durations that the slider offers, as multiples of the skill's own.
 _DURATIONS = (0.2, 3.0)
-_MOTIONLESS = Animation((), np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 4)), ())
-_MARKS = {Layer.PATH: path_item, Layer.START: start_item, Layer.GOAL: goal_item}
-_LAYERS = [layer for layer in Layer if layer not in (Layer.ARM, Layer.PLANNED)]
-
-
-@dataclass(frozen=True, eq=False)
-class LiveScene:
-    """An arm and what is drawn with it."""
-
-    arm: Arm
-    motion: JointTrajectory | None  # that the page plays
-    scene: Scene
-    demonstrations: Sequence[Demonstration] = ()
-    path: Float64Array | None = None  # of the tip (n, 3)
-    goal: Float64Array | None = None  # (3,)
-    skill: Skill | None = None  # whose spread is drawn
-    via: Sequence[Float64Array] = ()  # points (3,) that the path was moved to
-    wanted: Float64Array | None = None  # path of the tip (m, 3) by the skill alone
-    others: Sequence[Float64Array] = ()  # such paths by other modes
-
-    def document(self, kind: str) -> str:
-        """The page of a kind, "teach" or "view"."""
-        return page.live_document(self._whole(), self.arm.robot.name, kind)
-
-    def write(self, path: str | Path) -> None:
-        """Writes a page that needs no server."""
-        page.write_page(path, self.arm.robot.name, page.scene(self._whole()), whole=True)
-
-    def message(
-        self, layers: Sequence[str] = _LAYERS, *, moves: bool = False, detailed: bool = True
-    ) -> str:
-        """Surfaces of some layers, and the motion from now on if it `moves`."""
-        items = tuple(item for name in layers for item in self._items(name))
-        motion = arm_motion(self.arm, self.motion) if moves else _MOTIONLESS
-        drawn = replace(motion, items=items)
-        told = self._readouts() if detailed else None
-        data = page.packed(drawn, level=1, layers=list(layers), readouts=told)
-        return json.dumps({"kind": "scene", "data": data, "moves": moves})
-
-    def _whole(self) -> Animation:
-        drawn = arm_scene(self.arm, self.motion)
-        items = [item for item in drawn.items if item.layer not in _LAYERS]
-        items += [item for name in _LAYERS for item in self._items(name)]
-        return replace(drawn, items=tuple(items), readouts=self._readouts())
-
-    def _readouts(self) -> dict[str, Any] | None:
-        return readouts(self.arm, self.motion, self.scene, self.wanted)
-
-    def _items(self, layer: str) -> Iterable[Item]:
-        if layer == Layer.DEMONSTRATIONS:
-            return demonstration_items(self.arm, self.demonstrations)
-        if layer == Layer.OBSTACLES:
-            return [obstacle_item(shape, i) for i, shape in enumerate(self.scene.shapes)]
-        if layer == Layer.SPREAD:
-            return spread_items(self.arm, self.skill)
-        if layer == Layer.VIA:
-            return via_items(self.via)
-        if layer == Layer.MODES:
-            return mode_items(self.others)
-        marked = self.goal if layer == Layer.GOAL else self.path
-        return [] if marked is None else [_MARKS[Layer(layer)](marked)]
 
 
 class LiveSession:
@@ -294,7 +218,7 @@ class LiveSession:
         if answer.joints is not None:
             self.motion = answer.joints
         hidden = {Layer.DEMONSTRATIONS, Layer.OBSTACLES, Layer.SPREAD if answer.trouble else None}
-        layers = [layer for layer in _LAYERS if layer not in hidden]
+        layers = [layer for layer in LAYERS if layer not in hidden]
         self._messages.append(self.drawn.message(layers, moves=moves, detailed=whole))
         how = f"{'planned' if whole else 'previewed'} in {1e3 * answer.seconds:.0f} ms"
         self._say(self._worded(answer.trouble or answer.verdict, how))
