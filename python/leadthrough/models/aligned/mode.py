@@ -52,6 +52,7 @@ _MOST_LEFT_OUT = 16  # demonstrations, evenly chosen
 # nothing about the fade: up to 0.6 of the nominal path is then rotated and scaled with its chord.
 _FAR, _SIMILAR = 0.3, 0.6
 _TINY = 1e-300
+_NEGLIGIBLE = 1e-3  # offsets of ends, in extents: how smaller ones fade cannot be seen
 
 
 @dataclass(frozen=True)
@@ -249,7 +250,7 @@ class _Fade:
         self._gram = np.einsum("wmk,wmkid,wmkjd->wmij", weights, off, off)
         # The mean's own part of the product vanishes, as the offsets' mean does.
         self._seen = np.einsum("wmk,wmkid,knd->wmin", weights, off, rows)
-        self._variance = np.trace(self._gram, axis1=2, axis2=3) / rows.shape[2] + _TINY
+        self._variance = np.trace(self._gram, axis1=2, axis2=3) / rows.shape[2] + _NEGLIGIBLE**2
 
     def rows(self, linear: Float64Array, prior: float) -> Float64Array:
         """Rows (widths, m, n, d) with the ends asked for; `linear` are fades (widths, m, 2, n)."""

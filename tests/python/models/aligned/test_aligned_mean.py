@@ -33,6 +33,16 @@ def test_one_demonstration_is_reproduced():
     assert made.duration == pytest.approx(2.0)
 
 
+@pytest.mark.parametrize("apart", (0.0, 1e-16, 1e-12, 1e-6))
+def test_ends_that_are_the_same_up_to_rounding_fade_no_rounding(apart):
+    starts = [(0.0, y * apart) for y in (-1.0, 0.3, 1.0)]
+    shown = [stroke(each, height=h) for each, h in zip(starts, (0.27, 0.3, 0.33), strict=True)]
+    skill = lt.AlignedMean().fit(shown)
+    assert frechet_distance(skill.generate().positions, stroke().positions) < 5e-3
+    moved = skill.generate(start=(0.0, 0.01), goal=(1.02, 0.0)).positions
+    assert frechet_distance(moved, stroke((0.0, 0.01), (1.02, 0.0)).positions) < 0.02
+
+
 def test_where_the_start_is_forgotten_is_learned():
     forgotten = np.clip(1.0 - U / 0.3, 0.0, 1.0)  # the hand joins the common path at 30 %
     starts = [(0.0, y) for y in np.linspace(-0.2, 0.2, 9)]
