@@ -250,7 +250,8 @@ class _Fade:
         self._gram = np.einsum("wmk,wmkid,wmkjd->wmij", weights, off, off)
         # The mean's own part of the product vanishes, as the offsets' mean does.
         self._seen = np.einsum("wmk,wmkid,knd->wmin", weights, off, rows)
-        self._variance = np.trace(self._gram, axis1=2, axis2=3) / rows.shape[2] + _NEGLIGIBLE**2
+        variance = np.trace(self._gram, axis1=2, axis2=3) / rows.shape[2]
+        self._variance = np.maximum(variance, _NEGLIGIBLE**2)
 
     def rows(self, linear: Float64Array, prior: float) -> Float64Array:
         """Rows (widths, m, n, d) with the ends asked for; `linear` are fades (widths, m, 2, n)."""
