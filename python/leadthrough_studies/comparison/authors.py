@@ -169,7 +169,7 @@ class _Stabilised(Field):
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, Any]) -> Self:
-        raise NotImplementedError
+        raise LeadthroughError(f"arrays: expected none, as no file keeps them, got {list(arrays)}")
 
     def velocity(self, x: Float64Array) -> Float64Array:
         each = np.einsum("kij,nj->nki", self.gains, x) + self.constants

@@ -51,7 +51,7 @@ _MOST_LEFT_OUT = 16  # demonstrations, evenly chosen
 # Ends this far from those of every demonstration, in extents, and farther than these are apart, say
 # nothing about the fade: up to 0.6 of the nominal path is then rotated and scaled with its chord.
 _FAR, _SIMILAR = 0.3, 0.6
-_TINY = 1e-300
+_TINY, _ROUNDING = 1e-300, 1e-9
 _NEGLIGIBLE = 1e-3  # offsets of ends, in extents: how smaller ones fade cannot be seen
 
 
@@ -377,7 +377,12 @@ def restored(settings: dict[str, Any], arrays: Arrays) -> Mode:
     rows = check.frozen(arrays["rows"], "rows", shape=(2, "k", "n", coordinates.width))
     clocks = check.frozen(arrays["clocks"], "clocks", shape=rows.shape[:3])
     options = check.with_gaps(arrays["options"], "options", shape=("m", "n"))
-    shares = options[:, 4] if options.shape[1] == 5 else np.full(len(options), 1.0 / len(options))
+    if options.shape[1] == 4:  # of equal shares, as earlier versions wrote them
+        options = np.insert(options, 4, 1.0 / max(len(options), 1), axis=1)
+    options = check.with_gaps(options, "options", shape=("m", 5))
+    shares = options[:, 4]
+    if not ((shares > 0.0).all() and abs(shares.sum() - 1.0) < _ROUNDING):
+        raise check.refused("options", "shares > 0 whose sum is 1", shares)
     phased = Curves(rows[0], clocks[0]), Curves(rows[1], clocks[1])
     return Mode(
         coordinates,

@@ -155,6 +155,15 @@ def test_the_first_family_stays_unless_another_is_a_quarter_nearer():
     assert "gmr: no other is a quarter nearer to 5 left-out" in str(skill.choice)
 
 
+@pytest.mark.parametrize("share", (-1.0, 0.0, np.nan, np.inf))
+def test_a_file_with_shares_that_are_none_is_refused(tmp_path, share):
+    lt.AlignedMean().fit([stroke((0.0, y)) for y in (-0.1, 0.0, 0.1)]).save(tmp_path / "skill.npz")
+    arrays = dict(np.load(tmp_path / "skill.npz"))
+    arrays["options"][0, 4] = share
+    np.savez(tmp_path / "skill.npz", **arrays)
+    refused("damaged|shares", lt.load_skill, tmp_path / "skill.npz")
+
+
 def test_a_model_with_settings_is_a_candidate():
     shown = [stroke((0.0, y)) for y in (-0.1, 0.0, 0.1)]
     skill = lt.learn(shown, candidates=[lt.ProMP(weights=12), "dmp"])
