@@ -1,5 +1,7 @@
 #include "leadthrough/ik/swept_self_motion.hpp"
 
+#include <limits>
+
 #include "leadthrough/ik/configurations.hpp"
 #include "leadthrough/ik/joint_ranges.hpp"
 #include "leadthrough/ik/self_motion.hpp"
@@ -9,7 +11,8 @@ namespace leadthrough {
 namespace {
 
 struct Sample {
-  int index, branch;
+  int index, branch;  // the place of the parameter among all, in order
+  double parameter;
   double distance;  // squared, from the reference, after clamping
   double outside;   // of the limits by as much, at most, before clamping, rad
   JointArray q;
@@ -41,30 +44,98 @@ bool bring_inside(const Chain& chain, const JointVector& reference, Sample& samp
   return true;
 }
 
-// The configurations at one value of the parameter.
-void add_samples(const Chain& chain, const ClosedForm& form, const IkTarget& target,
-                 const JointVector& reference, double parameter, int index,
-                 std::vector<Sample>& samples) {
-  Walk walk;
+struct Slice {
+  double parameter;
   Candidates candidates;
-  solve(form, {*target.rotation, target.position}, parameter, walk, candidates);
-  for (int k = 0; k < candidates.count; ++k) {
-    const Candidate& candidate = candidates.at[static_cast<std::size_t>(k)];
-    Sample sample{index, candidate.branch, 0.0, 0.0, candidate.q};
-    if (bring_inside(chain, reference, sample)) samples.push_back(sample);
+};
+
+// The configurations at values of the parameter, in order.
+class Sweep {
+ public:
+  Sweep(const Chain& chain, const ClosedForm& form, const IkTarget& target,
+        const JointVector& reference)
+      : chain_(chain), form_(form), target_(target), reference_(reference) {}
+
+  Slice at(double parameter) {
+    Slice slice{parameter, {}};
+    solve(form_, {*target_.rotation, target_.position}, parameter, walk_, slice.candidates);
+    return slice;
   }
-}
+
+  void add(const Slice& slice) {
+    for (int k = 0; k < slice.candidates.count; ++k) {
+      const Candidate& candidate = slice.candidates.at[static_cast<std::size_t>(k)];
+      Sample sample{index_, candidate.branch, slice.parameter, 0.0, 0.0, candidate.q};
+      if (bring_inside(chain_, reference_, sample)) samples.push_back(sample);
+    }
+    ++index_;
+  }
+
+  // Steps are halved if a branch ends within, or joints turn far as beside a singularity.
+  void add_between(const Slice& before, const Slice& after, int halvings) {
+    if (halvings == 0 || near(before.candidates, after.candidates)) return;
+    const Slice middle = at(0.5 * (before.parameter + after.parameter));
+    add_between(before, middle, halvings - 1);
+    add(middle);
+    add_between(middle, after, halvings - 1);
+  }
+
+  std::vector<Sample> samples;
+
+ private:
+  bool near(const Candidates& before, const Candidates& after) const {
+    constexpr double kNear = 0.5;  // rad
+    const auto begin = after.at.begin(), end = begin + after.count;
+    return before.count == after.count &&
+           std::all_of(before.at.begin(), before.at.begin() + before.count,
+                       [&](const Candidate& a) {
+                         return std::any_of(begin, end, [&](const Candidate& b) {
+                           return b.branch == a.branch && apart(a.q, b.q) < kNear;
+                         });
+                       });
+  }
+
+  // The most that a joint turns.
+  double apart(const JointArray& a, const JointArray& b) const {
+    double most = 0.0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(chain_.joints()); ++k)
+      most = std::max(most, apart_within_turn(a[k], b[k]));
+    return most;
+  }
+
+  const Chain& chain_;
+  const ClosedForm& form_;
+  const IkTarget& target_;
+  const JointVector& reference_;
+  Walk walk_;
+  int index_ = 0;
+};
 
 std::vector<Sample> sweep(const Chain& chain, const ClosedForm& form, const IkTarget& target,
                           const JointVector& reference) {
+  constexpr int kHalvings = 5;
   const auto [lower, upper] = swept_range(chain, form);
-  std::vector<Sample> samples;
-  samples.reserve(8 * (kSweepSamples + 1));
-  for (int index = 0; index <= kSweepSamples; ++index) {
-    const double parameter = lower + (upper - lower) * index / kSweepSamples;
-    add_samples(chain, form, target, reference, parameter, index, samples);
+  Sweep sweep(chain, form, target, reference);
+  sweep.samples.reserve(8 * (kSweepSamples + 1));
+  Slice before = sweep.at(lower);
+  sweep.add(before);
+  for (int index = 1; index <= kSweepSamples; ++index) {
+    const Slice after = sweep.at(lower + (upper - lower) * index / kSweepSamples);
+    sweep.add_between(before, after, kHalvings);
+    sweep.add(after);
+    before = after;
   }
-  return samples;
+  return std::move(sweep.samples);
+}
+
+bool better(const Sample& a, const Sample& b) {
+  return std::pair(a.outside, a.distance) < std::pair(b.outside, b.distance);
+}
+
+// Whether no joint is at another turn, beyond the other limit.
+bool at_the_same_turns(const Sample& a, const Sample& b) {
+  return std::equal(a.q.begin(), a.q.end(), b.q.begin(),
+                    [](double x, double y) { return std::abs(x - y) < 0.5 * kTurn; });
 }
 
 // Those that are less outside than their neighbours on the branch, or as little and nearer; nearest
@@ -74,7 +145,7 @@ std::vector<Sample> nearest_of_branches(const std::vector<Sample>& samples) {
   for (const Sample& sample : samples) {
     const auto beats = [&](const Sample& other) {
       return other.branch == sample.branch && std::abs(other.index - sample.index) == 1 &&
-             std::pair(other.outside, other.distance) < std::pair(sample.outside, sample.distance);
+             at_the_same_turns(other, sample) && better(other, sample);
     };
     if (std::none_of(samples.begin(), samples.end(), beats)) nearest.push_back(sample);
   }
@@ -83,24 +154,21 @@ std::vector<Sample> nearest_of_branches(const std::vector<Sample>& samples) {
   return nearest;
 }
 
-// Halving steps of the parameter from a sample inside the limits, within its branch.
+// Halving steps of the parameter from a sample, within its branch.
 JointArray refine(const Chain& chain, const ClosedForm& form, const IkTarget& target,
                   const JointVector& reference, Sample best) {
   constexpr double kLastStep = 1e-6;  // rad
   const auto [lower, upper] = swept_range(chain, form);
+  Sweep trials(chain, form, target, reference);
   double step = (upper - lower) / kSweepSamples;
-  double parameter = lower + step * best.index;
-  std::vector<Sample> trials;
-  trials.reserve(16);
   for (double side = 0.5; step > kLastStep; side = -side) {
-    const double trial = std::clamp(parameter + side * step, lower, upper);
-    trials.clear();
-    add_samples(chain, form, target, reference, trial, best.index, trials);
-    const auto nearer = std::find_if(trials.begin(), trials.end(), [&](const Sample& each) {
-      return each.branch == best.branch && each.outside == 0.0 && each.distance < best.distance;
-    });
-    if (nearer != trials.end()) {
-      best = *nearer, parameter = trial, side = -side;
+    trials.samples.clear();
+    trials.add(trials.at(std::clamp(best.parameter + side * step, lower, upper)));
+    const auto nearer = std::find_if(
+        trials.samples.begin(), trials.samples.end(),
+        [&](const Sample& each) { return each.branch == best.branch && better(each, best); });
+    if (nearer != trials.samples.end()) {
+      best = *nearer, side = -side;
     } else if (side < 0.0) {
       step *= 0.5;
     }
@@ -148,19 +216,22 @@ std::vector<IkResult> swept_configurations(const Chain& chain, const ClosedForm&
     found.push_back(result_of(chain, motion.q(), motion.task(), motion.iterations()));
   }
   const auto distance = [&](const IkResult& each) { return (each.q - reference).squaredNorm(); };
-  const auto nearer = [&](const IkResult& a, const IkResult& b) {
-    return distance(a) < distance(b);
+  const auto sort = [&] {
+    std::stable_sort(found.begin(), found.end(), [&](const IkResult& a, const IkResult& b) {
+      return distance(a) < distance(b);
+    });
   };
-  std::stable_sort(found.begin(), found.end(), nearer);
+  sort();
   // A descent that limits or a singularity stopped leaves samples that are nearer.
-  const auto inside = std::find_if(nearest.begin(), nearest.end(),
-                                   [](const Sample& sample) { return sample.outside == 0.0; });
-  if (inside != nearest.end() && (found.empty() || inside->distance < distance(found.front()))) {
-    const JointArray q = refine(chain, form, target, reference, *inside);
+  const double nearest_found =
+      found.empty() ? std::numeric_limits<double>::infinity() : distance(found.front());
+  for (const Sample& sample : nearest) {
+    if (sample.distance >= nearest_found) break;
+    const JointArray q = refine(chain, form, target, reference, sample);
     const PoseDescent<6> there(chain, target, bounds, q);
-    if (there.task().within(tolerance))
-      found.insert(found.begin(), result_of(chain, q, there.task(), 0));
+    if (there.task().within(tolerance)) found.push_back(result_of(chain, q, there.task(), 0));
   }
+  sort();
   return found;
 }
 

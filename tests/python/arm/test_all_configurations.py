@@ -181,7 +181,7 @@ def test_seven_joints_are_swept_at_the_stated_resolution():
     found = PANDA.inverse_kinematics_all(*PANDA.forward_kinematics(q), options=IkOptions(posture=q))
     assert not found.complete
     last = PANDA.limits.upper[6] - PANDA.limits.lower[6]
-    assert found.resolution == pytest.approx(last / 192)
+    assert found.resolution == pytest.approx(last / 144)
     assert np.linalg.norm(found.q[0] - q) < 1e-3
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from motions import configurations
+from motions import configurations, urdf
 from scipy.spatial.transform import Rotation
 
 import leadthrough as lt
@@ -280,6 +280,33 @@ def test_the_closest_of_a_redundant_arm_cannot_be_moved_closer():
         rest = pull - np.linalg.pinv(jacobian) @ (jacobian @ pull)
         room = np.minimum(result.q - PANDA.limits.lower, PANDA.limits.upper - result.q)
         assert room.min() < 1e-3 or np.linalg.norm(rest) < 0.2
+
+
+@pytest.mark.parametrize(
+    ("q", "reference", "last"),
+    [
+        (
+            (2.197, -0.042, 1.209, -0.877, -1.103, 2.599, 0.285),
+            (-1.008, -0.572, 1.576, -2.036, -1.354, 1.007, -1.071),
+            0.30353,
+        ),
+        (
+            (-0.878, 0.169, 1.455, -2.11, 2.311, 0.849, 2.186),
+            (-1.709, 1.619, -2.84, -2.271, -0.175, 1.257, 0.981),
+            2.30157,
+        ),
+    ],
+)
+def test_the_closest_is_found_in_a_narrow_range_beside_a_singularity(q, reference, last):
+    """The last joint reaches it within a milliradian, where the first and the third turn fast."""
+    pose = PANDA.forward_kinematics(q)
+    held = lt.Arm.from_urdf(
+        urdf("panda"), base=PANDA.base, tip=PANDA.tip, locked_joints={"panda_joint7": last}
+    )
+    there = held.inverse_kinematics_all(*pose, options=IkOptions(posture=reference[:6])).q[0]
+    nearest = np.linalg.norm(np.append(there, last) - reference)
+    result = PANDA.inverse_kinematics(*pose, q0=reference, options=IkOptions(mode="closest"))
+    assert np.linalg.norm(result.q - reference) < nearest + 1e-3
 
 
 def test_the_posture_is_the_start_and_the_start_the_posture(arm, posture):
