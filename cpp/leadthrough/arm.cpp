@@ -69,8 +69,7 @@ IkResult Arm::inverse_kinematics(const IkTarget& target, const Joints& q0,
   return solve_ik(chain_, target, q0, options);
 }
 
-Track Arm::follow(const Eigen::Ref<const Rows3>& positions,
-                  const Eigen::Ref<const Rows4>& orientations, const Joints& q0,
+Track Arm::follow(const Rows3Ref& positions, const Rows4Ref& orientations, const Joints& q0,
                   const TrackOptions& options) const {
   const Rows none = Rows::Constant(positions.rows(), chain_.joints(), kInfinity);
   const Eigen::VectorXd shares = Eigen::VectorXd::Zero(positions.rows());

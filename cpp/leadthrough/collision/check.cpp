@@ -98,7 +98,7 @@ struct Interval {
 // distances allow before any could fall below a threshold.
 class Motion {
  public:
-  Motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, const MotionOptions& options)
+  Motion(const CollisionScene& scene, const RowsRef& q, const MotionOptions& options)
       : scene_(scene),
         q_(q),
         options_(options),
@@ -110,7 +110,7 @@ class Motion {
   }
 
   // The largest absolute value of each moving joint.
-  static MovingValues extents(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+  static MovingValues extents(const Chain& chain, const RowsRef& q) {
     MovingValues extent{};
     for (std::size_t k = 0; k < moving_count(chain); ++k) {
       const Drive& drive = chain.drives[k];
@@ -212,7 +212,7 @@ class Motion {
   }
 
   const CollisionScene& scene_;
-  const Eigen::Ref<const Rows>& q_;
+  const RowsRef& q_;
   const MotionOptions& options_;
   std::vector<MovingValues> reach_;
   MovingValues most_reach_{};  // of any pair
@@ -266,8 +266,7 @@ CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacle
   return scene;
 }
 
-std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
-                                   int threads) {
+std::vector<Nearest> nearest_batch(const CollisionScene& scene, const RowsRef& q, int threads) {
   check_rows(scene.chain, q);
   std::vector<Nearest> found(static_cast<std::size_t>(q.rows()));
   for_each_block(q.rows(), threads, [&](Eigen::Index first, Eigen::Index end) {
@@ -281,7 +280,7 @@ std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref
   return found;
 }
 
-MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+MotionReport check_motion(const CollisionScene& scene, const RowsRef& q,
                           const MotionOptions& options) {
   check_argument(q.rows() > 0, "q: expected at least one configuration");
   check_argument(q.allFinite(), "q: expected finite numbers");
@@ -315,7 +314,7 @@ MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Ro
   return report;
 }
 
-double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q) {
+double longest_step(const CollisionScene& scene, const RowsRef& q) {
   check_rows(scene.chain, q);
   if (q.rows() < 2) return 0.0;
   const MotionOptions options;

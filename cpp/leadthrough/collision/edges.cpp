@@ -243,7 +243,7 @@ bool EdgeTest::clear(const double* q, const double* end) { return search_->clear
 
 unsigned EdgeTest::clear_rows(const double* q, int count) { return search_->clear_rows(q, count); }
 
-std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>& q) {
+std::vector<bool> clear_batch(const WholeArm& arm, const RowsRef& q) {
   check_rows(arm.scene.chain, q);
   std::vector<bool> clear;
   if (q.rows() < kWorthBalls) {
@@ -262,8 +262,8 @@ std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>&
   return clear;
 }
 
-std::vector<bool> clear_edges(const WholeArm& arm, const Eigen::Ref<const Rows>& starts,
-                              const Eigen::Ref<const Rows>& ends, int threads) {
+std::vector<bool> clear_edges(const WholeArm& arm, const RowsRef& starts, const RowsRef& ends,
+                              int threads) {
   constexpr Eigen::Index kTogether = 64;  // edges that one thread takes at a time
   check_rows(arm.scene.chain, starts);
   check_rows(arm.scene.chain, ends);

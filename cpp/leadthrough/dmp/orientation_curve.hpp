@@ -59,8 +59,7 @@ so3::Vector3 coordinate_push(const Curve& curve, const Path& offset, double phas
 
 // One row a phase, sign-continuous. The last three columns of the values are the coordinates.
 so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
-                                 const Eigen::Ref<const Vector>& phases,
-                                 const Eigen::Ref<const Rows>& values);
+                                 const Eigen::Ref<const Vector>& phases, const RowsRef& values);
 
 // A motion of poses at increasing phases, from a state at the first of them on, without the rest
 // of a rollout: on long motions allocating it takes longer than computing it.

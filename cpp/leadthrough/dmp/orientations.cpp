@@ -89,7 +89,7 @@ Quaternions4 offsets_at(const Path& offset, const double* phases) {
 }
 
 Factors factors_of(const Curve& curve, const Path& offset, const double* phases,
-                   const Eigen::Ref<const Rows>& values, Index first) {
+                   const RowsRef& values, Index first) {
   Factors result;
   std::array<double, kLanes> fractions;
   Places controls, coordinates, steps;
@@ -131,7 +131,7 @@ class OrientationWriter {
   OrientationWriter(const Curve& curve, const Path& offset) : curve_(curve), offset_(offset) {}
 
   // At the next phases, one per row of values, into rows from `to` on.
-  void write(const double* phases, const Eigen::Ref<const Rows>& values, double* to) {
+  void write(const double* phases, const RowsRef& values, double* to) {
     const Index count = values.rows();
     // The next product depends on the previous one as computed, not on its sign.
     const auto add = [&](Index n, const Quaternion& q) {
@@ -165,8 +165,7 @@ class OrientationWriter {
 }  // namespace
 
 so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
-                                 const Eigen::Ref<const Vector>& phases,
-                                 const Eigen::Ref<const Rows>& values) {
+                                 const Eigen::Ref<const Vector>& phases, const RowsRef& values) {
   check_argument(values.rows() == phases.size() && values.cols() >= 3,
                  "values: expected a row for each phase, with three coordinates");
   check_argument(is_offset(offset), "offset: expected a path of rotation vectors");

@@ -103,7 +103,7 @@ Vector end_of(const Path& path) {
   return result;
 }
 
-Path shifted(Path path, const Eigen::Ref<const Rows>& c, const Eigen::Ref<const Vector>& start,
+Path shifted(Path path, const RowsRef& c, const Eigen::Ref<const Vector>& start,
              const Eigen::Ref<const Vector>& goal) {
   const Eigen::Index channels = path.coefficients.cols();
   check_argument(c.rows() == path.coefficients.rows() && c.cols() == channels,

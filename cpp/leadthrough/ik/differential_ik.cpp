@@ -195,8 +195,7 @@ void check_sizes(const DifferentialIk& solver) {
 }
 
 DifferentialStep differential_step(const DifferentialIk& solver, const IkTarget& target,
-                                   const Vector6& twist, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                   const Eigen::Ref<const Eigen::VectorXd>& qd) {
+                                   const Vector6& twist, const VectorRef& q, const VectorRef& qd) {
   const int joints = solver.chain.joints();
   check_argument(q.size() == joints && is_usable(q), "q: one finite number a joint");
   check_argument(qd.size() == joints && is_usable(qd), "qd: one finite number a joint");

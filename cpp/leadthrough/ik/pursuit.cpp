@@ -14,7 +14,7 @@ constexpr double kFloor = 1e-8;
 
 // Around interval k, from sample k - 1 to sample k. The arm rests before the first sample and after
 // the last, for as long as the neighbouring interval takes.
-Interval interval_before(const Eigen::Ref<const Eigen::VectorXd>& times, Eigen::Index k) {
+Interval interval_before(const VectorRef& times, Eigen::Index k) {
   const Eigen::Index last = times.size() - 1;
   const double duration = times[k] - times[k - 1];
   const double before = k > 1 ? times[k - 1] - times[k - 2] : duration;
@@ -197,8 +197,7 @@ void pursue_path(const Chain& chain, const TimedPath& path, const JointArray& st
 
 }  // namespace
 
-Track pursue(const Chain& chain, const TimedPath& path,
-             const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
+Track pursue(const Chain& chain, const TimedPath& path, const VectorRef& start, const Pull& pull,
              const PursuitOptions& options) {
   const Eigen::Index samples = path.positions.rows();
   check_path(samples, path.orientations, pull, chain);

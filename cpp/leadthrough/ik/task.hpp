@@ -38,8 +38,8 @@ struct Task {
 };
 
 // orientations: w, x, y, z; may have no rows.
-inline IkTarget target_in_row(const Eigen::Ref<const Rows3>& positions,
-                              const Eigen::Ref<const Rows4>& orientations, Eigen::Index row) {
+inline IkTarget target_in_row(const Rows3Ref& positions, const Rows4Ref& orientations,
+                              Eigen::Index row) {
   IkTarget target{positions.row(row), std::nullopt};
   if (orientations.rows() > 0)
     target.rotation = so3::to_matrix(Eigen::Vector4d(orientations.row(row)));

@@ -58,7 +58,7 @@ void Track::keep(Eigen::Index samples) {
   orientation_errors.conservativeResize(samples);
 }
 
-void check_path(Eigen::Index samples, const Eigen::Ref<const Rows4>& orientations, const Pull& pull,
+void check_path(Eigen::Index samples, const Rows4Ref& orientations, const Pull& pull,
                 const Chain& chain) {
   check_argument(orientations.rows() == samples || orientations.rows() == 0,
                  "orientations: expected a row for each position, or none");
@@ -67,10 +67,8 @@ void check_path(Eigen::Index samples, const Eigen::Ref<const Rows4>& orientation
                  "pull: expected a row for each position and one value a joint");
 }
 
-Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-            const Eigen::Ref<const Rows4>& orientations,
-            const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
-            const TrackOptions& options) {
+Track track(const Chain& chain, const Rows3Ref& positions, const Rows4Ref& orientations,
+            const VectorRef& start, const Pull& pull, const TrackOptions& options) {
   const Eigen::Index samples = positions.rows();
   check_path(samples, orientations, pull, chain);
   Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples)};

@@ -24,8 +24,8 @@ void distances_to(const Eigen::Ref<const Eigen::RowVectorXd>& point, const Eigen
 // Cost of the best pairing, where `extend(best, distance)` is the cost of a pairing of cost `best`
 // with one more pair. Only one row of the table is kept, along the shorter curve.
 template <typename Extend>
-double best_pairing(const Eigen::Ref<const Points>& longer, const Eigen::Ref<const Points>& shorter,
-                    Eigen::Index band, Extend extend) {
+double best_pairing(const RowsRef& longer, const RowsRef& shorter, Eigen::Index band,
+                    Extend extend) {
   const Eigen::ArrayXXd columns = shorter;
   const Eigen::Index n = columns.rows(), rows = longer.rows();
   Eigen::ArrayXd distances(n);
@@ -50,14 +50,14 @@ double best_pairing(const Eigen::Ref<const Points>& longer, const Eigen::Ref<con
   return cost[n - 1];
 }
 
-void check_curves(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
+void check_curves(const RowsRef& a, const RowsRef& b) {
   check_argument(a.rows() > 0 && b.rows() > 0, "a, b: expected at least one point each");
   check_argument(a.cols() == b.cols(), "b: expected points of the dimension of those of a");
 }
 
 template <typename Extend>
-double best_pairing_of_either(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
-                              Eigen::Index band, Extend extend) {
+double best_pairing_of_either(const RowsRef& a, const RowsRef& b, Eigen::Index band,
+                              Extend extend) {
   check_curves(a, b);
   check_argument(band > 0, "band: expected at least one row");
   return a.rows() < b.rows() ? best_pairing(b, a, band, extend) : best_pairing(a, b, band, extend);
@@ -67,7 +67,7 @@ double best_pairing_of_either(const Eigen::Ref<const Points>& a, const Eigen::Re
 enum class Move : unsigned char { kAlongBoth, kAlongA, kAlongB };
 
 // The steps that lead to every pair, row by row.
-std::vector<Move> best_moves(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
+std::vector<Move> best_moves(const RowsRef& a, const RowsRef& b) {
   const Eigen::ArrayXXd columns = b;
   const Eigen::Index n = b.rows();
   std::vector<Move> moves(static_cast<std::size_t>(a.rows() * n));
@@ -103,13 +103,12 @@ std::vector<Move> best_moves(const Eigen::Ref<const Points>& a, const Eigen::Ref
 
 }  // namespace
 
-double dtw_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
-                    Eigen::Index band) {
+double dtw_distance(const RowsRef& a, const RowsRef& b, Eigen::Index band) {
   return best_pairing_of_either(a, b, band,
                                 [](double best, double distance) { return best + distance; });
 }
 
-Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
+Pairs dtw_path(const RowsRef& a, const RowsRef& b) {
   check_curves(a, b);
   const std::vector<Move> moves = best_moves(a, b);
   Pairs pairs(a.rows() + b.rows() - 1, 2);
@@ -127,8 +126,7 @@ Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>
   return pairs.topRows(count).colwise().reverse();
 }
 
-double frechet_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
-                        Eigen::Index band) {
+double frechet_distance(const RowsRef& a, const RowsRef& b, Eigen::Index band) {
   return best_pairing_of_either(
       a, b, band, [](double best, double distance) { return std::max(best, distance); });
 }

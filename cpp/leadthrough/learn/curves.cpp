@@ -19,7 +19,7 @@ using Lanes = Eigen::Array<double, kAtOnce, 1>;
 // Rows of a basis, four side by side for each function; the last are filled up with zeros.
 class Panels {
  public:
-  explicit Panels(const Eigen::Ref<const Rows>& basis)
+  explicit Panels(const RowsRef& basis)
       : rows_(basis.rows()),
         functions_(basis.cols()),
         values_((basis.rows() + kAtOnce - 1) / kAtOnce * functions_, kAtOnce) {
@@ -63,7 +63,7 @@ class Panels {
 
 }  // namespace
 
-bool fill_curves(const BasisRows& basis, Eigen::Index rows, const Eigen::Ref<const Rows>& weights,
+bool fill_curves(const BasisRows& basis, Eigen::Index rows, const RowsRef& weights,
                  Eigen::Index curves, int threads, const std::vector<double*>& places) {
   const Eigen::Index motions = weights.rows();
   const double heaviest = weights.cwiseAbs().maxCoeff();

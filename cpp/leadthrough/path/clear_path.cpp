@@ -27,8 +27,7 @@ constexpr double kAstray = 0.3;         // rad or m, largest distance of a sampl
 class Search {
  public:
   Search(const CollisionModel& model, const PlacedShapes& obstacles, const TipPath& path,
-         const Eigen::Ref<const Rows>& postures, const Margins& margins,
-         const IkTolerance& tolerance)
+         const RowsRef& postures, const Margins& margins, const IkTolerance& tolerance)
       : chain_(model.chain),
         path_(path),
         postures_(postures),
@@ -256,7 +255,7 @@ class Search {
 
   const Chain& chain_;
   const TipPath& path_;
-  const Eigen::Ref<const Rows>& postures_;
+  const RowsRef& postures_;
   IkTolerance tolerance_;
   Margins margins_;
   std::array<CollisionScene, 2> scenes_;  // obstacles, the arm itself
@@ -270,7 +269,7 @@ class Search {
 }  // namespace
 
 ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
-                          const TipPath& path, const Eigen::Ref<const Rows>& postures,
+                          const TipPath& path, const RowsRef& postures,
                           const std::optional<JointArray>& start, const Margins& margins,
                           const IkTolerance& tolerance, int max_attempts) {
   const Eigen::Index samples = path.positions.rows();

@@ -52,9 +52,8 @@ using Edge = std::array<int, 3>;  // layer, parent, child
 
 class Ladder {
  public:
-  Ladder(const Chain& chain, const TipPath& path, ClearanceTest& test,
-         const Eigen::Ref<const Rows>& postures, const std::optional<JointArray>& start,
-         const LadderOptions& options)
+  Ladder(const Chain& chain, const TipPath& path, ClearanceTest& test, const RowsRef& postures,
+         const std::optional<JointArray>& start, const LadderOptions& options)
       : chain_(chain),
         path_(path),
         test_(test),
@@ -90,7 +89,7 @@ class Ladder {
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-  static JointArray posture_at(const Eigen::Ref<const Rows>& postures, double sample) {
+  static JointArray posture_at(const RowsRef& postures, double sample) {
     const Eigen::Index last = postures.rows() - 1;
     const auto row = std::min(static_cast<Eigen::Index>(sample), last);
     const Eigen::Index next = std::min(row + 1, last);
@@ -394,9 +393,8 @@ class Ladder {
 
 }  // namespace
 
-Climb climb(const Chain& chain, const TipPath& path, ClearanceTest& test,
-            const Eigen::Ref<const Rows>& postures, const std::optional<JointArray>& start,
-            const LadderOptions& options) {
+Climb climb(const Chain& chain, const TipPath& path, ClearanceTest& test, const RowsRef& postures,
+            const std::optional<JointArray>& start, const LadderOptions& options) {
   return Ladder(chain, path, test, postures, start, options).run();
 }
 

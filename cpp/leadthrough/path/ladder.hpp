@@ -40,8 +40,7 @@ struct Climb {
 
 // postures: preferred configurations, one row per sample; not finite without a preference. start:
 // the configuration at the first sample is as near to it as possible.
-Climb climb(const Chain& chain, const TipPath& path, ClearanceTest& test,
-            const Eigen::Ref<const Rows>& postures, const std::optional<JointArray>& start,
-            const LadderOptions& options);
+Climb climb(const Chain& chain, const TipPath& path, ClearanceTest& test, const RowsRef& postures,
+            const std::optional<JointArray>& start, const LadderOptions& options);
 
 }  // namespace leadthrough::path

@@ -13,10 +13,10 @@ namespace leadthrough::path {
 // along and rad about the axes of the sample's frame; where S is 0 the tip stays. With a tube, axes
 // are given.
 struct TipPath {
-  Eigen::Ref<const Rows3> positions;
-  Eigen::Ref<const Rows4> orientations;
+  Rows3Ref positions;
+  Rows4Ref orientations;
   std::optional<IkAxes> axes;
-  Eigen::Ref<const Rows> tube;
+  RowsRef tube;
 };
 
 // Null-space directions of the joints, orthogonal to each other; the largest element of each

@@ -69,9 +69,8 @@ struct GreatCircle {
 
 }  // namespace
 
-Quaternions slerp_through(const Eigen::Ref<const Eigen::VectorXd>& times,
-                          const Eigen::Ref<const Quaternions>& samples,
-                          const Eigen::Ref<const Eigen::VectorXd>& at) {
+Quaternions slerp_through(const VectorRef& times, const Eigen::Ref<const Quaternions>& samples,
+                          const VectorRef& at) {
   check_argument(times.size() > 1 && samples.rows() == times.size(),
                  "samples: expected one at each of two times or more");
   const Eigen::Index last = times.size() - 2;
@@ -157,8 +156,7 @@ Matrices left_jacobian_inverse_batch(const Eigen::Ref<const Vectors>& rotation_v
   return rows_of(rotation_vectors, &left_jacobian_inverse);
 }
 
-Quaternions integrate(const Eigen::Ref<const Eigen::VectorXd>& times,
-                      const Eigen::Ref<const Vectors>& angular_velocities,
+Quaternions integrate(const VectorRef& times, const Eigen::Ref<const Vectors>& angular_velocities,
                       const Eigen::Ref<const Quaternion>& start) {
   check_argument(angular_velocities.rows() == times.size(),
                  "angular_velocities: expected one at each time");

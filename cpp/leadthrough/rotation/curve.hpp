@@ -20,9 +20,8 @@ Lifted lift(const Eigen::Ref<const Quaternions>& quaternions);
 
 // Slerp through samples at increasing times, continuous in sign: one row per time between the first
 // and the last; exact at the samples' own times.
-Quaternions slerp_through(const Eigen::Ref<const Eigen::VectorXd>& times,
-                          const Eigen::Ref<const Quaternions>& samples,
-                          const Eigen::Ref<const Eigen::VectorXd>& at);
+Quaternions slerp_through(const VectorRef& times, const Eigen::Ref<const Quaternions>& samples,
+                          const VectorRef& at);
 
 // Of the rotation vectors of a unit quaternion, which lie `period` apart on one line, the nearest
 // to `near`. Period 4 pi: of q in the double cover, since those between belong to -q. 2 pi: of the
@@ -38,8 +37,7 @@ Matrices left_jacobian_inverse_batch(const Eigen::Ref<const Vectors>& rotation_v
 
 // Rotations at the times of the velocities, from `start` on: each step rotates by the mean of the
 // velocities at its ends; second order in the step.
-Quaternions integrate(const Eigen::Ref<const Eigen::VectorXd>& times,
-                      const Eigen::Ref<const Vectors>& angular_velocities,
+Quaternions integrate(const VectorRef& times, const Eigen::Ref<const Vectors>& angular_velocities,
                       const Eigen::Ref<const Quaternion>& start);
 
 }  // namespace leadthrough::so3

@@ -125,8 +125,7 @@ Quaternions from_matrix_batch(const Eigen::Ref<const Matrices>& matrices) {
 }
 
 Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
-                        const Eigen::Ref<const Quaternions>& b,
-                        const Eigen::Ref<const Eigen::VectorXd>& fractions) {
+                        const Eigen::Ref<const Quaternions>& b, const VectorRef& fractions) {
   check_argument(a.rows() == b.rows() && fractions.size() == a.rows(),
                  "b, fractions: expected as many rows as a");
   Quaternions result(a.rows(), 4);

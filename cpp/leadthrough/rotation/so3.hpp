@@ -3,7 +3,7 @@
 // Rotations as unit quaternions (w, x, y, z) and rotation vectors (axis times angle, rad).
 // Exp and log after Sola, Deray, Atchuthan 2018, "A micro Lie theory", examples 3 and 4.
 
-#include <Eigen/Core>
+#include "leadthrough/base/matrix.hpp"
 
 namespace leadthrough::so3 {
 
@@ -11,9 +11,9 @@ using Vector3 = Eigen::Vector3d;
 using Quaternion = Eigen::Vector4d;  // w, x, y, z
 using Matrix3 = Eigen::Matrix3d;
 
-using Vectors = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using Vectors = Rows3;
 using Matrices = Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor>;
-using Quaternions = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
+using Quaternions = Rows4;
 
 // Unit quaternion of a rotation vector of any length.
 Quaternion exp(const Vector3& rotation_vector);
@@ -62,8 +62,7 @@ Quaternions compose_batch(const Eigen::Ref<const Quaternions>& a,
 Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions);
 Quaternions from_matrix_batch(const Eigen::Ref<const Matrices>& matrices);
 Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
-                        const Eigen::Ref<const Quaternions>& b,
-                        const Eigen::Ref<const Eigen::VectorXd>& fractions);
+                        const Eigen::Ref<const Quaternions>& b, const VectorRef& fractions);
 Eigen::VectorXd distance_batch(const Eigen::Ref<const Quaternions>& a,
                                const Eigen::Ref<const Quaternions>& b);
 

@@ -227,20 +227,29 @@ class Approach {
   bool mirrored_ = false;
 };
 
-void check_axes(const AxisBatch& axes) {
-  check_argument(axes.states.rows() == 3 && axes.limits.rows() == 6 &&
-                     axes.limits.cols() == axes.states.cols(),
-                 "states, limits: expected three and six rows, one column an axis");
-}
+class Axes {
+ public:
+  Axes(const RowsRef& states, const RowsRef& limits, Eigen::Index targets)
+      : states_(states), limits_(limits) {
+    check_argument(states.rows() == 3 && limits.rows() == 6 && limits.cols() == states.cols(),
+                   "states, limits: expected three and six rows, one column an axis");
+    check_argument(targets == size(), "targets: expected one for each axis");
+  }
 
-void check_axes(const AxisBatch& axes, const AxisTargets& targets) {
-  check_axes(axes);
-  check_argument(targets.size() == axes.size(), "targets: expected one for each axis");
-}
+  Eigen::Index size() const { return states_.cols(); }
+  AxisState state(Eigen::Index i) const { return {states_(0, i), states_(1, i), states_(2, i)}; }
+  AxisLimits limit(Eigen::Index i) const {
+    return {limits_(0, i), limits_(1, i), limits_(2, i),
+            limits_(3, i), limits_(4, i), limits_(5, i)};
+  }
+
+ private:
+  const RowsRef &states_, &limits_;
+};
 
 template <typename Step>
-AxisColumns stepped(const AxisBatch& axes, const AxisTargets& targets, const Step& step) {
-  AxisColumns result(3, axes.size());
+Rows stepped(const Axes& axes, const VectorRef& targets, const Step& step) {
+  Rows result(3, axes.size());
   for (Eigen::Index i = 0; i < axes.size(); ++i) {
     check_interrupt(i);
     const Approach approach(axes.state(i), targets[i], axes.limit(i));
@@ -252,8 +261,8 @@ AxisColumns stepped(const AxisBatch& axes, const AxisTargets& targets, const Ste
 
 }  // namespace
 
-Eigen::VectorXd resting_places(const AxisBatch& axes) {
-  check_axes(axes);
+Eigen::VectorXd resting_places(const RowsRef& states, const RowsRef& limits) {
+  const Axes axes(states, limits, states.cols());
   Eigen::VectorXd places(axes.size());
   for (Eigen::Index i = 0; i < axes.size(); ++i) {
     check_interrupt(i);
@@ -262,8 +271,9 @@ Eigen::VectorXd resting_places(const AxisBatch& axes) {
   return places;
 }
 
-Eigen::VectorXd times_to_rest(const AxisBatch& axes, const AxisTargets& targets) {
-  check_axes(axes, targets);
+Eigen::VectorXd times_to_rest(const RowsRef& states, const RowsRef& limits,
+                              const VectorRef& targets) {
+  const Axes axes(states, limits, targets.size());
   Eigen::VectorXd times(axes.size());
   for (Eigen::Index i = 0; i < axes.size(); ++i) {
     check_interrupt(i);
@@ -278,15 +288,18 @@ AxisState step_axis(const AxisState& state, double target, const AxisLimits& lim
   return approach.placed(approach.step(period), target);
 }
 
-AxisColumns step_each(const AxisBatch& axes, const AxisTargets& targets, double period) {
-  check_axes(axes, targets);
-  return stepped(axes, targets, [&](const Approach& axis) { return axis.step(period); });
+Rows step_each(const RowsRef& states, const RowsRef& limits, const VectorRef& targets,
+               double period) {
+  return stepped({states, limits, targets.size()}, targets,
+                 [&](const Approach& axis) { return axis.step(period); });
 }
 
-AxisColumns step_together(const AxisBatch& axes, const AxisTargets& targets, double period) {
-  const Eigen::VectorXd times = times_to_rest(axes, targets);
+Rows step_together(const RowsRef& states, const RowsRef& limits, const VectorRef& targets,
+                   double period) {
+  const Eigen::VectorXd times = times_to_rest(states, limits, targets);
   const double last = times.size() > 0 ? times.maxCoeff() : 0.0;
-  return stepped(axes, targets, [&](const Approach& axis) { return axis.step_at(period, last); });
+  return stepped({states, limits, targets.size()}, targets,
+                 [&](const Approach& axis) { return axis.step_at(period, last); });
 }
 
 }  // namespace leadthrough
