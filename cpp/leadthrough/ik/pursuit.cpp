@@ -45,7 +45,7 @@ class Pursuit {
 
   void advance(const IkTarget& target, const Interval& interval, const JointArray& posture,
                double share) {
-    const DescentBounds bounds = box(interval);
+    const JointBox bounds = box(interval);
     const JointArray pull = gentle_pull(posture, share, interval.duration);
     move(catching_up(target, interval.duration), bounds, pull);
     for (std::size_t i = 0; i < count(); ++i) {
@@ -62,8 +62,8 @@ class Pursuit {
   static constexpr double kPartOfBraking = 0.5;
 
   // The changes of the joints that their limits allow.
-  DescentBounds box(const Interval& interval) const {
-    DescentBounds bounds{};
+  JointBox box(const Interval& interval) const {
+    JointBox bounds{};
     for (std::size_t i = 0; i < count(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
       const JointRates limits{options_.velocity[k], options_.acceleration[k]};
@@ -124,7 +124,7 @@ class Pursuit {
   }
 
   // Gauss-Newton steps inside the bounds while they gain.
-  void move(const IkTarget& target, const DescentBounds& bounds, const JointArray& pull) {
+  void move(const IkTarget& target, const JointBox& bounds, const JointArray& pull) {
     constexpr int kIterations = 8;
     constexpr double kEnough = 1e-9;  // rad or m of a joint
     const double damping = kFloor + options_.damping;
@@ -133,17 +133,17 @@ class Pursuit {
     JointArray rest = pull;
     for (int iteration = 0; iteration < kIterations; ++iteration) {
       evaluate_moved(target);
-      JointArray lower{}, upper{};
+      JointBox room;
       for (std::size_t i = 0; i < count(); ++i) {
         task_.columns[i] *= scale_[i];
-        lower[i] = (bounds.lower[i] - step_[i]) / scale_[i];
-        upper[i] = (bounds.upper[i] - step_[i]) / scale_[i];
+        room.lower[i] = (bounds.lower[i] - step_[i]) / scale_[i];
+        room.upper[i] = (bounds.upper[i] - step_[i]) / scale_[i];
         if (iteration == 0)
           rest[i] = (pull[i] - step_[i]) / scale_[i];
         else
           rest[i] = options_.damping / damping * (pull[i] - step_[i]) / scale_[i];
       }
-      const JointArray change = boxed_step(task_, chain_.joints(), damping, rest, lower, upper);
+      const JointArray change = boxed_step(task_, chain_.joints(), damping, rest, room);
       double largest = 0.0;
       for (std::size_t i = 0; i < count(); ++i) {
         step_[i] = std::clamp(step_[i] + scale_[i] * change[i], bounds.lower[i], bounds.upper[i]);
@@ -171,10 +171,7 @@ class Pursuit {
 };
 
 IkTarget target_at(const TimedPath& path, Eigen::Index k) {
-  IkTarget target{path.positions.row(k), std::nullopt};
-  if (path.orientations.rows() > 0)
-    target.rotation = so3::to_matrix(Eigen::Vector4d(path.orientations.row(k)));
-  return target;
+  return target_in_row(path.positions, path.orientations, k);
 }
 
 template <int M>

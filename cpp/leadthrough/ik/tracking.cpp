@@ -14,17 +14,6 @@ struct Preference {
   double share;  // of the distance to the posture
 };
 
-// The limits, narrowed to the joints' largest step from `q`.
-DescentBounds reachable(const Chain& chain, const JointArray& q, double max_step) {
-  DescentBounds bounds{};
-  for (int i = 0; i < chain.joints(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    bounds.lower[k] = std::max(chain.lower[i], q[k] - max_step);
-    bounds.upper[k] = std::min(chain.upper[i], q[k] + max_step);
-  }
-  return bounds;
-}
-
 bool reached(const DescentEnd& end, const IkTolerance& tolerance) {
   return end.position_error <= tolerance.position && end.orientation_error <= tolerance.orientation;
 }
@@ -35,7 +24,7 @@ DescentEnd follow_sample(const Chain& chain, const Target& target, const Prefere
   // Near a singularity the last digits cost most: they are attempted, not required.
   constexpr double kAim = 0.1;
   const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
-  const DescentBounds bounds = reachable(chain, q, options.max_step);
+  const JointBox bounds = around(q, options.max_step, position_limits(chain), chain.joints());
   const bool pulls = preferred.share > 0.0 && chain.joints() > constrained_rows<M>(target);
   DescentEnd end;
   for (const bool pulled : {true, false}) {  // without the pull if it prevents convergence

@@ -48,10 +48,10 @@ class TipTask {
 
   // Moves q onto the task inside the bounds; false if it cannot be met to the tolerance. With a
   // tube, a tip inside does not move, and one outside goes to the nearest position inside.
-  bool settle(const DescentBounds& bounds, const IkTolerance& tolerance, JointArray& q,
+  bool settle(const JointBox& bounds, const IkTolerance& tolerance, JointArray& q,
               int max_iterations = 12) const;
   // The same onto a position in the tube; an empty one is the path.
-  bool settle_at(const TubePlace& place, const DescentBounds& bounds, const IkTolerance& tolerance,
+  bool settle_at(const TubePlace& place, const JointBox& bounds, const IkTolerance& tolerance,
                  JointArray& q, int max_iterations = 12) const;
   FreeDirections free_directions(const JointArray& q) const;
   void evaluate(const JointArray& q, TipError& error) const;
