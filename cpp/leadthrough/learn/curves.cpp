@@ -69,10 +69,8 @@ bool fill_curves(const BasisRows& basis, Eigen::Index rows, const RowsRef& weigh
   const double heaviest = weights.cwiseAbs().maxCoeff();
   const Eigen::Index runs = (rows + kRunOfRows - 1) / kRunOfRows;
   std::atomic<bool> certain{true};
-  for_each_index(static_cast<std::size_t>(runs), threads, [&](std::size_t index) {
-    const auto run = static_cast<Eigen::Index>(index);
-    const Eigen::Index first = run * kRunOfRows;
-    const Eigen::Index count = std::min(kRunOfRows, rows - first);
+  for_each_block(rows, kRunOfRows, threads, [&](Eigen::Index first, Eigen::Index end) {
+    const Eigen::Index run = first / kRunOfRows, count = end - first;
     const Rows values = basis(first, count);
     const double largest = values.cwiseAbs().maxCoeff() * heaviest;
     if (!(static_cast<double>(values.cols()) * largest < kSurelyFinite)) certain = false;

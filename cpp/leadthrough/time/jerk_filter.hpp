@@ -3,16 +3,12 @@
 // The fastest way of an axis to rest at a target inside limits of velocity, acceleration and jerk,
 // followed one period at a time from any state. Limits need not be symmetric; low < 0 < high.
 
-#include "leadthrough/base/matrix.hpp"
+#include "leadthrough/time/quintic_step.hpp"
 
 namespace leadthrough {
 
 struct AxisLimits {
   double velocity_low, velocity_high, acceleration_low, acceleration_high, jerk_low, jerk_high;
-};
-
-struct AxisState {
-  double position, velocity, acceleration;
 };
 
 // Of many axes: states (position, velocity, acceleration) and limits, in the order of AxisLimits,
@@ -31,6 +27,7 @@ Rows step_together(const RowsRef& states, const RowsRef& limits, const VectorRef
                    double period);
 
 // The state of one axis a period on.
-AxisState step_axis(const AxisState& state, double target, const AxisLimits& limits, double period);
+JointState step_axis(const JointState& state, double target, const AxisLimits& limits,
+                     double period);
 
 }  // namespace leadthrough
