@@ -33,7 +33,7 @@ void bind_base(py::module_& module) {
   // It keeps the GIL for most arrays: to let it go takes longer than they do.
   module.def(
       "all_finite",
-      [](const py::array_t<double, py::array::c_style>& values) {
+      [](const CArray<double>& values) {
         return without_gil(
             [&] { return all_finite(values.data(), static_cast<std::size_t>(values.size())); },
             values.size() >= kLong);

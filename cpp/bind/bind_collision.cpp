@@ -57,11 +57,6 @@ Shape cloud_shape(const Rows3Ref& points, double radius, const Eigen::Vector3d& 
 CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const std::string& base,
                           const std::string& tip, const std::vector<std::vector<Rows3>>& meshes,
                           const std::vector<Shape>& attached) {
-  std::size_t asked = 0;
-  for (const urdf::Link& link : robot.links)
-    for (const urdf::Geometry& collision : link.collisions)
-      asked += collision.type == urdf::GeometryType::kMesh ? 1 : 0;
-  require(meshes.size() == asked);
   const auto between = make_chain(robot, base, tip);
   require(std::holds_alternative<Chain>(between) &&
           moving_count(std::get<Chain>(between)) == moving_count(chain));
@@ -177,8 +172,6 @@ void bind_collision(py::module_& module) {
       "clear_edges",
       [](const CollisionModel& model, const std::vector<Shape>& obstacles, const RowsRef& starts,
          const RowsRef& ends, double margin, double self_collision_margin, int threads) {
-        require(starts.cols() == model.chain.joints() && ends.cols() == starts.cols() &&
-                ends.rows() == starts.rows());
         const Unlocked unlocked;
         return clear_edges(whole_arm(without_meeting_pairs(model), placed_shapes(obstacles), margin,
                                      self_collision_margin),

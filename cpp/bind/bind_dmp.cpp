@@ -115,8 +115,7 @@ Course corrected_course(const Course& course, double phase, double until, const 
           course.drive};
 }
 
-std::shared_ptr<Curve> make_curve(const Eigen::Ref<const so3::Quaternions>& controls,
-                                  const Eigen::Ref<const so3::Vectors>& steps,
+std::shared_ptr<Curve> make_curve(const Rows4Ref& controls, const Rows3Ref& steps,
                                   const VectorRef& speeds, const VectorRef& covered, bool zyz,
                                   bool rhythmic) {
   require(controls.rows() >= 4 && steps.rows() == controls.rows() - 1);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "bind/cells.hpp"
 #include "bind/parts.hpp"
 #include "leadthrough/learn/alignment.hpp"
 #include "leadthrough/learn/arc_length.hpp"
@@ -18,6 +17,14 @@ namespace py = pybind11;
 namespace leadthrough {
 
 namespace {
+
+using Numbers = CArray<double>;
+using NumbersIn = const Numbers&;
+using VectorMap = Eigen::Map<const Eigen::VectorXd>;
+using RowsMap = Eigen::Map<const Rows>;
+
+// More via points are left to the checks in Python.
+constexpr py::ssize_t kMaxVias = 100;
 
 Polyline polyline_of(const CArray<double>& points) {
   require(points.ndim() == 2 && points.size() > 0);
@@ -55,14 +62,6 @@ py::array_t<double> between_curves(const CArray<double>& curves) {
   return moved_array(without_gil([&] { return rms_apart(first, count); }, is_long),
                      {curves.shape(0), curves.shape(0)});
 }
-
-using Numbers = py::array_t<double, py::array::c_style>;
-using NumbersIn = const Numbers&;
-using VectorMap = Eigen::Map<const Eigen::VectorXd>;
-using RowsMap = Eigen::Map<const Rows>;
-
-// More via points are left to the checks in Python.
-constexpr py::ssize_t kMaxVias = 100;
 
 // Data of an array that the checks in Python accept unchanged; null for any other object.
 const double* finite_rows(const py::handle& object, py::ssize_t rows, py::ssize_t columns) {

@@ -11,14 +11,12 @@ namespace leadthrough {
 
 namespace {
 
-using QuaternionsRef = Eigen::Ref<const so3::Quaternions>;
-
-py::tuple mean(const QuaternionsRef& layers, const VectorRef& weights) {
+py::tuple mean(const Rows4Ref& layers, const VectorRef& weights) {
   so3::Means result = without_gil([&] { return so3::mean_batch(layers, weights); });
   return py::make_tuple(std::move(result.means), std::move(result.reach));
 }
 
-py::tuple lift(const QuaternionsRef& quaternions) {
+py::tuple lift(const Rows4Ref& quaternions) {
   so3::Lifted result = without_gil([&] { return so3::lift(quaternions); });
   return py::make_tuple(std::move(result.vectors), result.broken);
 }

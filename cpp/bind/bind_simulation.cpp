@@ -25,7 +25,7 @@ using simulation::Drives;
 using simulation::ErrorLoop;
 using simulation::JointLaw;
 using simulation::Moment;
-using Values = py::array_t<double, py::array::c_style>;
+using Values = CArray<double>;
 
 JointLaw make_law(const Dynamics& dynamics, const Eigen::Vector3d& gravity, const VectorXd& rotors,
                   std::pair<double, double> of_motion, const VectorXd& springs,

@@ -22,6 +22,7 @@ namespace leadthrough {
 
 namespace {
 
+// Maps over the cells of a grid as they come from Python.
 struct BoundGrid : Blocks {
   BoundGrid(const std::vector<Index>& shape, const std::vector<double>& spacing,
             const std::vector<double>& centre)

@@ -13,9 +13,6 @@
 
 namespace leadthrough {
 
-template <typename T>
-using CArray = pybind11::array_t<T, pybind11::array::c_style>;
-
 // Count of cells whose computation takes longer than releasing and taking the GIL.
 constexpr pybind11::ssize_t kManyCells = 1000;
 

@@ -135,20 +135,21 @@ void bind_record(pybind11::module_& module, const char* name,
       .def(pybind11::init(maker(fields.second...)), pybind11::arg(fields.first)...);
 }
 
+template <typename T>
+using CArray = pybind11::array_t<T, pybind11::array::c_style>;
+
 // Whether an object is a contiguous array of float64. Subclasses may mean something else, as masked
 // arrays do.
 inline bool is_plain_array(const pybind11::handle& object) {
-  using Numbers = pybind11::array_t<double, pybind11::array::c_style>;
   return Py_TYPE(object.ptr()) == pybind11::detail::npy_api::get().PyArray_Type_ &&
-         pybind11::isinstance<Numbers>(object);
+         pybind11::isinstance<CArray<double>>(object);
 }
 
 // The numbers of a contiguous vector of this many finite float64, which needs no other check; null
 // for any other object.
 inline const double* finite_vector(const pybind11::handle& object, pybind11::ssize_t size) {
-  using Vector = pybind11::array_t<double, pybind11::array::c_style>;
   if (!is_plain_array(object)) return nullptr;
-  const auto vector = pybind11::reinterpret_borrow<Vector>(object);
+  const auto vector = pybind11::reinterpret_borrow<CArray<double>>(object);
   if (vector.ndim() != 1 || vector.shape(0) != size) return nullptr;
   const double* values = vector.data();
   const bool finite = std::all_of(values, values + size, [](double x) { return std::isfinite(x); });

@@ -31,12 +31,6 @@ Arm::Arm(const std::string& document, const std::string& base, const std::string
 Arm::Arm(const urdf::Robot& robot, const std::string& base, const std::string& tip,
          const std::vector<MeshParts>& meshes)
     : chain_(accepted(make_chain(robot, base, tip))), dynamics_(chain_) {
-  std::size_t asked = 0;
-  for (const urdf::Link& link : robot.links)
-    for (const urdf::Geometry& piece : link.collisions)
-      asked += piece.type == urdf::GeometryType::kMesh ? 1 : 0;
-  if (meshes.size() != asked)
-    throw std::invalid_argument("meshes: expected the parts of each collision mesh");
   model_ = make_collision_model(robot, chain_, base, tip, meshes, {});
   itself_ = itself(model_);
 }

@@ -16,7 +16,7 @@ constexpr int kMaxSteps = 100;
 
 // The rotations that go into one mean: rows `first`, `first + stride`, ... of all layers.
 struct Column {
-  const Eigen::Ref<const Quaternions>& layers;
+  const Rows4Ref& layers;
   Eigen::Index first, stride, count;
 
   Quaternion operator[](Eigen::Index i) const { return layers.row(first + i * stride); }
@@ -62,7 +62,7 @@ Quaternion karcher_mean(const Column& column, const VectorRef& weights) {
 
 }  // namespace
 
-Means mean_batch(const Eigen::Ref<const Quaternions>& layers, const VectorRef& weights) {
+Means mean_batch(const Rows4Ref& layers, const VectorRef& weights) {
   check_argument(weights.size() > 0 && layers.rows() % weights.size() == 0,
                  "layers: expected as many layers as weights");
   const Eigen::Index count = weights.size();

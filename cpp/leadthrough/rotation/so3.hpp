@@ -54,16 +54,13 @@ Matrix3 to_matrix(const Quaternion& quaternion);
 Quaternion from_matrix(const Matrix3& matrix);
 
 // One row a rotation.
-Quaternions exp_batch(const Eigen::Ref<const Vectors>& rotation_vectors);
-Vectors log_batch(const Eigen::Ref<const Quaternions>& quaternions);
-Quaternions compose_batch(const Eigen::Ref<const Quaternions>& a,
-                          const Eigen::Ref<const Quaternions>& b);
+Quaternions exp_batch(const Rows3Ref& rotation_vectors);
+Vectors log_batch(const Rows4Ref& quaternions);
+Quaternions compose_batch(const Rows4Ref& a, const Rows4Ref& b);
 // Nine numbers a row: the matrix, row by row.
-Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions);
+Matrices to_matrix_batch(const Rows4Ref& quaternions);
 Quaternions from_matrix_batch(const Eigen::Ref<const Matrices>& matrices);
-Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
-                        const Eigen::Ref<const Quaternions>& b, const VectorRef& fractions);
-Eigen::VectorXd distance_batch(const Eigen::Ref<const Quaternions>& a,
-                               const Eigen::Ref<const Quaternions>& b);
+Quaternions slerp_batch(const Rows4Ref& a, const Rows4Ref& b, const VectorRef& fractions);
+Eigen::VectorXd distance_batch(const Rows4Ref& a, const Rows4Ref& b);
 
 }  // namespace leadthrough::so3
