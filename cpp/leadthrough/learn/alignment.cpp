@@ -22,13 +22,12 @@ void distances_to(const Eigen::Ref<const Eigen::RowVectorXd>& point, const Eigen
 }
 
 // Cost of the best pairing, where `extend(best, distance)` is the cost of a pairing of cost `best`
-// with one more pair. Only one row of the table is kept, along `b`; note(diagonal, above, left)
-// sees the costs before each pair, row by row.
-template <typename Extend, typename Note>
-double best_pairing(const RowsRef& a, const RowsRef& b, Eigen::Index band, Extend extend,
-                    Note note) {
-  const Eigen::ArrayXXd columns = b;
-  const Eigen::Index n = columns.rows(), rows = a.rows();
+// with one more pair. Only one row of the table is kept, along the shorter curve.
+template <typename Extend>
+double best_pairing(const Eigen::Ref<const Points>& longer, const Eigen::Ref<const Points>& shorter,
+                    Eigen::Index band, Extend extend) {
+  const Eigen::ArrayXXd columns = shorter;
+  const Eigen::Index n = columns.rows(), rows = longer.rows();
   Eigen::ArrayXd distances(n);
   Eigen::ArrayXd cost = Eigen::ArrayXd::Constant(n, kInfinity);
   for (Eigen::Index i = 0, before = 0; i < rows; ++i) {
@@ -36,12 +35,11 @@ double best_pairing(const RowsRef& a, const RowsRef& b, Eigen::Index band, Exten
     const Eigen::Index middle = rows > 1 ? i * (n - 1) / (rows - 1) : 0;
     const Eigen::Index first = middle > band ? middle - band : 0;
     const Eigen::Index end = n - middle > band ? middle + band + 1 : n;
-    distances_to(a.row(i), columns, first, end - first, distances);
+    distances_to(longer.row(i), columns, first, end - first, distances);
     double diagonal = first > 0 ? cost[first - 1] : i > 0 ? kInfinity : 0.0;
     double left = kInfinity;
     for (Eigen::Index j = first; j < end; ++j) {
       const double above = cost[j];
-      note(diagonal, above, left);
       const double best = std::min({diagonal, above, left});
       left = extend(best, distances[j]);
       cost[j] = left;
@@ -52,47 +50,66 @@ double best_pairing(const RowsRef& a, const RowsRef& b, Eigen::Index band, Exten
   return cost[n - 1];
 }
 
-void check_curves(const RowsRef& a, const RowsRef& b) {
+void check_curves(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
   check_argument(a.rows() > 0 && b.rows() > 0, "a, b: expected at least one point each");
   check_argument(a.cols() == b.cols(), "b: expected points of the dimension of those of a");
 }
 
-// Along the shorter curve.
 template <typename Extend>
-double best_pairing_of_either(const RowsRef& a, const RowsRef& b, Eigen::Index band,
-                              Extend extend) {
+double best_pairing_of_either(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
+                              Eigen::Index band, Extend extend) {
   check_curves(a, b);
   check_argument(band > 0, "band: expected at least one row");
-  const auto ignore = [](auto...) {};
-  return a.rows() < b.rows() ? best_pairing(b, a, band, extend, ignore)
-                             : best_pairing(a, b, band, extend, ignore);
+  return a.rows() < b.rows() ? best_pairing(b, a, band, extend) : best_pairing(a, b, band, extend);
 }
-
-constexpr auto kSum = [](double best, double distance) { return best + distance; };
 
 // The step that leads to a pair.
 enum class Move : unsigned char { kAlongBoth, kAlongA, kAlongB };
 
 // The steps that lead to every pair, row by row.
-std::vector<Move> best_moves(const RowsRef& a, const RowsRef& b) {
-  std::vector<Move> moves(static_cast<std::size_t>(a.rows() * b.rows()));
-  Move* next = moves.data();
-  best_pairing(a, b, kWholeTable, kSum, [&](double diagonal, double above, double left) {
-    const bool up = above < diagonal;
-    *next++ = left < (up ? above : diagonal) ? Move::kAlongB
-              : up                           ? Move::kAlongA
-                                             : Move::kAlongBoth;
-  });
+std::vector<Move> best_moves(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
+  const Eigen::ArrayXXd columns = b;
+  const Eigen::Index n = b.rows();
+  std::vector<Move> moves(static_cast<std::size_t>(a.rows() * n));
+  Eigen::ArrayXd distances(n);
+  Eigen::ArrayXd cost = Eigen::ArrayXd::Constant(n, kInfinity);
+  double corner = 0.0;  // the cost before the first pair
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    check_interrupt();
+    distances_to(a.row(i), columns, 0, n, distances);
+    double diagonal = corner;
+    double left = kInfinity;
+    Move* row = moves.data() + i * n;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const double above = cost[j];
+      row[j] = Move::kAlongBoth;
+      double best = diagonal;
+      if (above < best) {
+        row[j] = Move::kAlongA;
+        best = above;
+      }
+      if (left < best) {
+        row[j] = Move::kAlongB;
+        best = left;
+      }
+      left = best + distances[j];
+      cost[j] = left;
+      diagonal = above;
+    }
+    corner = kInfinity;
+  }
   return moves;
 }
 
 }  // namespace
 
-double dtw_distance(const RowsRef& a, const RowsRef& b, Eigen::Index band) {
-  return best_pairing_of_either(a, b, band, kSum);
+double dtw_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
+                    Eigen::Index band) {
+  return best_pairing_of_either(a, b, band,
+                                [](double best, double distance) { return best + distance; });
 }
 
-Pairs dtw_path(const RowsRef& a, const RowsRef& b) {
+Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
   check_curves(a, b);
   const std::vector<Move> moves = best_moves(a, b);
   Pairs pairs(a.rows() + b.rows() - 1, 2);
@@ -110,7 +127,8 @@ Pairs dtw_path(const RowsRef& a, const RowsRef& b) {
   return pairs.topRows(count).colwise().reverse();
 }
 
-double frechet_distance(const RowsRef& a, const RowsRef& b, Eigen::Index band) {
+double frechet_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
+                        Eigen::Index band) {
   return best_pairing_of_either(
       a, b, band, [](double best, double distance) { return std::max(best, distance); });
 }

@@ -9,19 +9,19 @@ namespace leadthrough::alignment_tests {
 
 namespace {
 
-Rows random_points(int rows, int columns, unsigned seed) {
+Points random_points(int rows, int columns, unsigned seed) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal;
-  return Rows::NullaryExpr(rows, columns, [&] { return normal(generator); });
+  return Points::NullaryExpr(rows, columns, [&] { return normal(generator); });
 }
 
 // The definitions, as recursions over the last pair.
-double distance(const Rows& a, const Rows& b, Eigen::Index i, Eigen::Index j) {
+double distance(const Points& a, const Points& b, Eigen::Index i, Eigen::Index j) {
   return (a.row(i) - b.row(j)).norm();
 }
 
 template <typename Extend>
-double recursion(const Rows& a, const Rows& b, Eigen::Index i, Eigen::Index j, Extend extend) {
+double recursion(const Points& a, const Points& b, Eigen::Index i, Eigen::Index j, Extend extend) {
   if (i == 0 && j == 0) return distance(a, b, 0, 0);
   double best = INFINITY;
   if (i > 0) best = std::min(best, recursion(a, b, i - 1, j, extend));
@@ -36,8 +36,8 @@ TEST(Alignment, AgreesWithTheRecursionOnShortCurves) {
   unsigned seed = 0;
   for (const auto& [n, m] : {std::pair(1, 1), {1, 5}, {6, 1}, {4, 6}, {6, 4}, {5, 5}}) {
     for (const int dimension : {1, 2, 3, 7}) {
-      const Rows a = random_points(n, dimension, ++seed);
-      const Rows b = random_points(m, dimension, ++seed);
+      const Points a = random_points(n, dimension, ++seed);
+      const Points b = random_points(m, dimension, ++seed);
       const auto sum = [](double x, double y) { return x + y; };
       const auto largest = [](double x, double y) { return std::max(x, y); };
       EXPECT_NEAR(dtw_distance(a, b), recursion(a, b, n - 1, m - 1, sum), 1e-13);
@@ -49,8 +49,8 @@ TEST(Alignment, AgreesWithTheRecursionOnShortCurves) {
 TEST(Alignment, PathIsMonotoneAndCostsTheDistance) {
   unsigned seed = 50;
   for (const auto& [n, m] : {std::pair(1, 1), {1, 5}, {6, 1}, {14, 36}, {40, 20}}) {
-    const Rows a = random_points(n, 3, ++seed);
-    const Rows b = random_points(m, 3, ++seed);
+    const Points a = random_points(n, 3, ++seed);
+    const Points b = random_points(m, 3, ++seed);
     const Pairs path = dtw_path(a, b);
     EXPECT_EQ(path.row(0), Pairs::Zero(1, 2));
     EXPECT_EQ(path(path.rows() - 1, 0), n - 1);
@@ -66,15 +66,15 @@ TEST(Alignment, PathIsMonotoneAndCostsTheDistance) {
 }
 
 TEST(Alignment, IsSymmetricToTheBit) {
-  const Rows a = random_points(40, 2, 1);
-  const Rows b = random_points(31, 2, 2);
+  const Points a = random_points(40, 2, 1);
+  const Points b = random_points(31, 2, 2);
   EXPECT_EQ(dtw_distance(a, b), dtw_distance(b, a));
   EXPECT_EQ(frechet_distance(a, b), frechet_distance(b, a));
 }
 
 TEST(Alignment, OfACurveWithItselfIsZeroEvenWithPauses) {
-  const Rows a = random_points(10, 3, 3);
-  Rows paused(20, 3);
+  const Points a = random_points(10, 3, 3);
+  Points paused(20, 3);
   for (int i = 0; i < 20; ++i) paused.row(i) = a.row(i / 2);
   EXPECT_EQ(dtw_distance(a, paused), 0.0);
   EXPECT_EQ(frechet_distance(a, paused), 0.0);
