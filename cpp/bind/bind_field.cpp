@@ -247,7 +247,7 @@ py::tuple at_each(const RowsRef& points, const Change& change) {
   return py::make_tuple(n, std::move(rows));
 }
 
-// What exists in both precisions.
+// The bindings that exist in both precisions.
 template <typename Real>
 void bind_precision(py::module_& module, const char* name_of_field,
                     py::class_<MarchingPolicy>& policy) {

@@ -32,7 +32,7 @@ inline JointBox position_limits(const Chain& chain) {
   return limits;
 }
 
-// What of a box lies no farther than `most` from q, joint by joint.
+// The part of a box that lies no farther than `most` from q, joint by joint.
 inline JointBox around(const JointArray& q, double most, const JointBox& box, int joints) {
   JointBox near;
   for (std::size_t i = 0; i < static_cast<std::size_t>(joints); ++i) {
