@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <variant>
 
 #include "bind/parts.hpp"
 #include "leadthrough/arm/run_down.hpp"
+#include "leadthrough/base/matrix.hpp"
 #include "leadthrough/collision/clearance.hpp"
 #include "leadthrough/collision/edges.hpp"
 #include "leadthrough/collision/shapes.hpp"
@@ -20,17 +22,41 @@ namespace leadthrough {
 
 namespace {
 
-using Pairs = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
-using Points = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
+Eigen::VectorXd distances(const Shape& shape, const Rows3Ref& points) {
+  const Unlocked unlocked;
+  Eigen::VectorXd result(points.rows());
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    check_interrupt();
+    result[i] = distance_to(shape, points.row(i));
+  }
+  return result;
+}
+
+Shape primitive_shape(const std::string& kind, const Eigen::VectorXd& sizes,
+                      const Eigen::Vector3d& position, const Eigen::Vector4d& orientation) {
+  const auto body = primitive(kind, sizes);
+  require(body.has_value());
+  return {so3::to_matrix(orientation), position, *body};
+}
+
+Shape hulls_shape(const std::vector<Rows3>& corners, const Eigen::Vector3d& position,
+                  const Eigen::Vector4d& orientation) {
+  require(!corners.empty());
+  for (const Rows3& own : corners) require(own.rows() >= 4);
+  return make_hulls(corners, so3::to_matrix(orientation), position);
+}
+
+Shape cloud_shape(const Rows3Ref& points, double radius, const Eigen::Vector3d& position,
+                  const Eigen::Vector4d& orientation) {
+  require(points.rows() > 0 && points.rows() <= Cloud::kMaxPoints);
+  const Unlocked unlocked;
+  return make_cloud(std::make_shared<const Cloud>(points, radius), so3::to_matrix(orientation),
+                    position);
+}
 
 CollisionModel make_model(const urdf::Robot& robot, const Chain& chain, const std::string& base,
                           const std::string& tip, const std::vector<std::vector<Rows3>>& meshes,
                           const std::vector<Shape>& attached) {
-  std::size_t asked = 0;
-  for (const urdf::Link& link : robot.links)
-    for (const urdf::Geometry& collision : link.collisions)
-      asked += collision.type == urdf::GeometryType::kMesh ? 1 : 0;
-  require(meshes.size() == asked);
   const auto between = make_chain(robot, base, tip);
   require(std::holds_alternative<Chain>(between) &&
           moving_count(std::get<Chain>(between)) == moving_count(chain));
@@ -52,12 +78,6 @@ CollisionModel beside(const CollisionModel& left, const CollisionModel& right,
 
 const std::string& name_of(const CollisionModel& model, int body) {
   return model.bodies[static_cast<std::size_t>(body)].name;
-}
-
-std::vector<std::string> body_names(const CollisionModel& model) {
-  std::vector<std::string> names;
-  for (const Body& body : model.bodies) names.push_back(body.name);
-  return names;
 }
 
 std::vector<std::pair<std::string, std::string>> pair_names(const CollisionModel& model) {
@@ -82,21 +102,17 @@ std::vector<std::array<std::string, 3>> left_out(const CollisionModel& model) {
   return names;
 }
 
-py::tuple nearest(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, int threads) {
-  Eigen::VectorXd distances(q.rows());
-  Pairs bodies(q.rows(), 2);
-  Points points(q.rows(), 6);
-  {
-    const Unlocked unlocked;
-    const auto found = nearest_batch(scene, q, threads);
-    for (Eigen::Index i = 0; i < q.rows(); ++i) {
-      const Nearest& at = found[static_cast<std::size_t>(i)];
-      distances[i] = at.distance;
-      bodies.row(i) << at.a, at.b;
-      points.row(i) << at.on_a.transpose(), at.on_b.transpose();
-    }
+py::tuple nearest(const CollisionScene& scene, const RowsRef& q, int threads) {
+  const auto found = without_gil([&] { return nearest_batch(scene, q, threads); });
+  Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor> bodies(q.rows(), 2);
+  Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> points(q.rows(), 6);
+  for (Eigen::Index i = 0; i < q.rows(); ++i) {
+    const Nearest& at = found[static_cast<std::size_t>(i)];
+    bodies.row(i) << at.a, at.b;
+    points.row(i) << at.on_a.transpose(), at.on_b.transpose();
   }
-  return py::make_tuple(std::move(distances), std::move(bodies), std::move(points));
+  return py::make_tuple(column<double>(found, &Nearest::distance), std::move(bodies),
+                        std::move(points));
 }
 
 py::tuple to_tuple(const ClosestPair& pair) {
@@ -104,74 +120,68 @@ py::tuple to_tuple(const ClosestPair& pair) {
   return py::make_tuple(pair.sample, at.a, at.b, at.distance, at.on_a, at.on_b);
 }
 
-py::tuple check(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, double margin,
-                double tolerance, int threads) {
-  MotionReport report;
-  Eigen::VectorXd distances(q.rows());
-  {
-    const Unlocked unlocked;
-    report = check_motion(scene, q, {margin, tolerance, threads});
-    for (Eigen::Index i = 0; i < q.rows(); ++i)
-      distances[i] = report.samples[static_cast<std::size_t>(i)].distance;
-  }
-  return py::make_tuple(std::move(distances), to_tuple(report.closest),
+py::tuple check(const CollisionScene& scene, const RowsRef& q, double margin, double tolerance,
+                int threads) {
+  const MotionReport report =
+      without_gil([&] { return check_motion(scene, q, {margin, tolerance, threads}); });
+  return py::make_tuple(column<double>(report.samples, &Nearest::distance),
+                        to_tuple(report.closest),
                         report.first ? py::object(to_tuple(*report.first)) : py::none());
 }
 
 }  // namespace
 
 void bind_collision(py::module_& module) {
+  py::class_<Shape>(module, "Shape").def("distances", &distances, "points"_array);
+  module.def("primitive_shape", &primitive_shape, "kind"_a, "sizes"_a, "position"_a,
+             "orientation"_a);
+  module.def("hulls_shape", &hulls_shape, "corners"_a, "position"_a, "orientation"_a);
+  module.def("cloud_shape", &cloud_shape, "points"_array, "radius"_a, "position"_a,
+             "orientation"_a);
+
   py::class_<CollisionModel>(module, "CollisionModel")
-      .def(py::init(&make_model), py::arg("robot"), py::arg("chain"), py::arg("base"),
-           py::arg("tip"), py::arg("meshes"), py::arg("attached"))
-      .def("beside", &beside, py::arg("right"), py::arg("position"), py::arg("orientation"),
-           py::arg("one_robot"), py::arg("shared_object"), py::arg("joint_names"))
+      .def(py::init(&make_model), "robot"_a, "chain"_a, "base"_a, "tip"_a, "meshes"_a, "attached"_a)
+      .def("beside", &beside, "right"_a, "position"_a, "orientation"_a, "one_robot"_a,
+           "shared_object"_a, "joint_names"_a)
       .def_readonly("chain", &CollisionModel::chain)
-      .def_property_readonly("bodies", &body_names)
+      .def_property_readonly("bodies",
+                             [](const CollisionModel& model) { return names_of(model.bodies); })
       .def_property_readonly("pairs", &pair_names)
       .def_property_readonly("left_out", &left_out);
 
   py::class_<CollisionScene>(module, "CollisionScene")
       .def_readonly("names", &CollisionScene::names);
 
-  module.def("itself", &itself, py::arg("model"));
+  module.def("itself", &itself, "model"_a);
   module.def(
       "against",
       [](const CollisionModel& model, const std::vector<Shape>& obstacles) {
         return against(model, placed_shapes(obstacles));
       },
-      py::arg("model"), py::arg("obstacles"));
+      "model"_a, "obstacles"_a);
   module.def(
       "clear_batch",
-      [](const CollisionModel& model, const std::vector<Shape>& obstacles,
-         const Eigen::Ref<const Rows>& q, double margin, double self_collision_margin) {
+      [](const CollisionModel& model, const std::vector<Shape>& obstacles, const RowsRef& q,
+         double margin, double self_collision_margin) {
         const Unlocked unlocked;
         return clear_batch(
             whole_arm(model, placed_shapes(obstacles), margin, self_collision_margin), q);
       },
-      py::arg("model"), py::arg("obstacles"), py::arg("q").noconvert(), py::arg("margin"),
-      py::arg("self_collision_margin"));
+      "model"_a, "obstacles"_a, "q"_array, "margin"_a, "self_collision_margin"_a);
   module.def(
       "clear_edges",
-      [](const CollisionModel& model, const std::vector<Shape>& obstacles,
-         const Eigen::Ref<const Rows>& starts, const Eigen::Ref<const Rows>& ends, double margin,
-         double self_collision_margin, int threads) {
-        require(starts.cols() == model.chain.joints() && ends.cols() == starts.cols() &&
-                ends.rows() == starts.rows());
+      [](const CollisionModel& model, const std::vector<Shape>& obstacles, const RowsRef& starts,
+         const RowsRef& ends, double margin, double self_collision_margin, int threads) {
         const Unlocked unlocked;
         return clear_edges(whole_arm(without_meeting_pairs(model), placed_shapes(obstacles), margin,
                                      self_collision_margin),
                            starts, ends, threads);
       },
-      py::arg("model"), py::arg("obstacles"), py::arg("starts").noconvert(),
-      py::arg("ends").noconvert(), py::arg("margin"), py::arg("self_collision_margin"),
-      py::arg("threads"));
-  module.def("nearest_bodies", &nearest, py::arg("scene"), py::arg("q").noconvert(),
-             py::arg("threads"));
-  module.def("check_motion", &check, py::arg("scene"), py::arg("q").noconvert(), py::arg("margin"),
-             py::arg("tolerance"), py::arg("threads"));
-  module.def("longest_step", &longest_step, py::arg("scene"), py::arg("q").noconvert(),
-             Unlocking());
+      "model"_a, "obstacles"_a, "starts"_array, "ends"_array, "margin"_a, "self_collision_margin"_a,
+      "threads"_a);
+  module.def("nearest_bodies", &nearest, "scene"_a, "q"_array, "threads"_a);
+  module.def("check_motion", &check, "scene"_a, "q"_array, "margin"_a, "tolerance"_a, "threads"_a);
+  module.def("longest_step", &longest_step, "scene"_a, "q"_array, Unlocking());
 }
 
 }  // namespace leadthrough

@@ -23,8 +23,6 @@ using dmp::Path;
 using dmp::Representation;
 using dmp::RotationState;
 using dmp::Vector;
-using VectorIn = Eigen::Ref<const Vector>;
-using RowsIn = Eigen::Ref<const Rows>;
 
 // State of a running motion. Poses hold three coordinates of their rotation behind the position.
 struct PointState {
@@ -69,18 +67,18 @@ Canonical canonical_of(bool rhythmic) {
   return rhythmic ? Canonical::kRhythmic : Canonical::kDiscrete;
 }
 
-std::shared_ptr<Forces> make_forces(const RowsIn& nodes, const VectorIn& fade, double rate,
+std::shared_ptr<Forces> make_forces(const RowsRef& nodes, const VectorRef& fade, double rate,
                                     bool rhythmic) {
   require(nodes.rows() >= 2 && fade.size() == nodes.rows() && rate > 0.0);
   return std::make_shared<Forces>(Forces{nodes, fade, rate, canonical_of(rhythmic)});
 }
 
-Path path_of(const VectorIn& breaks, const RowsIn& coefficients) {
+Path path_of(const VectorRef& breaks, const RowsRef& coefficients) {
   require(breaks.size() >= 2 && coefficients.rows() == 6 * (breaks.size() - 1));
   return {breaks, coefficients};
 }
 
-std::shared_ptr<Path> make_path(const VectorIn& breaks, const RowsIn& coefficients) {
+std::shared_ptr<Path> make_path(const VectorRef& breaks, const RowsRef& coefficients) {
   return std::make_shared<Path>(path_of(breaks, coefficients));
 }
 
@@ -91,35 +89,34 @@ Vector offset_at(const Path& path, Vector (*value)(const Path&)) {
   return path.empty() ? Vector(Vector::Zero(3)) : value(path);
 }
 
-Path corrected(const Path& path, double phase, double until, const VectorIn& value,
-               const VectorIn& slope, const VectorIn& shift) {
+Path corrected(const Path& path, double phase, double until, const VectorRef& value,
+               const VectorRef& slope, const VectorRef& shift) {
   return dmp::superposed(path, {phase, until, value, slope, shift});
 }
 
-std::shared_ptr<Course> make_course(const VectorIn& breaks, const RowsIn& coefficients,
-                                    const VectorIn& gain, const VectorIn& drive) {
+std::shared_ptr<Course> make_course(const VectorRef& breaks, const RowsRef& coefficients,
+                                    const VectorRef& gain, const VectorRef& drive) {
   const Eigen::Index channels = coefficients.cols();
   require(gain.size() == channels && drive.size() == channels);
   return std::make_shared<Course>(Course{path_of(breaks, coefficients), gain, drive});
 }
 
 // The course whose reference is a path with its start and goal shifted by the progress.
-Course shifted_course(const VectorIn& breaks, const RowsIn& coefficients, const RowsIn& progress,
-                      const VectorIn& start, const VectorIn& goal) {
+Course shifted_course(const VectorRef& breaks, const RowsRef& coefficients, const RowsRef& progress,
+                      const VectorRef& start, const VectorRef& goal) {
   const Eigen::Index channels = coefficients.cols();
   return {dmp::shifted(path_of(breaks, coefficients), progress, start, goal),
           Vector::Ones(channels), Vector::Zero(channels)};
 }
 
-Course corrected_course(const Course& course, double phase, double until, const VectorIn& value,
-                        const VectorIn& slope, const VectorIn& shift) {
+Course corrected_course(const Course& course, double phase, double until, const VectorRef& value,
+                        const VectorRef& slope, const VectorRef& shift) {
   return {corrected(course.reference, phase, until, value, slope, shift), course.gain,
           course.drive};
 }
 
-std::shared_ptr<Curve> make_curve(const Eigen::Ref<const so3::Quaternions>& controls,
-                                  const Eigen::Ref<const so3::Vectors>& steps,
-                                  const VectorIn& speeds, const VectorIn& covered, bool zyz,
+std::shared_ptr<Curve> make_curve(const Rows4Ref& controls, const Rows3Ref& steps,
+                                  const VectorRef& speeds, const VectorRef& covered, bool zyz,
                                   bool rhythmic) {
   require(controls.rows() >= 4 && steps.rows() == controls.rows() - 1);
   require(speeds.size() >= 2 && covered.size() == speeds.size());
@@ -128,23 +125,23 @@ std::shared_ptr<Curve> make_curve(const Eigen::Ref<const so3::Quaternions>& cont
                                        canonical_of(rhythmic)});
 }
 
-PointState make_point_state(std::shared_ptr<Course> course, const VectorIn& value,
-                            const VectorIn& slope, double phase, double duration) {
+PointState make_point_state(std::shared_ptr<Course> course, const VectorRef& value,
+                            const VectorRef& slope, double phase, double duration) {
   require(value.size() == course->reference.coefficients.cols() && slope.size() == value.size() &&
           phase >= 0.0 && phase <= dmp::kMaxPhase && duration > 0.0);
   return {std::move(course), {value, slope, phase}, duration};
 }
 
-PoseState make_pose_state(std::shared_ptr<Course> course, const VectorIn& value,
-                          const VectorIn& slope, double phase, double duration,
+PoseState make_pose_state(std::shared_ptr<Course> course, const VectorRef& value,
+                          const VectorRef& slope, double phase, double duration,
                           std::shared_ptr<Curve> curve, std::shared_ptr<Path> offset) {
   require(value.size() == 6 && dmp::is_offset(*offset));
   return {make_point_state(std::move(course), value, slope, phase, duration), std::move(curve),
           std::move(offset)};
 }
 
-py::tuple rollout(const Forces& forces, const Course& course, const VectorIn& value,
-                  const VectorIn& slope, const VectorIn& phases) {
+py::tuple rollout(const Forces& forces, const Course& course, const VectorRef& value,
+                  const VectorRef& slope, const VectorRef& phases) {
   require(phases.size() > 0);
   dmp::Rollout result =
       without_gil([&] { return dmp::rollout(forces, course, {value, slope, phases[0]}, phases); });
@@ -153,11 +150,11 @@ py::tuple rollout(const Forces& forces, const Course& course, const VectorIn& va
 
 // Accelerations per s^2 in what the channels obey: an angular one, in the base frame, becomes one
 // of the coordinates.
-Vector push_of(const PointState& state, const VectorIn& acceleration) {
+Vector push_of(const PointState& state, const VectorRef& acceleration) {
   return state.duration * state.duration * acceleration;
 }
 
-Vector push_of(const PoseState& state, const VectorIn& acceleration) {
+Vector push_of(const PoseState& state, const VectorRef& acceleration) {
   Vector push = state.duration * state.duration * acceleration;
   if (push.size() == 6 && !push.tail<3>().isZero(0.0))
     push.tail<3>() =
@@ -167,7 +164,7 @@ Vector push_of(const PoseState& state, const VectorIn& acceleration) {
 }
 
 template <typename State>
-State step(const State& before, const Forces& forces, double dt, const VectorIn& acceleration) {
+State step(const State& before, const Forces& forces, double dt, const VectorRef& acceleration) {
   require(forces.nodes.cols() == before.channels() && acceleration.size() == before.channels());
   State after = before;
   const Vector push = push_of(before, acceleration);
@@ -192,9 +189,9 @@ std::optional<State> tick(const State& before, const Forces& forces, double dt) 
 }
 
 std::shared_ptr<dmp::AvoidanceScene> make_avoidance_scene(const std::vector<Shape>& shapes,
-                                                          const VectorIn& margins, double reach,
-                                                          const VectorIn& lower,
-                                                          const VectorIn& upper) {
+                                                          const VectorRef& margins, double reach,
+                                                          const VectorRef& lower,
+                                                          const VectorRef& upper) {
   require(margins.size() == static_cast<Eigen::Index>(shapes.size()) &&
           lower.size() == upper.size());
   auto result = std::make_shared<dmp::AvoidanceScene>();
@@ -211,8 +208,8 @@ bool fits(const dmp::AvoidanceScene& scene, Eigen::Index channels) {
 }
 
 py::tuple rollout_around(const Forces& forces, const Course& course,
-                         const dmp::AvoidanceScene& scene, const VectorIn& value,
-                         const VectorIn& slope, const VectorIn& phases) {
+                         const dmp::AvoidanceScene& scene, const VectorRef& value,
+                         const VectorRef& slope, const VectorRef& phases) {
   require(phases.size() > 0);
   dmp::Passage result = without_gil([&] {
     return dmp::rollout_around(forces, course, scene, {value, slope, phases[0]}, phases);
@@ -223,7 +220,7 @@ py::tuple rollout_around(const Forces& forces, const Course& course,
 
 template <typename State>
 State step_around(const State& before, const Forces& forces, double dt,
-                  const VectorIn& acceleration, const dmp::AvoidanceScene& scene) {
+                  const VectorRef& acceleration, const dmp::AvoidanceScene& scene) {
   require(forces.nodes.cols() == before.channels() && acceleration.size() == before.channels() &&
           fits(scene, before.channels()));
   State after = before;
@@ -233,33 +230,29 @@ State step_around(const State& before, const Forces& forces, double dt,
   return after;
 }
 
-so3::Quaternions orientations(const Curve& curve, const Path& offset, const VectorIn& phases,
-                              const RowsIn& values) {
+so3::Quaternions orientations(const Curve& curve, const Path& offset, const VectorRef& phases,
+                              const RowsRef& values) {
   const Unlocked unlocked;
   return dmp::orientations_at(curve, offset, phases, values);
 }
 
 // Positions and orientations of the motion that a state begins.
-py::tuple poses(const Forces& forces, const PoseState& state, const VectorIn& phases) {
-  dmp::Poses result;
-  {
-    const Unlocked unlocked;
-    result =
-        dmp::poses_along(forces, *state.course, *state.curve, *state.offset, state.state, phases);
-  }
+py::tuple poses(const Forces& forces, const PoseState& state, const VectorRef& phases) {
+  dmp::Poses result = without_gil([&] {
+    return dmp::poses_along(forces, *state.course, *state.curve, *state.offset, state.state,
+                            phases);
+  });
   return py::make_tuple(std::move(result.positions), std::move(result.orientations));
 }
 
 // The highest linear and angular speed of the motion that a state begins.
-py::tuple peak_speeds(const Forces& forces, const PoseState& state, const VectorIn& phases) {
+py::tuple peak_speeds(const Forces& forces, const PoseState& state, const VectorRef& phases) {
   require(phases.size() > 0);
-  dmp::Peaks peaks;
-  {
-    const Unlocked unlocked;
+  const dmp::Peaks peaks = without_gil([&] {
     const dmp::State first{state.state.value, state.state.slope, phases[0]};
     const dmp::Rollout motion = dmp::rollout(forces, *state.course, first, phases);
-    peaks = dmp::peak_speeds(*state.curve, *state.offset, phases, motion);
-  }
+    return dmp::peak_speeds(*state.curve, *state.offset, phases, motion);
+  });
   return py::make_tuple(peaks.linear, peaks.angular);
 }
 
@@ -289,43 +282,38 @@ void bind_common(py::class_<State>& type) {
       .def_property_readonly("course", [](const State& s) { return s.course; })
       .def_property_readonly("value", [](const State& s) { return s.state.value; })
       .def_property_readonly("slope", [](const State& s) { return s.state.slope; })
-      .def("coast", &coast<State>, py::arg("forces"), py::arg("dt"))
-      .def("tick", &tick<State>, py::arg("forces"), py::arg("dt"))
-      .def("pushed", &step<State>, py::arg("forces"), py::arg("dt"),
-           py::arg("acceleration").noconvert())
-      .def("led_around", &step_around<State>, py::arg("forces"), py::arg("dt"),
-           py::arg("acceleration").noconvert(), py::arg("scene"));
+      .def("coast", &coast<State>, "forces"_a, "dt"_a)
+      .def("tick", &tick<State>, "forces"_a, "dt"_a)
+      .def("pushed", &step<State>, "forces"_a, "dt"_a, "acceleration"_array)
+      .def("led_around", &step_around<State>, "forces"_a, "dt"_a, "acceleration"_array, "scene"_a);
 }
 
 }  // namespace
 
 void bind_dmp(py::module_& module) {
   py::class_<Forces, std::shared_ptr<Forces>>(module, "DmpForces")
-      .def(py::init(&make_forces), py::arg("nodes").noconvert(), py::arg("fade").noconvert(),
-           py::arg("rate"), py::arg("rhythmic"))
+      .def(py::init(&make_forces), "nodes"_array, "fade"_array, "rate"_a, "rhythmic"_a)
       .def_readonly("nodes", &Forces::nodes)
       .def_readonly("fade", &Forces::fade);
   py::class_<Path, std::shared_ptr<Path>> path(module, "DmpPath");
   path.def(py::init<>())
-      .def(py::init(&make_path), py::arg("breaks").noconvert(), py::arg("coefficients").noconvert())
+      .def(py::init(&make_path), "breaks"_array, "coefficients"_array)
       .def_property_readonly("start", [](const Path& p) { return offset_at(p, &first_of); })
       .def_property_readonly("end", [](const Path& p) { return offset_at(p, &dmp::end_of); })
-      .def("superposed", &corrected, py::arg("phase"), py::arg("until"),
-           py::arg("value").noconvert(), py::arg("slope").noconvert(),
-           py::arg("shift").noconvert());
+      .def("superposed", &corrected, "phase"_a, "until"_a, "value"_array, "slope"_array,
+           "shift"_array);
   bind_reduce(path, [](const Path& p) -> py::tuple {
     return p.empty() ? py::tuple() : py::make_tuple(p.breaks, p.coefficients);
   });
   py::class_<Course, std::shared_ptr<Course>> course(module, "DmpCourse");
   course
-      .def(py::init(&make_course), py::arg("breaks").noconvert(),
-           py::arg("coefficients").noconvert(), py::arg("gain").noconvert(),
-           py::arg("drive").noconvert())
+      .def(py::init(&make_course), "breaks"_array, "coefficients"_array, "gain"_array,
+           "drive"_array)
       .def_property_readonly("breaks", [](const Course& c) { return c.reference.breaks; })
       .def_property_readonly("coefficients",
                              [](const Course& c) { return c.reference.coefficients; })
-      .def("superposed", &corrected_course, py::arg("phase"), py::arg("until"),
-           py::arg("value").noconvert(), py::arg("slope").noconvert(), py::arg("shift").noconvert())
+      .def("superposed", &corrected_course, "phase"_a, "until"_a, "value"_array, "slope"_array,
+           "shift"_array)
       .def_readonly("gain", &Course::gain)
       .def_readonly("drive", &Course::drive);
   bind_reduce(course, [](const Course& c) {
@@ -333,9 +321,8 @@ void bind_dmp(py::module_& module) {
   });
   py::class_<Curve, std::shared_ptr<Curve>> curve(module, "DmpCurve");
   curve
-      .def(py::init(&make_curve), py::arg("controls").noconvert(), py::arg("steps").noconvert(),
-           py::arg("speeds").noconvert(), py::arg("covered").noconvert(), py::arg("zyz"),
-           py::arg("rhythmic"))
+      .def(py::init(&make_curve), "controls"_array, "steps"_array, "speeds"_array, "covered"_array,
+           "zyz"_a, "rhythmic"_a)
       .def_readonly("steps", &Curve::steps)
       .def_readonly("covered", &Curve::covered);
   bind_reduce(curve, [](const Curve& c) {
@@ -345,13 +332,13 @@ void bind_dmp(py::module_& module) {
   });
 
   py::class_<dmp::AvoidanceScene, std::shared_ptr<dmp::AvoidanceScene>>(module, "AvoidanceScene")
-      .def(py::init(&make_avoidance_scene), py::arg("shapes"), py::arg("margins").noconvert(),
-           py::arg("reach"), py::arg("lower").noconvert(), py::arg("upper").noconvert());
+      .def(py::init(&make_avoidance_scene), "shapes"_a, "margins"_array, "reach"_a, "lower"_array,
+           "upper"_array);
 
   py::class_<PointState> point(module, "PointState");
   point
-      .def(py::init(&make_point_state), py::arg("course").none(false), py::arg("value").noconvert(),
-           py::arg("slope").noconvert(), py::arg("phase"), py::arg("duration"))
+      .def(py::init(&make_point_state), "course"_a.none(false), "value"_array, "slope"_array,
+           "phase"_a, "duration"_a)
       .def_property_readonly("position", [](const PointState& s) { return s.state.value; })
       .def_property_readonly(
           "velocity", [](const PointState& s) { return Vector(s.state.slope / s.duration); });
@@ -361,9 +348,8 @@ void bind_dmp(py::module_& module) {
   });
 
   py::class_<PoseState> pose(module, "PoseState");
-  pose.def(py::init(&make_pose_state), py::arg("course").none(false), py::arg("value").noconvert(),
-           py::arg("slope").noconvert(), py::arg("phase"), py::arg("duration"),
-           py::arg("curve").none(false), py::arg("offset").none(false))
+  pose.def(py::init(&make_pose_state), "course"_a.none(false), "value"_array, "slope"_array,
+           "phase"_a, "duration"_a, "curve"_a.none(false), "offset"_a.none(false))
       .def_property_readonly(
           "position", [](const PoseState& s) { return so3::Vector3(s.state.value.head<3>()); })
       .def_property_readonly(
@@ -382,26 +368,20 @@ void bind_dmp(py::module_& module) {
                           s.curve, s.offset);
   });
 
-  module.def("dmp_rollout", &rollout, py::arg("forces"), py::arg("course"),
-             py::arg("value").noconvert(), py::arg("slope").noconvert(),
-             py::arg("phases").noconvert());
-  module.def("dmp_rollout_around", &rollout_around, py::arg("forces"), py::arg("course"),
-             py::arg("scene"), py::arg("value").noconvert(), py::arg("slope").noconvert(),
-             py::arg("phases").noconvert());
-  module.def("dmp_shifted_course", &shifted_course, py::arg("breaks").noconvert(),
-             py::arg("coefficients").noconvert(), py::arg("progress").noconvert(),
-             py::arg("start").noconvert(), py::arg("goal").noconvert());
-  module.def("dmp_offset", &dmp::offset_between, py::arg("wanted").noconvert(),
-             py::arg("demonstrated").noconvert(), py::arg("near").noconvert());
-  module.def("dmp_orientations", &orientations, py::arg("curve"), py::arg("offset"),
-             py::arg("phases").noconvert(), py::arg("values").noconvert());
-  module.def("dmp_poses", &poses, py::arg("forces"), py::arg("state"),
-             py::arg("phases").noconvert());
-  module.def("dmp_peak_speeds", &peak_speeds, py::arg("forces"), py::arg("state"),
-             py::arg("phases").noconvert());
-  module.def("dmp_coordinates", &coordinates, py::arg("curve"), py::arg("offset"), py::arg("phase"),
-             py::arg("orientation").noconvert(), py::arg("velocity").noconvert(),
-             py::arg("near").noconvert());
+  module.def("dmp_rollout", &rollout, "forces"_a, "course"_a, "value"_array, "slope"_array,
+             "phases"_array);
+  module.def("dmp_rollout_around", &rollout_around, "forces"_a, "course"_a, "scene"_a,
+             "value"_array, "slope"_array, "phases"_array);
+  module.def("dmp_shifted_course", &shifted_course, "breaks"_array, "coefficients"_array,
+             "progress"_array, "start"_array, "goal"_array);
+  module.def("dmp_offset", &dmp::offset_between, "wanted"_array, "demonstrated"_array,
+             "near"_array);
+  module.def("dmp_orientations", &orientations, "curve"_a, "offset"_a, "phases"_array,
+             "values"_array);
+  module.def("dmp_poses", &poses, "forces"_a, "state"_a, "phases"_array);
+  module.def("dmp_peak_speeds", &peak_speeds, "forces"_a, "state"_a, "phases"_array);
+  module.def("dmp_coordinates", &coordinates, "curve"_a, "offset"_a, "phase"_a, "orientation"_array,
+             "velocity"_array, "near"_array);
 }
 
 }  // namespace leadthrough

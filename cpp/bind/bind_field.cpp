@@ -76,9 +76,9 @@ py::array_t<Real> march_one(const CArray<Real>& speed, const std::vector<double>
   require_options(order, source_radius);
   require(stop == kNoStop || contains(grid, stop));
   const MarchProblem<Real> problem{speed.data(), sources_at(grid, cells)};
-  std::vector<Real> arrival =
-      without_gil([&] { return march(grid, problem, {order, source_radius, stop}); });
-  return moved_array(std::move(arrival), shape_of(speed));
+  return moved_array(
+      without_gil([&] { return march(grid, problem, {order, source_radius, stop}); }),
+      shape_of(speed));
 }
 
 // One speed map a problem, all of one shape.
@@ -129,68 +129,41 @@ class BoundArrivalField {
       region.shape[lead + axis] = speed.shape(static_cast<py::ssize_t>(axis));
       require(low[axis] >= 0 && low[axis] <= shape_[axis] - region.shape[lead + axis]);
     }
-    Update update{};
-    {
-      const Unlocked unlocked;
+    const Update update = without_gil([&] {
       const std::lock_guard<std::mutex> lock(mutex_);
-      update = field_->update(region, speed.data());
-    }
-    return py::make_tuple(name(update.kind), update.invalidated);
+      return field_->update(region, speed.data());
+    });
+    constexpr std::array kinds{"none", "repair", "full_march"};  // in the order of UpdateKind
+    return py::make_tuple(kinds[static_cast<std::size_t>(update.kind)], update.invalidated);
   }
 
   py::array_t<Real> times() {
-    std::vector<Real> times;
-    {
-      const Unlocked unlocked;
-      const std::lock_guard<std::mutex> lock(mutex_);
-      times = field_->times();
-    }
-    return moved_array(std::move(times), shape_);
+    return moved_array(without_gil([&] {
+                         const std::lock_guard<std::mutex> lock(mutex_);
+                         return field_->times();
+                       }),
+                       shape_);
   }
 
  private:
-  static const char* name(UpdateKind kind) {
-    switch (kind) {
-      case UpdateKind::kNone:
-        return "none";
-      case UpdateKind::kRepair:
-        return "repair";
-      case UpdateKind::kFullMarch:
-        break;
-    }
-    return "full_march";
-  }
-
   std::vector<py::ssize_t> shape_;
   std::unique_ptr<ArrivalField<Real>> field_;
   std::mutex mutex_;
 };
-
-template <typename Real>
-void bind_arrival_field(py::module_& module, const char* name) {
-  using Bound = BoundArrivalField<Real>;
-  py::class_<Bound>(module, name)
-      .def(py::init<const CArray<Real>&, const std::vector<double>&, const CArray<Index>&>(),
-           py::arg("speed").noconvert(), py::arg("spacing"), py::arg("cells").noconvert())
-      .def("update", &Bound::update, py::arg("low"), py::arg("speed").noconvert())
-      .def("times", [](Bound& field) { return field.times(); });
-}
 
 py::array_t<std::int32_t> label_sources(const CArray<double>& arrival,
                                         const std::vector<double>& spacing,
                                         const std::vector<Index>& cells) {
   const Grid grid = grid_of(arrival, spacing);
   for (const Index cell : cells) require(contains(grid, cell));
-  std::vector<std::int32_t> labels =
-      without_gil([&] { return nearest_sources(grid, arrival.data(), cells); });
-  return moved_array(std::move(labels), shape_of(arrival));
+  return moved_array(without_gil([&] { return nearest_sources(grid, arrival.data(), cells); }),
+                     shape_of(arrival));
 }
 
 py::array_t<double> transform(const CArray<bool>& mask, const std::vector<double>& spacing) {
   const Grid grid = grid_of(mask, spacing);
-  std::vector<double> distance = without_gil(
-      [&] { return distance_transform(grid, reinterpret_cast<const std::uint8_t*>(mask.data())); });
-  return moved_array(std::move(distance), shape_of(mask));
+  const auto* walls = reinterpret_cast<const std::uint8_t*>(mask.data());
+  return moved_array(without_gil([&] { return distance_transform(grid, walls); }), shape_of(mask));
 }
 
 template <typename Real>
@@ -243,7 +216,7 @@ using Disc = std::tuple<Eigen::VectorXd, Eigen::VectorXd, double, double>;
 template <typename Real>
 MarchingPolicy make_policy(const CArray<Real>& arrival, const Eigen::VectorXd& spacing,
                            const Eigen::VectorXd& origin, const Eigen::VectorXd& goal,
-                           const Eigen::Ref<const Rows>& positions, const Eigen::VectorXd& speeds,
+                           const RowsRef& positions, const Eigen::VectorXd& speeds,
                            double mean_speed, double slowing, const std::optional<Disc>& barrier) {
   Eigen::VectorXd shape(arrival.ndim());
   for (py::ssize_t i = 0; i < arrival.ndim(); ++i) shape[i] = static_cast<double>(arrival.shape(i));
@@ -260,7 +233,7 @@ MarchingPolicy make_policy(const CArray<Real>& arrival, const Eigen::VectorXd& s
 // How many of the points (n, d) have a result, and the results; the next row is then the point
 // that has no velocity.
 template <typename Change>
-py::tuple at_each(const Eigen::Ref<const Rows>& points, const Change& change) {
+py::tuple at_each(const RowsRef& points, const Change& change) {
   Rows rows = points;
   Eigen::Index n = 0;
   {
@@ -274,60 +247,49 @@ py::tuple at_each(const Eigen::Ref<const Rows>& points, const Change& change) {
   return py::make_tuple(n, std::move(rows));
 }
 
+// The bindings that exist in both precisions.
 template <typename Real>
-void bind_policy_of(py::class_<MarchingPolicy>& type) {
-  type.def(
-      py::init(&make_policy<Real>), py::arg("arrival").noconvert(), py::arg("spacing").noconvert(),
-      py::arg("origin").noconvert(), py::arg("goal").noconvert(), py::arg("positions").noconvert(),
-      py::arg("speeds").noconvert(), py::arg("mean_speed"), py::arg("slowing"), py::arg("barrier"));
-}
-
-// The functions that exist in both precisions.
-template <typename Real>
-void bind_marches(py::module_& module) {
-  module.def("march", &march_one<Real>, py::arg("speed").noconvert(), py::arg("spacing"),
-             py::arg("cells").noconvert(), py::arg("order"), py::arg("source_radius"),
-             py::arg("stop"));
-  module.def("march_batch", &march_many<Real>, py::arg("speeds"), py::arg("spacing"),
-             py::arg("cells"), py::arg("order"), py::arg("source_radius"), py::arg("threads"));
-}
-
-template <typename Real>
-void bind_descent(py::module_& module) {
-  module.def("descend", &follow_down<Real>, py::arg("arrival").noconvert(), py::arg("spacing"),
-             py::arg("start"), py::arg("goal"), py::arg("step"));
-  module.def("directions", &find_directions<Real>, py::arg("arrival").noconvert(),
-             py::arg("spacing"), py::arg("points").noconvert());
+void bind_precision(py::module_& module, const char* name_of_field,
+                    py::class_<MarchingPolicy>& policy) {
+  using Field = BoundArrivalField<Real>;
+  py::class_<Field>(module, name_of_field)
+      .def(py::init<const CArray<Real>&, const std::vector<double>&, const CArray<Index>&>(),
+           "speed"_array, "spacing"_a, "cells"_array)
+      .def("update", &Field::update, "low"_a, "speed"_array)
+      .def("times", [](Field& field) { return field.times(); });
+  module.def("march", &march_one<Real>, "speed"_array, "spacing"_a, "cells"_array, "order"_a,
+             "source_radius"_a, "stop"_a);
+  module.def("march_batch", &march_many<Real>, "speeds"_a, "spacing"_a, "cells"_a, "order"_a,
+             "source_radius"_a, "threads"_a);
+  module.def("descend", &follow_down<Real>, "arrival"_array, "spacing"_a, "start"_a, "goal"_a,
+             "step"_a);
+  module.def("directions", &find_directions<Real>, "arrival"_array, "spacing"_a, "points"_array);
+  policy.def(py::init(&make_policy<Real>), "arrival"_array, "spacing"_array, "origin"_array,
+             "goal"_array, "positions"_array, "speeds"_array, "mean_speed"_a, "slowing"_a,
+             "barrier"_a);
 }
 
 }  // namespace
 
 void bind_field(py::module_& module) {
-  bind_marches<float>(module);
-  bind_marches<double>(module);
-  bind_arrival_field<float>(module, "ArrivalFieldFloat32");
-  bind_arrival_field<double>(module, "ArrivalFieldFloat64");
-  module.def("nearest_sources", &label_sources, py::arg("arrival").noconvert(), py::arg("spacing"),
-             py::arg("cells"));
-  module.def("distance_transform", &transform, py::arg("mask").noconvert(), py::arg("spacing"));
-  bind_descent<float>(module);
-  bind_descent<double>(module);
   py::class_<MarchingPolicy> policy(module, "MarchingPolicy");
-  bind_policy_of<float>(policy);
-  bind_policy_of<double>(policy);
+  bind_precision<float>(module, "ArrivalFieldFloat32", policy);
+  bind_precision<double>(module, "ArrivalFieldFloat64", policy);
+  module.def("nearest_sources", &label_sources, "arrival"_array, "spacing"_a, "cells"_a);
+  module.def("distance_transform", &transform, "mask"_array, "spacing"_a);
   policy
       .def(
           "velocities",
-          [](const MarchingPolicy& own, const Eigen::Ref<const Rows>& points) {
+          [](const MarchingPolicy& own, const RowsRef& points) {
             return at_each(points, [&](auto& point) { return own.velocity(point, point); });
           },
-          py::arg("points").noconvert())
+          "points"_array)
       .def(
           "moved",
-          [](const MarchingPolicy& own, const Eigen::Ref<const Rows>& points, double span) {
+          [](const MarchingPolicy& own, const RowsRef& points, double span) {
             return at_each(points, [&](auto& point) { return own.step(span, point); });
           },
-          py::arg("points").noconvert(), py::arg("span"));
+          "points"_array, "span"_a);
 }
 
 }  // namespace leadthrough

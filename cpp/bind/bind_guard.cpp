@@ -21,7 +21,6 @@ namespace {
 
 using Eigen::Index;
 using guard::GuardedScene;
-using guard::RowsRef;
 using guard::StepLimits;
 
 StepLimits make_limits(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
@@ -97,25 +96,21 @@ std::optional<std::tuple<double, std::string, std::string>> first_contact(
 
 void bind_guard(py::module_& module) {
   py::class_<StepLimits>(module, "StepLimits")
-      .def(py::init(&make_limits), py::arg("lower"), py::arg("upper"), py::arg("velocity"),
-           py::arg("acceleration"), py::arg("jerk"), py::arg("period"));
-  module.def("first_excess", &first_excess, py::arg("limits"), py::arg("start").noconvert(),
-             py::arg("samples").noconvert());
-  module.def("with_rates", &guard::with_rates, py::arg("times"), py::arg("positions").noconvert(),
-             py::arg("start").noconvert(), py::arg("period"), Unlocking());
-  module.def("brake", &guard::brake, py::arg("limits"), py::arg("start").noconvert(), Unlocking());
-  module.def("bridge_to_start", bridge(&guard::bridge_to_start), py::arg("limits"),
-             py::arg("start").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
-  module.def("bridge_on_time", bridge(&guard::bridge_on_time), py::arg("limits"),
-             py::arg("start").noconvert(), py::arg("target").noconvert(), py::arg("most_steps"));
-  module.def("joined", &guard::joined, py::arg("limits"), py::arg("start").noconvert(),
-             py::arg("target").noconvert(), py::arg("jerk"), py::arg("use"), Unlocking());
-  module.def("slowed", &slowed, py::arg("limits"), py::arg("path").noconvert(),
-             py::arg("most_samples"));
-  module.def("stopped", &stopped, py::arg("limits"), py::arg("start").noconvert(),
-             py::arg("path").noconvert());
-  module.def("eased", &eased, py::arg("limits"), py::arg("start").noconvert(),
-             py::arg("path").noconvert(), py::arg("rate"));
+      .def(py::init(&make_limits), "lower"_a, "upper"_a, "velocity"_a, "acceleration"_a, "jerk"_a,
+           "period"_a);
+  module.def("first_excess", &first_excess, "limits"_a, "start"_array, "samples"_array);
+  module.def("with_rates", &guard::with_rates, "times"_a, "positions"_array, "start"_array,
+             "period"_a, Unlocking());
+  module.def("brake", &guard::brake, "limits"_a, "start"_array, Unlocking());
+  module.def("bridge_to_start", bridge(&guard::bridge_to_start), "limits"_a, "start"_array,
+             "target"_array, "most_steps"_a);
+  module.def("bridge_on_time", bridge(&guard::bridge_on_time), "limits"_a, "start"_array,
+             "target"_array, "most_steps"_a);
+  module.def("joined", &guard::joined, "limits"_a, "start"_array, "target"_array, "jerk"_a, "use"_a,
+             Unlocking());
+  module.def("slowed", &slowed, "limits"_a, "path"_array, "most_samples"_a);
+  module.def("stopped", &stopped, "limits"_a, "start"_array, "path"_array);
+  module.def("eased", &eased, "limits"_a, "start"_array, "path"_array, "rate"_a);
 
   py::class_<GuardedScene>(module, "GuardedScene")
       .def(py::init([](const CollisionModel& model, const std::vector<Shape>& obstacles,
@@ -124,11 +119,9 @@ void bind_guard(py::module_& module) {
              return guard::guarded_scene(model, placed_shapes(obstacles), growth, margin,
                                          self_collision_margin);
            }),
-           py::arg("model"), py::arg("obstacles"), py::arg("growth"), py::arg("margin"),
-           py::arg("self_collision_margin"));
-  module.def("first_contact", &first_contact, py::arg("scene"), py::arg("start"),
-             py::arg("samples").noconvert(), py::arg("age"),
-             py::arg("most_work") = guard::kAllWork);
+           "model"_a, "obstacles"_a, "growth"_a, "margin"_a, "self_collision_margin"_a);
+  module.def("first_contact", &first_contact, "scene"_a, "start"_a, "samples"_array, "age"_a,
+             "most_work"_a = guard::kAllWork);
 }
 
 }  // namespace leadthrough

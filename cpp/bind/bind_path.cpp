@@ -16,12 +16,11 @@ namespace {
 // end: the last configuration, the sample, and colliding pairs of bodies with counts; then the
 // closest pair if the path found is not clear between samples.
 py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
-                     const std::vector<Shape>& obstacles, const Eigen::Ref<const Rows3>& positions,
-                     const Eigen::Ref<const Rows4>& orientations, const std::optional<IkAxes>& axes,
-                     const Eigen::Ref<const Rows>& postures,
-                     const std::optional<Eigen::VectorXd>& start, double margin,
-                     double self_collision_margin, const IkTolerance& tolerance,
-                     const Eigen::Ref<const Rows>& tube, int max_attempts) {
+                     const std::vector<Shape>& obstacles, const Rows3Ref& positions,
+                     const Rows4Ref& orientations, const std::optional<IkAxes>& axes,
+                     const RowsRef& postures, const std::optional<Eigen::VectorXd>& start,
+                     double margin, double self_collision_margin, const IkTolerance& tolerance,
+                     const RowsRef& tube, int max_attempts) {
   require(!start || start->size() == chain.joints());
   CollisionModel model;
   if (own_shapes != nullptr)
@@ -29,14 +28,12 @@ py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
   else
     model.chain = chain;
   const PlacedShapes shapes = placed_shapes(obstacles);
-  path::ClearPath found;
-  {
-    const Unlocked unlocked;
+  path::ClearPath found = without_gil([&] {
     std::optional<JointArray> near;
     if (start) std::copy(start->data(), start->data() + start->size(), near.emplace().begin());
-    found = path::find_clear_path(model, shapes, {positions, orientations, axes, tube}, postures,
-                                  near, {margin, self_collision_margin}, tolerance, max_attempts);
-  }
+    return path::find_clear_path(model, shapes, {positions, orientations, axes, tube}, postures,
+                                 near, {margin, self_collision_margin}, tolerance, max_attempts);
+  });
   const CollisionScene scene = whole_arm(model, shapes, margin, self_collision_margin).scene;
   std::vector<std::tuple<std::string, std::string, int>> blocking;
   const auto name = [&](int shape) {
@@ -59,9 +56,9 @@ py::tuple clear_path(const Chain& chain, const CollisionModel* own_shapes,
 }
 
 Rows connect_(const CollisionModel& model, const std::vector<Shape>& obstacles,
-              const Eigen::VectorXd& start, const Eigen::Ref<const Rows>& goals,
-              const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double margin,
-              double self_collision_margin, std::uint64_t seed, long steps) {
+              const Eigen::VectorXd& start, const RowsRef& goals, const Eigen::VectorXd& lower,
+              const Eigen::VectorXd& upper, double margin, double self_collision_margin,
+              std::uint64_t seed, long steps) {
   const Unlocked unlocked;
   const WholeArm arm = whole_arm(without_meeting_pairs(model), placed_shapes(obstacles), margin,
                                  self_collision_margin);
@@ -71,15 +68,12 @@ Rows connect_(const CollisionModel& model, const std::vector<Shape>& obstacles,
 }  // namespace
 
 void bind_path(py::module_& module) {
-  module.def("clear_path", &clear_path, py::arg("chain"), py::arg("model"), py::arg("obstacles"),
-             py::arg("positions").noconvert(), py::arg("orientations").noconvert(), py::arg("axes"),
-             py::arg("postures").noconvert(), py::arg("start"), py::arg("margin"),
-             py::arg("self_collision_margin"), py::arg("tolerance"),
-             py::arg("tube").noconvert() = Rows(0, 6),
-             py::arg("max_attempts") = path::kMaxAttempts);
-  module.def("connect", &connect_, py::arg("model"), py::arg("obstacles"), py::arg("start"),
-             py::arg("goals").noconvert(), py::arg("lower"), py::arg("upper"), py::arg("margin"),
-             py::arg("self_collision_margin"), py::arg("seed"), py::arg("steps"));
+  module.def("clear_path", &clear_path, "chain"_a, "model"_a, "obstacles"_a, "positions"_array,
+             "orientations"_array, "axes"_a, "postures"_array, "start"_a, "margin"_a,
+             "self_collision_margin"_a, "tolerance"_a, "tube"_array = Rows(0, 6),
+             "max_attempts"_a = path::kMaxAttempts);
+  module.def("connect", &connect_, "model"_a, "obstacles"_a, "start"_a, "goals"_array, "lower"_a,
+             "upper"_a, "margin"_a, "self_collision_margin"_a, "seed"_a, "steps"_a);
 }
 
 }  // namespace leadthrough

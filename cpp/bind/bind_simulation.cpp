@@ -25,7 +25,7 @@ using simulation::Drives;
 using simulation::ErrorLoop;
 using simulation::JointLaw;
 using simulation::Moment;
-using Values = py::array_t<double, py::array::c_style>;
+using Values = CArray<double>;
 
 JointLaw make_law(const Dynamics& dynamics, const Eigen::Vector3d& gravity, const VectorXd& rotors,
                   std::pair<double, double> of_motion, const VectorXd& springs,
@@ -100,9 +100,8 @@ Index begin(DrivenArm& arm, const Command& command, double progress, const py::o
 }
 
 // The fields of a record, in their order.
-auto run(DrivenArm& arm, const Eigen::Ref<const Rows>& q, const Eigen::Ref<const Rows>& qd,
-         const Eigen::Ref<const Rows>& qdd, const Eigen::Ref<const VectorXd>& progress,
-         const py::object& law, const std::function<bool()>& step,
+auto run(DrivenArm& arm, const RowsRef& q, const RowsRef& qd, const RowsRef& qdd,
+         const VectorRef& progress, const py::object& law, const std::function<bool()>& step,
          const std::function<void(Index)>& touched, Index periods_after_touch) {
   const Interruptible call{&signal_raises};  // not without the GIL: the physics is called in Python
   auto found = simulation::run(arm.drives, {q, qd, qdd, progress}, law_of(law),
@@ -118,10 +117,8 @@ ErrorLoop make_loop(const Rows& values, double period, int steps, Index late, In
   return {{values.row(0), values.row(1), period, steps, late, every}, values.row(2).transpose()};
 }
 
-Rows advance(ErrorLoop& loop, const Eigen::Ref<const Rows>& ease,
-             const Eigen::Ref<const Rows>& answer, const Eigen::Ref<const Rows>& left,
-             const Eigen::Ref<const Rows>& q, const Eigen::Ref<const Rows>& qd,
-             const Eigen::Ref<const Rows>& qdd) {
+Rows advance(ErrorLoop& loop, const RowsRef& ease, const RowsRef& answer, const RowsRef& left,
+             const RowsRef& q, const RowsRef& qd, const RowsRef& qdd) {
   const Unlocked unlocked;
   return loop.advance({ease, answer, left, q, qd, qdd});
 }
@@ -130,31 +127,26 @@ Rows advance(ErrorLoop& loop, const Eigen::Ref<const Rows>& ease,
 
 void bind_simulation(py::module_& module) {
   py::class_<JointLaw>(module, "JointLaw")
-      .def(py::init(&make_law), py::arg("dynamics"), py::arg("gravity"), py::arg("rotors"),
-           py::arg("of_motion"), py::arg("springs"), py::arg("dampers"), py::arg("model"))
-      .def("torques", &torques, py::arg("target"), py::arg("q"), py::arg("qd"));
+      .def(py::init(&make_law), "dynamics"_a, "gravity"_a, "rotors"_a, "of_motion"_a, "springs"_a,
+           "dampers"_a, "model"_a)
+      .def("torques", &torques, "target"_a, "q"_a, "qd"_a);
   py::class_<DrivenArm>(module, "Drives")
-      .def(py::init(&make_drives), py::arg("values"), py::arg("late"), py::arg("period"),
-           py::arg("steps"), py::arg("fastest"), py::arg("start"), py::arg("joints"),
-           py::arg("state").noconvert())
-      .def("begin", &begin, py::arg("command"), py::arg("progress"), py::arg("law").none(false))
+      .def(py::init(&make_drives), "values"_a, "late"_a, "period"_a, "steps"_a, "fastest"_a,
+           "start"_a, "joints"_a, "state"_array)
+      .def("begin", &begin, "command"_a, "progress"_a, "law"_a.none(false))
       .def(
-          "act", [](DrivenArm& arm, int step) { arm.drives.act(step); }, py::arg("step"))
+          "act", [](DrivenArm& arm, int step) { arm.drives.act(step); }, "step"_a)
       .def("advance", [](DrivenArm& arm) { return arm.drives.advance(); })
       .def("end", [](DrivenArm& arm) { arm.drives.end(); })
-      .def("run", &run, py::arg("q").noconvert(), py::arg("qd").noconvert(),
-           py::arg("qdd").noconvert(), py::arg("progress").noconvert(), py::arg("law").none(false),
-           py::arg("step").none(false), py::arg("touched").none(false),
-           py::arg("periods_after_touch"))
+      .def("run", &run, "q"_array, "qd"_array, "qdd"_array, "progress"_array, "law"_a.none(false),
+           "step"_a.none(false), "touched"_a.none(false), "periods_after_touch"_a)
       .def_property_readonly("torques", [](const DrivenArm& arm) { return arm.drives.torques(); })
       .def_property_readonly("demanded", [](const DrivenArm& arm) { return arm.drives.demanded(); })
       .def_property_readonly("ticks", [](const DrivenArm& arm) { return arm.drives.ticks(); });
   py::class_<ErrorLoop>(module, "ErrorLoop")
-      .def(py::init(&make_loop), py::arg("values"), py::arg("period"), py::arg("steps"),
-           py::arg("late"), py::arg("every"))
-      .def("advance", &advance, py::arg("ease").noconvert(), py::arg("answer").noconvert(),
-           py::arg("left").noconvert(), py::arg("q").noconvert(), py::arg("qd").noconvert(),
-           py::arg("qdd").noconvert())
+      .def(py::init(&make_loop), "values"_a, "period"_a, "steps"_a, "late"_a, "every"_a)
+      .def("advance", &advance, "ease"_array, "answer"_array, "left"_array, "q"_array, "qd"_array,
+           "qdd"_array)
       .def_property_readonly("smooth", [](const ErrorLoop& loop) { return loop.smooth(); })
       .def_property_readonly("dry", [](const ErrorLoop& loop) { return loop.dry(); })
       .def_property_readonly("diverged", [](const ErrorLoop& loop) { return loop.diverged(); });

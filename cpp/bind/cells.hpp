@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 #include "bind/parts.hpp"
@@ -14,22 +13,8 @@
 
 namespace leadthrough {
 
-template <typename T>
-using CArray = pybind11::array_t<T, pybind11::array::c_style>;
-
 // Count of cells whose computation takes longer than releasing and taking the GIL.
 constexpr pybind11::ssize_t kManyCells = 1000;
-
-// Releases the GIL if that pays off.
-class UnlockedIf {
- public:
-  explicit UnlockedIf(bool is_worth_it) {
-    if (is_worth_it) unlocked_.emplace();
-  }
-
- private:
-  std::optional<Unlocked> unlocked_;
-};
 
 // A 2D grid gets a first axis of one cell.
 inline Grid grid_of(const std::vector<Index>& shape, const std::vector<double>& spacing) {

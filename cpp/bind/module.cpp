@@ -46,28 +46,19 @@ PYBIND11_MODULE(_core, module) {
   module.doc() = "Numeric kernels of leadthrough; arguments are checked by the Python layer above.";
   keep_freed_memory();
   pybind11::register_local_exception_translator(&raise_interrupted);
-  leadthrough::bind_alignment(module);
-  leadthrough::bind_chain(module);
-  leadthrough::bind_shapes(module);  // before those that take shapes
-  leadthrough::bind_walls(module);
+  leadthrough::bind_base(module);
+  leadthrough::bind_rotation(module);
+  leadthrough::bind_learn(module);
+  leadthrough::bind_time(module);
+  leadthrough::bind_arm(module);
+  leadthrough::bind_collision(module);  // before those that take shapes
   leadthrough::bind_speeds(module);
-  leadthrough::bind_collision(module);
-  leadthrough::bind_dmp(module);
-  leadthrough::bind_dynamics(module);
   leadthrough::bind_field(module);
-  leadthrough::bind_finite(module);
-  leadthrough::bind_gaussian(module);
   leadthrough::bind_guard(module);
   leadthrough::bind_ik(module);
-  leadthrough::bind_jacobian(module);
-  leadthrough::bind_jerk_filter(module);
-  leadthrough::bind_path(module);
   leadthrough::bind_priority(module);
   leadthrough::bind_simulation(module);
-  leadthrough::bind_so3(module);
-  leadthrough::bind_number_text(module);
-  leadthrough::bind_spline_fit(module);
-  leadthrough::bind_time_law(module);
-  leadthrough::bind_tracking(module);
+  leadthrough::bind_path(module);
+  leadthrough::bind_dmp(module);
   refuse_empty_objects(module);
 }

@@ -31,12 +31,6 @@ Arm::Arm(const std::string& document, const std::string& base, const std::string
 Arm::Arm(const urdf::Robot& robot, const std::string& base, const std::string& tip,
          const std::vector<MeshParts>& meshes)
     : chain_(accepted(make_chain(robot, base, tip))), dynamics_(chain_) {
-  std::size_t asked = 0;
-  for (const urdf::Link& link : robot.links)
-    for (const urdf::Geometry& piece : link.collisions)
-      asked += piece.type == urdf::GeometryType::kMesh ? 1 : 0;
-  if (meshes.size() != asked)
-    throw std::invalid_argument("meshes: expected the parts of each collision mesh");
   model_ = make_collision_model(robot, chain_, base, tip, meshes, {});
   itself_ = itself(model_);
 }
@@ -69,8 +63,7 @@ IkResult Arm::inverse_kinematics(const IkTarget& target, const Joints& q0,
   return solve_ik(chain_, target, q0, options);
 }
 
-Track Arm::follow(const Eigen::Ref<const Rows3>& positions,
-                  const Eigen::Ref<const Rows4>& orientations, const Joints& q0,
+Track Arm::follow(const Rows3Ref& positions, const Rows4Ref& orientations, const Joints& q0,
                   const TrackOptions& options) const {
   const Rows none = Rows::Constant(positions.rows(), chain_.joints(), kInfinity);
   const Eigen::VectorXd shares = Eigen::VectorXd::Zero(positions.rows());

@@ -15,8 +15,8 @@ namespace leadthrough {
 
 class Arm {
  public:
-  using Joints = Eigen::Ref<const Eigen::VectorXd>;
-  using Path = Eigen::Ref<const Rows>;  // one configuration a row
+  using Joints = VectorRef;
+  using Path = RowsRef;  // one configuration a row
 
   // urdf: the document. meshes: the convex parts of the robot's collision meshes, in their order.
   // Throws std::invalid_argument with the element at fault, as in "joint7: ...".
@@ -40,8 +40,7 @@ class Arm {
                               const IkOptions& options = {}) const;
   // One configuration for each pose, without jumps, from q0 on; orientations (w, x, y, z) may have
   // no rows. Fewer rows than poses: the next one was missed.
-  Track follow(const Eigen::Ref<const Rows3>& positions,
-               const Eigen::Ref<const Rows4>& orientations, const Joints& q0,
+  Track follow(const Rows3Ref& positions, const Rows4Ref& orientations, const Joints& q0,
                const TrackOptions& options = {}) const;
 
   // The arm against itself, and against obstacles; between rows the joints move straight.

@@ -19,7 +19,7 @@ struct GuardMargins {
 // stops. For one thread at a time.
 class Guard {
  public:
-  using Joints = Eigen::Ref<const Eigen::VectorXd>;
+  using Joints = VectorRef;
 
   // limits: of the arm's joints, with the period of the commands. obstacles: they stand still.
   // Throws std::invalid_argument for limits that are not known, and so do the members for arguments

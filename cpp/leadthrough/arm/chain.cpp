@@ -216,8 +216,7 @@ std::variant<Chain, urdf::Error> make_chain(const Robot& robot, const std::strin
   return chain;
 }
 
-Chain with_bounds(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& lower,
-                  const Eigen::Ref<const Eigen::VectorXd>& upper) {
+Chain with_bounds(const Chain& chain, const VectorRef& lower, const VectorRef& upper) {
   check_argument(lower.size() == chain.joints() && upper.size() == chain.joints(),
                  "bounds: expected one of each joint");
   check_argument(
@@ -294,19 +293,18 @@ void forward_kinematics(const Chain& chain, const double* q, Kinematics& kinemat
   gather(chain, kinematics.jacobian);
 }
 
-void check_rows(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+void check_rows(const Chain& chain, const RowsRef& q) {
   check_argument(q.cols() == chain.joints(), "rows of configurations: expected one value a joint");
 }
 
-void check_rates(const Chain& chain, const Eigen::Ref<const Rows>& q,
-                 std::initializer_list<Eigen::Ref<const Rows>> rates) {
+void check_rates(const Chain& chain, const RowsRef& q, std::initializer_list<RowsRef> rates) {
   check_rows(chain, q);
   for (const auto& each : rates)
     check_argument(each.rows() == q.rows() && each.cols() == q.cols(),
                    "rates: expected the size of the configurations");
 }
 
-Poses forward_kinematics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+Poses forward_kinematics_batch(const Chain& chain, const RowsRef& q) {
   check_rows(chain, q);
   Poses poses{Rows3(q.rows(), 3), Rows4(q.rows(), 4)};
   for (Eigen::Index i = 0; i < q.rows(); ++i) {

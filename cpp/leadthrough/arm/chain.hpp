@@ -70,8 +70,7 @@ std::variant<std::vector<const urdf::Joint*>, urdf::Error> joints_between(const 
                                                                           const std::string& tip);
 
 // The chain with other limits of position; throws std::invalid_argument where they leave no value.
-Chain with_bounds(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& lower,
-                  const Eigen::Ref<const Eigen::VectorXd>& upper);
+Chain with_bounds(const Chain& chain, const VectorRef& lower, const VectorRef& upper);
 // The chain with another tip, given in the frame of the present one.
 Chain with_tool(const Chain& chain, const Transform& T_tip_tool);
 // The chain that carries a body, given in the frame of its tip.
@@ -104,12 +103,11 @@ struct Poses {
   Rows3 positions;
   Rows4 orientations;
 };
-Poses forward_kinematics_batch(const Chain& chain, const Eigen::Ref<const Rows>& q);
+Poses forward_kinematics_batch(const Chain& chain, const RowsRef& q);
 
 // Refuses configurations in rows that do not have one value a joint.
-void check_rows(const Chain& chain, const Eigen::Ref<const Rows>& q);
+void check_rows(const Chain& chain, const RowsRef& q);
 // The same of configurations with their rates, all of one size.
-void check_rates(const Chain& chain, const Eigen::Ref<const Rows>& q,
-                 std::initializer_list<Eigen::Ref<const Rows>> rates);
+void check_rates(const Chain& chain, const RowsRef& q, std::initializer_list<RowsRef> rates);
 
 }  // namespace leadthrough

@@ -95,8 +95,8 @@ void InverseDynamics::torques(const double* q, const double* qd, const double* q
         chain_.drives[k].multiplier * room.forces(static_cast<unsigned>(k));
 }
 
-Rows Dynamics::torques(const Eigen::Ref<const Rows>& q, const Eigen::Ref<const Rows>& qd,
-                       const Eigen::Ref<const Rows>& qdd, const Eigen::Vector3d& gravity) const {
+Rows Dynamics::torques(const RowsRef& q, const RowsRef& qd, const RowsRef& qdd,
+                       const Eigen::Vector3d& gravity) const {
   check_rates(chain_, q, {qd, qdd});
   InverseDynamics solver(*this, gravity);
   Rows torques(q.rows(), chain_.joints());
@@ -108,7 +108,7 @@ Rows Dynamics::torques(const Eigen::Ref<const Rows>& q, const Eigen::Ref<const R
   return torques;
 }
 
-Rows Dynamics::mass_matrices(const Eigen::Ref<const Rows>& q) const {
+Rows Dynamics::mass_matrices(const RowsRef& q) const {
   check_rows(chain_, q);
   const Eigen::Index n = joints();
   KDL::ChainDynParam solver(*bodies_, KDL::Vector::Zero());

@@ -23,11 +23,11 @@ class Dynamics {
 
   // q, qd, qdd: one configuration a row. gravity: m/s^2, base frame. One row of torques (N m, N)
   // each.
-  Rows torques(const Eigen::Ref<const Rows>& q, const Eigen::Ref<const Rows>& qd,
-               const Eigen::Ref<const Rows>& qdd, const Eigen::Vector3d& gravity) const;
+  Rows torques(const RowsRef& q, const RowsRef& qd, const RowsRef& qdd,
+               const Eigen::Vector3d& gravity) const;
 
   // A row of the result holds a matrix (joints, joints).
-  Rows mass_matrices(const Eigen::Ref<const Rows>& q) const;
+  Rows mass_matrices(const RowsRef& q) const;
 
  private:
   friend class InverseDynamics;

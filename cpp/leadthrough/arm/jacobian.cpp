@@ -112,7 +112,7 @@ void jacobian_second_derivative(const Chain& chain, const double* q, const doubl
   differentiate<true>(chain, q, qd, qdd, derivative);
 }
 
-Rows jacobian_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+Rows jacobian_batch(const Chain& chain, const RowsRef& q) {
   check_rows(chain, q);
   Kinematics kinematics;
   return each_row(chain, q.rows(), [&](Eigen::Index row) -> const JacobianColumns& {
@@ -121,8 +121,7 @@ Rows jacobian_batch(const Chain& chain, const Eigen::Ref<const Rows>& q) {
   });
 }
 
-Rows jacobian_derivative_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
-                               const Eigen::Ref<const Rows>& qd) {
+Rows jacobian_derivative_batch(const Chain& chain, const RowsRef& q, const RowsRef& qd) {
   check_rates(chain, q, {qd});
   JacobianColumns columns;
   return each_row(chain, q.rows(), [&](Eigen::Index row) -> const JacobianColumns& {
@@ -131,9 +130,8 @@ Rows jacobian_derivative_batch(const Chain& chain, const Eigen::Ref<const Rows>&
   });
 }
 
-Rows jacobian_second_derivative_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
-                                      const Eigen::Ref<const Rows>& qd,
-                                      const Eigen::Ref<const Rows>& qdd) {
+Rows jacobian_second_derivative_batch(const Chain& chain, const RowsRef& q, const RowsRef& qd,
+                                      const RowsRef& qdd) {
   check_rates(chain, q, {qd, qdd});
   JacobianColumns columns;
   return each_row(chain, q.rows(), [&](Eigen::Index row) -> const JacobianColumns& {

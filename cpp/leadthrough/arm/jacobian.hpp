@@ -15,11 +15,9 @@ void jacobian_second_derivative(const Chain& chain, const double* q, const doubl
                                 const double* qdd, JacobianColumns& derivative);
 
 // One configuration a row of the arguments; a row of the result holds a matrix (6, joints) by rows.
-Rows jacobian_batch(const Chain& chain, const Eigen::Ref<const Rows>& q);
-Rows jacobian_derivative_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
-                               const Eigen::Ref<const Rows>& qd);
-Rows jacobian_second_derivative_batch(const Chain& chain, const Eigen::Ref<const Rows>& q,
-                                      const Eigen::Ref<const Rows>& qd,
-                                      const Eigen::Ref<const Rows>& qdd);
+Rows jacobian_batch(const Chain& chain, const RowsRef& q);
+Rows jacobian_derivative_batch(const Chain& chain, const RowsRef& q, const RowsRef& qd);
+Rows jacobian_second_derivative_batch(const Chain& chain, const RowsRef& q, const RowsRef& qd,
+                                      const RowsRef& qdd);
 
 }  // namespace leadthrough

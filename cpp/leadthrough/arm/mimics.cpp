@@ -1,10 +1,9 @@
-#include "leadthrough/arm/mimics.hpp"
-
 #include <Eigen/Geometry>
 #include <cmath>
 #include <map>
 
 #include "leadthrough/arm/rigid.hpp"
+#include "leadthrough/arm/urdf_parts.hpp"
 
 namespace leadthrough::urdf {
 

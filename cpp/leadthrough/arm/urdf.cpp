@@ -8,9 +8,7 @@
 #include <exception>
 #include <utility>
 
-#include "leadthrough/arm/mimics.hpp"
-#include "leadthrough/arm/urdf_geometry.hpp"
-#include "leadthrough/arm/urdf_structure.hpp"
+#include "leadthrough/arm/urdf_parts.hpp"
 #include "leadthrough/base/constants.hpp"
 
 namespace leadthrough::urdf {

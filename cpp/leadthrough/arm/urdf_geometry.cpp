@@ -1,5 +1,3 @@
-#include "leadthrough/arm/urdf_geometry.hpp"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -7,6 +5,8 @@
 #include <locale>
 #include <sstream>
 #include <utility>
+
+#include "leadthrough/arm/urdf_parts.hpp"
 
 namespace leadthrough::urdf {
 

@@ -1,17 +1,16 @@
 // The checks of a URDF that must precede urdfdom, which drops the faulty elements or crashes.
 
-#include "leadthrough/arm/urdf_structure.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <locale>
-#include <map>
 #include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "leadthrough/arm/urdf_parts.hpp"
 
 namespace leadthrough::urdf {
 

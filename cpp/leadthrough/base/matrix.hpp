@@ -13,4 +13,10 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 using Rows3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Rows4 = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
 
+// Arguments that are only read, whoever owns their memory.
+using VectorRef = Eigen::Ref<const Eigen::VectorXd>;
+using RowsRef = Eigen::Ref<const Rows>;
+using Rows3Ref = Eigen::Ref<const Rows3>;
+using Rows4Ref = Eigen::Ref<const Rows4>;
+
 }  // namespace leadthrough

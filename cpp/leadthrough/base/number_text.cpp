@@ -89,7 +89,7 @@ class Reader {
 
 }  // namespace
 
-std::string write_records(const Eigen::Ref<const Rows>& values, const RecordLayout& layout) {
+std::string write_records(const RowsRef& values, const RecordLayout& layout) {
   Index width = 0;
   for (const Index count : layout.counts) width += count;
   check_argument(layout.texts.size() == layout.counts.size() + 1 && values.cols() == width,

@@ -21,7 +21,7 @@ struct RecordLayout {
 
 // The rows of `values`, a column a number. Numbers are the shortest that read back to the same
 // bits.
-std::string write_records(const Eigen::Ref<const Rows>& values, const RecordLayout& layout);
+std::string write_records(const RowsRef& values, const RecordLayout& layout);
 
 struct Records {
   std::vector<double> values;  // of all rows, one after the other

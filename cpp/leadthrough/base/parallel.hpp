@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -71,6 +72,16 @@ void for_each_index(std::size_t count, int threads, const Work& work) {
   lock.unlock();
   for (std::thread& helper : helpers) helper.join();
   if (failure) std::rethrow_exception(failure);
+}
+
+// Calls work(first, end) for blocks of `size` rows that a thread takes at a time.
+template <typename Work>
+void for_each_block(std::ptrdiff_t rows, std::ptrdiff_t size, int threads, const Work& work) {
+  for_each_index(static_cast<std::size_t>((rows + size - 1) / size), threads,
+                 [&](std::size_t block) {
+                   const auto first = static_cast<std::ptrdiff_t>(block) * size;
+                   work(first, std::min(first + size, rows));
+                 });
 }
 
 }  // namespace leadthrough

@@ -17,26 +17,17 @@ namespace leadthrough {
 
 namespace {
 
-using collision::Frames;
-
 constexpr Eigen::Index kBlock = 64;  // rows that one thread takes at a time
 
 // A scene at one configuration; made once for many.
 class Placement {
  public:
   explicit Placement(const CollisionScene& scene)
-      : scene_(scene), balls_(scene.pairs.size()), order_(scene.pairs.size()) {
-    for (const BodyShape& shape : scene.shapes) poses_.push_back(shape.T_frame_shape);
-  }
+      : scene_(scene), placed_(scene), balls_(scene.pairs.size()), order_(scene.pairs.size()) {}
 
   void move_to(const double* q) {
-    MovingValues room;
-    collision::joint_frames(scene_.chain, moving_values(scene_.chain, q, room), frames_);
-    collision::place(scene_.shapes, scene_.frames, frames_, poses_);
-    for (std::size_t i = 0; i < balls_.size(); ++i) {
-      const auto [a, b] = scene_.pairs[i];
-      balls_[i] = collision::ball_distance(shape(a), pose(a), shape(b), pose(b));
-    }
+    placed_.move_to(q);
+    for (std::size_t i = 0; i < balls_.size(); ++i) balls_[i] = placed_.ball(i);
   }
 
   // The two nearest bodies. The pair with the nearest balls is tested first, or the one that was
@@ -67,22 +58,20 @@ class Placement {
   // Keeps the nearer of `best` and pair i, and returns the pair's distance, or a value from
   // `cutoff` up to it.
   double measure(std::size_t i, double cutoff, Nearest& best) const {
-    const auto [a, b] = scene_.pairs[i];
-    const Separation found = collision::separation(shape(a), pose(a), shape(b), pose(b), cutoff);
+    const Separation found = placed_.separation(i, cutoff);
     if (found.distance < best.distance)
-      best = {found.distance, shape(a).body, shape(b).body, found.on_a, found.on_b};
+      best = {found.distance, body(scene_.pairs[i].a), body(scene_.pairs[i].b), found.on_a,
+              found.on_b};
     return found.distance;
   }
 
   double ball(std::size_t i) const { return balls_[i]; }
 
  private:
-  const BodyShape& shape(int i) const { return scene_.shapes[static_cast<std::size_t>(i)]; }
-  const Transform& pose(int i) const { return poses_[static_cast<std::size_t>(i)]; }
+  int body(int shape) const { return scene_.shapes[index(shape)].body; }
 
   const CollisionScene& scene_;
-  Frames frames_;
-  std::vector<Transform> poses_;
+  collision::PlacedScene placed_;
   std::vector<double> balls_;
   std::vector<std::size_t> order_;
   std::size_t nearest_ = 0;  // pair at the last configuration
@@ -98,7 +87,7 @@ struct Interval {
 // distances allow before any could fall below a threshold.
 class Motion {
  public:
-  Motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q, const MotionOptions& options)
+  Motion(const CollisionScene& scene, const RowsRef& q, const MotionOptions& options)
       : scene_(scene),
         q_(q),
         options_(options),
@@ -110,7 +99,7 @@ class Motion {
   }
 
   // The largest absolute value of each moving joint.
-  static MovingValues extents(const Chain& chain, const Eigen::Ref<const Rows>& q) {
+  static MovingValues extents(const Chain& chain, const RowsRef& q) {
     MovingValues extent{};
     for (std::size_t k = 0; k < moving_count(chain); ++k) {
       const Drive& drive = chain.drives[k];
@@ -212,21 +201,11 @@ class Motion {
   }
 
   const CollisionScene& scene_;
-  const Eigen::Ref<const Rows>& q_;
+  const RowsRef& q_;
   const MotionOptions& options_;
   std::vector<MovingValues> reach_;
   MovingValues most_reach_{};  // of any pair
 };
-
-// Calls work(first, end) for blocks of rows.
-template <typename Work>
-void for_each_block(Eigen::Index rows, int threads, const Work& work) {
-  const auto blocks = static_cast<std::size_t>((rows + kBlock - 1) / kBlock);
-  for_each_index(blocks, threads, [&](std::size_t block) {
-    const auto first = static_cast<Eigen::Index>(block) * kBlock;
-    work(first, std::min(first + kBlock, rows));
-  });
-}
 
 CollisionScene bodies_of(const CollisionModel& model) {
   CollisionScene scene{model.chain, {}, model.shapes, {}, {}, {}};
@@ -266,11 +245,10 @@ CollisionScene against(const CollisionModel& model, const PlacedShapes& obstacle
   return scene;
 }
 
-std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
-                                   int threads) {
+std::vector<Nearest> nearest_batch(const CollisionScene& scene, const RowsRef& q, int threads) {
   check_rows(scene.chain, q);
   std::vector<Nearest> found(static_cast<std::size_t>(q.rows()));
-  for_each_block(q.rows(), threads, [&](Eigen::Index first, Eigen::Index end) {
+  for_each_block(q.rows(), kBlock, threads, [&](Eigen::Index first, Eigen::Index end) {
     Placement placement(scene);
     for (Eigen::Index i = first; i < end; ++i) {
       check_interrupt();
@@ -281,7 +259,7 @@ std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref
   return found;
 }
 
-MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+MotionReport check_motion(const CollisionScene& scene, const RowsRef& q,
                           const MotionOptions& options) {
   check_argument(q.rows() > 0, "q: expected at least one configuration");
   check_argument(q.allFinite(), "q: expected finite numbers");
@@ -297,7 +275,7 @@ MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Ro
   for (const Nearest& sample : samples) least = std::min(least, sample.distance);
   const Motion motion(scene, q, options);
   std::vector<Interval> intervals(samples.size());  // the last one stays empty
-  for_each_block(q.rows() - 1, options.threads, [&](Eigen::Index first, Eigen::Index end) {
+  for_each_block(q.rows() - 1, kBlock, options.threads, [&](Eigen::Index first, Eigen::Index end) {
     Placement placement(scene);
     std::vector<double> room(scene.pairs.size());
     for (Eigen::Index i = first; i < end; ++i) {
@@ -315,7 +293,7 @@ MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Ro
   return report;
 }
 
-double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q) {
+double longest_step(const CollisionScene& scene, const RowsRef& q) {
   check_rows(scene.chain, q);
   if (q.rows() < 2) return 0.0;
   const MotionOptions options;

@@ -104,8 +104,7 @@ struct Nearest {
 };
 
 // One answer a row of q; the same for any number of threads.
-std::vector<Nearest> nearest_batch(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
-                                   int threads);
+std::vector<Nearest> nearest_batch(const CollisionScene& scene, const RowsRef& q, int threads);
 
 // The closest pair along a motion. sample: index of a row of q plus the fraction of the step to the
 // next.
@@ -132,11 +131,11 @@ struct MotionReport {
 };
 
 // Between rows the joints move straight and in proportion.
-MotionReport check_motion(const CollisionScene& scene, const Eigen::Ref<const Rows>& q,
+MotionReport check_motion(const CollisionScene& scene, const RowsRef& q,
                           const MotionOptions& options = {});
 
 // Upper bound on the displacement of any point of the arm between two rows, m; the work of
 // check_motion grows with its ratio to the tolerance.
-double longest_step(const CollisionScene& scene, const Eigen::Ref<const Rows>& q);
+double longest_step(const CollisionScene& scene, const RowsRef& q);
 
 }  // namespace leadthrough

@@ -38,15 +38,10 @@ class ClearanceTest {
   void near(const double* q, double band, std::vector<NearPair>& found);
 
  private:
-  void move_to(const double* q);
-  double ball(const ShapePair& pair) const;
-  bool apart(std::size_t i, double least);
   NearPair with_gradient(std::size_t i, const Separation& found) const;
 
   const WholeArm& arm_;
-  collision::Frames frames_;
-  std::vector<Transform> poses_;
-  std::vector<Eigen::Vector3d> normals_;  // the last separating direction of each pair
+  collision::PlacedScene placed_;
   std::size_t blocker_ = 0;
 };
 

@@ -105,7 +105,7 @@ Transform seen_from(const Transform& T_base_cloud, const Transform& T_base_body)
 
 }  // namespace
 
-Cloud::Cloud(const Eigen::Ref<const Rows3>& points, double radius)
+Cloud::Cloud(const Rows3Ref& points, double radius)
     : radius_(radius),
       middle_(0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose()) {
   std::vector<int> order(static_cast<std::size_t>(points.rows()));
@@ -115,8 +115,7 @@ Cloud::Cloud(const Eigen::Ref<const Rows3>& points, double radius)
 }
 
 // Halves the points along the longer side of their box until few are left.
-void Cloud::split(int first, int end, std::vector<int>& order,
-                  const Eigen::Ref<const Rows3>& points) {
+void Cloud::split(int first, int end, std::vector<int>& order, const Rows3Ref& points) {
   check_interrupt();
   const auto point = [&](int i) -> Vector3d {
     return points.row(order[static_cast<std::size_t>(i)]).transpose() - middle_;

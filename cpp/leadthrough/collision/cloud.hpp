@@ -16,7 +16,7 @@ class Cloud {
   static constexpr int kMaxPoints = 1 << 24;
 
   // points: at least one, finite, in any frame; radius: m, > 0.
-  Cloud(const Eigen::Ref<const Rows3>& points, double radius);
+  Cloud(const Rows3Ref& points, double radius);
 
   double radius() const { return radius_; }
   // The middle of the box around the points, in their frame; the origin of all other quantities.
@@ -44,7 +44,7 @@ class Cloud {
     int first, count, second;
   };
 
-  void split(int first, int end, std::vector<int>& order, const Eigen::Ref<const Rows3>& points);
+  void split(int first, int end, std::vector<int>& order, const Rows3Ref& points);
   template <typename Probe, typename Visit>
   bool search(const Probe& probe, const double& least, const Visit& visit) const;
   template <typename Probe>

@@ -243,7 +243,7 @@ bool EdgeTest::clear(const double* q, const double* end) { return search_->clear
 
 unsigned EdgeTest::clear_rows(const double* q, int count) { return search_->clear_rows(q, count); }
 
-std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>& q) {
+std::vector<bool> clear_batch(const WholeArm& arm, const RowsRef& q) {
   check_rows(arm.scene.chain, q);
   std::vector<bool> clear;
   if (q.rows() < kWorthBalls) {
@@ -262,22 +262,18 @@ std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>&
   return clear;
 }
 
-std::vector<bool> clear_edges(const WholeArm& arm, const Eigen::Ref<const Rows>& starts,
-                              const Eigen::Ref<const Rows>& ends, int threads) {
-  constexpr Eigen::Index kTogether = 64;  // edges that one thread takes at a time
+std::vector<bool> clear_edges(const WholeArm& arm, const RowsRef& starts, const RowsRef& ends,
+                              int threads) {
+  constexpr Eigen::Index kTogether = 64;  // edges
   check_rows(arm.scene.chain, starts);
   check_rows(arm.scene.chain, ends);
   check_argument(ends.rows() == starts.rows(), "ends: expected one for each start");
-  const Eigen::Index rows = starts.rows();
-  std::vector<std::uint8_t> clear(static_cast<std::size_t>(rows));
-  for_each_index(static_cast<std::size_t>((rows + kTogether - 1) / kTogether), threads,
-                 [&](std::size_t block) {
-                   EdgeTest test(arm);
-                   const auto first = static_cast<Eigen::Index>(block) * kTogether;
-                   for (Eigen::Index i = first; i < std::min(first + kTogether, rows); ++i)
-                     clear[static_cast<std::size_t>(i)] =
-                         test.clear(starts.row(i).data(), ends.row(i).data());
-                 });
+  std::vector<std::uint8_t> clear(index(starts.rows()));
+  for_each_block(starts.rows(), kTogether, threads, [&](Eigen::Index first, Eigen::Index end) {
+    EdgeTest test(arm);
+    for (Eigen::Index i = first; i < end; ++i)
+      clear[index(i)] = test.clear(starts.row(i).data(), ends.row(i).data());
+  });
   return {clear.begin(), clear.end()};
 }
 

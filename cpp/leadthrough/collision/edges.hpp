@@ -33,9 +33,9 @@ class EdgeTest {
 };
 
 // One flag per row of q: true if it is clear.
-std::vector<bool> clear_batch(const WholeArm& arm, const Eigen::Ref<const Rows>& q);
+std::vector<bool> clear_batch(const WholeArm& arm, const RowsRef& q);
 // One flag per edge, from a row of starts to that of ends.
-std::vector<bool> clear_edges(const WholeArm& arm, const Eigen::Ref<const Rows>& starts,
-                              const Eigen::Ref<const Rows>& ends, int threads);
+std::vector<bool> clear_edges(const WholeArm& arm, const RowsRef& starts, const RowsRef& ends,
+                              int threads);
 
 }  // namespace leadthrough

@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "leadthrough/base/argument.hpp"
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/collision/scene.hpp"
 
@@ -205,28 +206,31 @@ struct Contacts {
   int overlapping = 0;
 };
 
-// Poses of the shapes that no joint moves, and the frames of all.
-std::pair<std::vector<Transform>, std::vector<int>> at_rest(const CollisionModel& model) {
-  std::pair<std::vector<Transform>, std::vector<int>> found;
+// Calls visit(sample, poses of the shapes) for so many samples.
+template <typename Visit>
+void at_samples(const CollisionModel& model, int count, const Visit& visit) {
+  std::vector<Transform> poses;
+  std::vector<int> frame_of;
   for (const BodyShape& shape : model.shapes) {
-    found.first.push_back(shape.T_frame_shape);
-    found.second.push_back(model.bodies[index(shape.body)].frame);
+    poses.push_back(shape.T_frame_shape);
+    frame_of.push_back(model.bodies[index(shape.body)].frame);
   }
-  return found;
+  Frames frames;
+  MovingValues room;
+  for (int i = 0; i < count; ++i) {
+    check_interrupt();
+    const JointVector q = sample(model.chain, i);
+    collision::joint_frames(model.chain, moving_values(model.chain, q.data(), room), frames);
+    collision::place(model.shapes, frame_of, frames, poses);
+    visit(i, poses);
+  }
 }
 
 // Marks pairs that touch and never overlap.
 void find_meeting_pairs(CollisionModel& model) {
   constexpr int kFew = 64, kMany = 2000;  // configurations: to find contacts; to exclude overlaps
   std::vector<Contacts> seen(model.pairs.size());
-  auto [poses, frame_of] = at_rest(model);
-  Frames frames;
-  MovingValues room;
-  for (int i = 0; i < kMany; ++i) {
-    check_interrupt();
-    const JointVector q = sample(model.chain, i);
-    collision::joint_frames(model.chain, moving_values(model.chain, q.data(), room), frames);
-    collision::place(model.shapes, frame_of, frames, poses);
+  at_samples(model, kMany, [&](int i, const std::vector<Transform>& poses) {
     for (std::size_t k = 0; k < seen.size(); ++k) {
       if (seen[k].overlapping > 0 || (i >= kFew && seen[k].touching == 0)) continue;
       const auto a = static_cast<std::size_t>(model.pairs[k].a);
@@ -237,7 +241,7 @@ void find_meeting_pairs(CollisionModel& model) {
       if (distance < -kTouching) ++seen[k].overlapping;
       if (std::abs(distance) <= kTouching) ++seen[k].touching;
     }
-  }
+  });
   for (const Contacts& each : seen)
     model.meet.push_back(each.overlapping == 0 && each.touching > 0);
 }
@@ -245,17 +249,10 @@ void find_meeting_pairs(CollisionModel& model) {
 void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
                   const PairOptions& options) {
   std::vector<Candidate> open = candidates(model, neighbour);
-  auto [poses, frame_of] = at_rest(model);
-  Frames frames;
-  MovingValues room;
-  for (int i = 0; i < options.samples; ++i) {
-    check_interrupt();
-    const JointVector q = sample(model.chain, i);
-    collision::joint_frames(model.chain, moving_values(model.chain, q.data(), room), frames);
-    collision::place(model.shapes, frame_of, frames, poses);
+  at_samples(model, options.samples, [&](int, const std::vector<Transform>& poses) {
     for (Candidate& candidate : open)
       if (!candidate.decided()) look(model, poses, options.margin, candidate);
-  }
+  });
   for (const Candidate& candidate : open) {
     if (candidate.decided())
       model.pairs.insert(model.pairs.end(), candidate.pairs.begin(), candidate.pairs.end());
@@ -270,6 +267,12 @@ void choose_pairs(CollisionModel& model, const std::vector<int>& neighbour,
 CollisionModel make_collision_model(const Robot& robot, const Chain& chain, const std::string& base,
                                     const std::string& tip, const std::vector<MeshParts>& meshes,
                                     const PlacedShapes& attached, const PairOptions& options) {
+  std::size_t asked = 0;
+  for (const urdf::Link& link : robot.links)
+    asked += index(std::count_if(
+        link.collisions.begin(), link.collisions.end(),
+        [](const urdf::Geometry& each) { return each.type == urdf::GeometryType::kMesh; }));
+  check_argument(meshes.size() == asked, "meshes: expected the parts of each collision mesh");
   const std::vector<Place> links = places(robot, joints_of_chain(robot, base, tip));
   const auto first = static_cast<std::size_t>(urdf::find_link(robot, base));
   const auto last = static_cast<std::size_t>(urdf::find_link(robot, tip));

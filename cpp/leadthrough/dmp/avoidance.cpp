@@ -240,7 +240,7 @@ bool advance_around(const Forces& forces, const Course& course, const AvoidanceS
 }
 
 Passage rollout_around(const Forces& forces, const Course& course, const AvoidanceScene& scene,
-                       State state, const Eigen::Ref<const Vector>& phases) {
+                       State state, const VectorRef& phases) {
   check_run(forces, course, state, phases);
   check_argument(scene.lower.size() == 0 || scene.lower.size() == state.value.size(),
                  "scene: expected bounds of all channels, or none");

@@ -37,6 +37,6 @@ bool advance_around(const Forces& forces, const Course& course, const AvoidanceS
                     const Vector& push, double span, State& state);
 
 Passage rollout_around(const Forces& forces, const Course& course, const AvoidanceScene& scene,
-                       State state, const Eigen::Ref<const Vector>& phases);
+                       State state, const VectorRef& phases);
 
 }  // namespace leadthrough::dmp

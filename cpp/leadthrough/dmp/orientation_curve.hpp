@@ -58,9 +58,8 @@ so3::Vector3 coordinate_push(const Curve& curve, const Path& offset, double phas
                              const so3::Vector3& value, const so3::Vector3& angular);
 
 // One row a phase, sign-continuous. The last three columns of the values are the coordinates.
-so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
-                                 const Eigen::Ref<const Vector>& phases,
-                                 const Eigen::Ref<const Rows>& values);
+so3::Quaternions orientations_at(const Curve& curve, const Path& offset, const VectorRef& phases,
+                                 const RowsRef& values);
 
 // A motion of poses at increasing phases, from a state at the first of them on, without the rest
 // of a rollout: on long motions allocating it takes longer than computing it.
@@ -69,13 +68,13 @@ struct Poses {
   so3::Quaternions orientations;  // sign-continuous
 };
 Poses poses_along(const Forces& forces, const Course& course, const Curve& curve,
-                  const Path& offset, const State& state, const Eigen::Ref<const Vector>& phases);
+                  const Path& offset, const State& state, const VectorRef& phases);
 
 // The highest speeds of a motion rolled out at evenly spaced phases from 0 to 1, per unit of phase.
 struct Peaks {
   double linear = 0.0, angular = 0.0;
 };
-Peaks peak_speeds(const Curve& curve, const Path& offset, const Eigen::Ref<const Vector>& phases,
+Peaks peak_speeds(const Curve& curve, const Path& offset, const VectorRef& phases,
                   const Rollout& motion);
 
 }  // namespace leadthrough::dmp

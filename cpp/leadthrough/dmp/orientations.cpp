@@ -89,7 +89,7 @@ Quaternions4 offsets_at(const Path& offset, const double* phases) {
 }
 
 Factors factors_of(const Curve& curve, const Path& offset, const double* phases,
-                   const Eigen::Ref<const Rows>& values, Index first) {
+                   const RowsRef& values, Index first) {
   Factors result;
   std::array<double, kLanes> fractions;
   Places controls, coordinates, steps;
@@ -131,7 +131,7 @@ class OrientationWriter {
   OrientationWriter(const Curve& curve, const Path& offset) : curve_(curve), offset_(offset) {}
 
   // At the next phases, one per row of values, into rows from `to` on.
-  void write(const double* phases, const Eigen::Ref<const Rows>& values, double* to) {
+  void write(const double* phases, const RowsRef& values, double* to) {
     const Index count = values.rows();
     // The next product depends on the previous one as computed, not on its sign.
     const auto add = [&](Index n, const Quaternion& q) {
@@ -164,9 +164,8 @@ class OrientationWriter {
 
 }  // namespace
 
-so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
-                                 const Eigen::Ref<const Vector>& phases,
-                                 const Eigen::Ref<const Rows>& values) {
+so3::Quaternions orientations_at(const Curve& curve, const Path& offset, const VectorRef& phases,
+                                 const RowsRef& values) {
   check_argument(values.rows() == phases.size() && values.cols() >= 3,
                  "values: expected a row for each phase, with three coordinates");
   check_argument(is_offset(offset), "offset: expected a path of rotation vectors");
@@ -176,7 +175,7 @@ so3::Quaternions orientations_at(const Curve& curve, const Path& offset,
 }
 
 Poses poses_along(const Forces& forces, const Course& course, const Curve& curve,
-                  const Path& offset, const State& state, const Eigen::Ref<const Vector>& phases) {
+                  const Path& offset, const State& state, const VectorRef& phases) {
   check_argument(state.value.size() == 6 && is_offset(offset), "state, offset: expected poses");
   constexpr Index kRun = 16 * kLanes;  // values that stay in the cache
   Poses result{Rows3(phases.size(), 3), so3::Quaternions(phases.size(), 4)};
@@ -193,7 +192,7 @@ Poses poses_along(const Forces& forces, const Course& course, const Curve& curve
   return result;
 }
 
-Peaks peak_speeds(const Curve& curve, const Path& offset, const Eigen::Ref<const Vector>& phases,
+Peaks peak_speeds(const Curve& curve, const Path& offset, const VectorRef& phases,
                   const Rollout& motion) {
   check_argument(phases.size() > 1 && motion.slopes.rows() == phases.size(),
                  "phases: expected those of the motion, at least two");

@@ -103,8 +103,7 @@ Vector end_of(const Path& path) {
   return result;
 }
 
-Path shifted(Path path, const Eigen::Ref<const Rows>& c, const Eigen::Ref<const Vector>& start,
-             const Eigen::Ref<const Vector>& goal) {
+Path shifted(Path path, const RowsRef& c, const VectorRef& start, const VectorRef& goal) {
   const Eigen::Index channels = path.coefficients.cols();
   check_argument(c.rows() == path.coefficients.rows() && c.cols() == channels,
                  "c: expected the pieces of the path");

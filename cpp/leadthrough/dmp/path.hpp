@@ -42,8 +42,7 @@ Vector end_of(const Path& path);
 
 // A path plus (1 - c) times a shift of its start and c times one of its goal. c is a path with the
 // same breaks, given by its coefficients.
-Path shifted(Path path, const Eigen::Ref<const Rows>& c, const Eigen::Ref<const Vector>& start,
-             const Eigen::Ref<const Vector>& goal);
+Path shifted(Path path, const RowsRef& c, const VectorRef& start, const VectorRef& goal);
 
 // Minimum-jerk addition to a path from a phase on: it begins with a value and a slope, and ends in
 // a constant shift.

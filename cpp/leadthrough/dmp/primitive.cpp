@@ -210,7 +210,7 @@ void acceleration(const Forces& forces, const Course& course, const State& state
 }
 
 void check_run(const Forces& forces, const Course& course, const State& state,
-               const Eigen::Ref<const Vector>& phases) {
+               const VectorRef& phases) {
   const Eigen::Index channels = forces.nodes.cols();
   check_argument(course.reference.coefficients.cols() == channels &&
                      state.value.size() == channels && state.slope.size() == channels,
@@ -219,8 +219,7 @@ void check_run(const Forces& forces, const Course& course, const State& state,
                  "phases: expected 0 to kMaxPhase");
 }
 
-void roll(const Forces& forces, const Course& course, State state,
-          const Eigen::Ref<const Vector>& phases,
+void roll(const Forces& forces, const Course& course, State state, const VectorRef& phases,
           const std::function<void(Eigen::Index, const State&)>& take) {
   check_run(forces, course, state, phases);
   const Vector no_push = Vector::Zero(state.value.size());
@@ -238,8 +237,7 @@ void roll(const Forces& forces, const Course& course, State state,
   });
 }
 
-Rollout rollout(const Forces& forces, const Course& course, State state,
-                const Eigen::Ref<const Vector>& phases) {
+Rollout rollout(const Forces& forces, const Course& course, State state, const VectorRef& phases) {
   const Eigen::Index channels = state.value.size();
   Rollout result{Rows(phases.size(), channels), Rows(phases.size(), channels)};
   roll(forces, course, std::move(state), phases, [&](Eigen::Index n, const State& at) {

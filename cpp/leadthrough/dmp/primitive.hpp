@@ -54,16 +54,14 @@ constexpr double kMaxPhase = 1e12;
 // Throws std::invalid_argument unless all have the same channels and the phases lie between 0 and
 // kMaxPhase; so do the functions below.
 void check_run(const Forces& forces, const Course& course, const State& state,
-               const Eigen::Ref<const Vector>& phases);
+               const VectorRef& phases);
 
 // Calls back with the index of each of increasing phases and the state there, from a state at the
 // first of them on.
-void roll(const Forces& forces, const Course& course, State state,
-          const Eigen::Ref<const Vector>& phases,
+void roll(const Forces& forces, const Course& course, State state, const VectorRef& phases,
           const std::function<void(Eigen::Index, const State&)>& take);
 
 // The motion at increasing phases, from a state at the first of them on.
-Rollout rollout(const Forces& forces, const Course& course, State state,
-                const Eigen::Ref<const Vector>& phases);
+Rollout rollout(const Forces& forces, const Course& course, State state, const VectorRef& phases);
 
 }  // namespace leadthrough::dmp

@@ -319,23 +319,10 @@ Descent descend_in(const Field<Times>& field, const Coordinates& start, const Co
 }  // namespace
 
 const char* name(DescentStatus status) {
-  switch (status) {
-    case DescentStatus::kOk:
-      return "ok";
-    case DescentStatus::kStartOutside:
-      return "start_outside";
-    case DescentStatus::kStartUnreached:
-      return "start_unreached";
-    case DescentStatus::kGoalNotSource:
-      return "goal_not_source";
-    case DescentStatus::kOtherSource:
-      return "other_source";
-    case DescentStatus::kTooManySteps:
-      return "too_many_steps";
-    case DescentStatus::kNotTimes:
-      break;
-  }
-  return "not_times";
+  // In the order of DescentStatus.
+  constexpr std::array names{"ok",           "start_outside",  "start_unreached", "goal_not_source",
+                             "other_source", "too_many_steps", "not_times"};
+  return names[static_cast<std::size_t>(status)];
 }
 
 template <typename Real>

@@ -33,7 +33,7 @@ struct PolicyTables {
 
 class MarchingPolicy {
  public:
-  using PositionIn = Eigen::Ref<const Eigen::VectorXd>;
+  using PositionIn = VectorRef;
   using PositionOut = Eigen::Ref<Eigen::VectorXd>;
 
   // Throws std::invalid_argument for sizes that disagree, and so do the members.

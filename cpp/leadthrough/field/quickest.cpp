@@ -13,7 +13,6 @@
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/field/descent.hpp"
 #include "leadthrough/field/sparse_march.hpp"
-#include "leadthrough/field/waves.hpp"
 
 namespace leadthrough {
 
@@ -62,6 +61,58 @@ struct End {
 double distance(const Point& a, const Point& b) {
   const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
   return std::sqrt(x * x + y * y + z * z);
+}
+
+// Entry through which an outside wave first reaches an endpoint of a path.
+struct PathEnd {
+  std::vector<Source> entries;
+  bool is_outside;  // beyond the blocks; otherwise there is exactly one entry
+};
+
+// Entry through which an outside wave first reaches an endpoint, and its time; empty if
+// unreachable.
+std::optional<Source> first_of(const PathEnd& end, const CellSet& cells,
+                               const std::vector<double>& times) {
+  std::optional<Source> first;
+  for (const Source& entry : end.entries) {
+    const CellSet::Place place = cells.find(entry.cell);
+    if (place == cells.missing() || std::isinf(times[place])) continue;
+    const double time = times[place] + entry.time;
+    if (!first || time < first->time) first = Source{entry.cell, time};
+  }
+  return first;
+}
+
+double arrival_at(const PathEnd& end, const CellSet& blocks, const std::vector<double>& times) {
+  const std::optional<Source> first = first_of(end, blocks, times);
+  return first ? first->time : kInfinite;
+}
+
+// A wave does not include the distance from a block's centre to an end in it.
+double unseen_at(const PathEnd& end, const CellSet& blocks, const double* speed, double reach) {
+  return end.is_outside ? 0.0 : reach / speed[blocks.find(end.entries.front().cell)];
+}
+
+struct Waves {
+  std::vector<double> through;  // least times from end to end through each block of the set
+  double arrival;               // the later one of both waves'; infinite if there is no path
+  bool is_open;                 // a path may exist beyond these blocks
+};
+
+// Waves from both ends of a path through blocks: lower bounds of path times through each block.
+// speed: of each block, above 0 at ends that lie in one. reach: as of `Blocks`.
+Waves waves_between(const CellSet& blocks, const double* speed, const PathEnd& start,
+                    const PathEnd& goal, double reach) {
+  std::vector<double> through = march_second_order(blocks, speed, start.entries);
+  const std::vector<double> from_goal = march_second_order(blocks, speed, goal.entries);
+  // The two waves' times differ by the scheme's error, which is largest at the mouths of tubes.
+  const double arrival =
+      std::max(arrival_at(start, blocks, from_goal), arrival_at(goal, blocks, through));
+  const double unseen =
+      unseen_at(start, blocks, speed, reach) + unseen_at(goal, blocks, speed, reach);
+  std::transform(through.begin(), through.end(), from_goal.begin(), through.begin(),
+                 [&](double there, double back) { return there + back - unseen; });
+  return {std::move(through), arrival, blocks.is_open(from_goal.data())};
 }
 
 // The search for the band that holds the quickest path to a goal in the grid.

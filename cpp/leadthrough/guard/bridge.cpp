@@ -134,10 +134,7 @@ Rows joined(const StepLimits& limits, const RowsRef& start, const RowsRef& targe
     for (Index j = 0; j < limits.joints(); ++j) {
       const AxisLimits left =
           left_of(limits, j, joint_state(from, 0, j), joint_state(to, 0, j), jerk[j], use);
-      const JointState e = joint_state(away, 0, j);
-      const AxisState next =
-          step_axis({e.position, e.velocity, e.acceleration}, 0.0, left, limits.period);
-      put({next.position, next.velocity, next.acceleration}, j, away.row(0));
+      put(step_axis(joint_state(away, 0, j), 0.0, left, limits.period), j, away.row(0));
     }
     rows.row(k++) = now = to + away;
   };

@@ -26,8 +26,6 @@ constexpr long kPlacing = 16;
 // Bisections between two samples before a pair counts as too near.
 constexpr int kMaxHalvings = 14;
 
-std::size_t index(Index i) { return static_cast<std::size_t>(i); }
-
 class Certifier {
  public:
   Certifier(const GuardedScene& scene, const Eigen::VectorXd& start, const RowsRef& samples,
@@ -39,8 +37,7 @@ class Certifier {
         age_(age),
         work_left_(most_work),
         travel_(index(samples.rows()) + 1),
-        normals_(scene_.pairs.size(), Eigen::Vector3d::UnitX()) {
-    for (const BodyShape& shape : scene_.shapes) poses_.push_back(shape.T_frame_shape);
+        placed_(scene_) {
     MovingValues extent{};
     for (std::size_t k = 0; k < moving_count(scene_.chain); ++k) {
       double before = value(0, k);
@@ -82,18 +79,7 @@ class Certifier {
     MovingValues values{};
     for (std::size_t k = 0; k < moving_count(scene_.chain); ++k)
       values[k] = (1.0 - fraction) * value(i, k) + fraction * value(i + 1, k);
-    collision::joint_frames(scene_.chain, values.data(), frames_);
-    collision::place(scene_.shapes, scene_.frames, frames_, poses_);
-  }
-
-  bool apart(std::size_t p, double least) {
-    const ShapePair& pair = scene_.pairs[p];
-    const BodyShape& a = scene_.shapes[index(pair.a)];
-    const BodyShape& b = scene_.shapes[index(pair.b)];
-    const Transform& A = poses_[index(pair.a)];
-    const Transform& B = poses_[index(pair.b)];
-    return collision::ball_distance(a, A, b, B) >= least ||
-           collision::apart(a, A, b, B, least, normals_[p]);
+    placed_.place_at(values.data());
   }
 
   // Adds those of the pairs in open_[first, end) that are not certified while the joints change by
@@ -105,7 +91,7 @@ class Certifier {
       const std::size_t p = open_[i];
       const double motion = collision::pair_motion(scene_, reach_, scene_.pairs[p], change);
       const double least = margin(p, late);
-      if (apart(p, least - kTouching + motion)) continue;
+      if (placed_.apart(p, least - kTouching + motion)) continue;
       open_.push_back(p);
       fine_ = fine_ && least - margin(p, at) + motion > kTolerance;
     }
@@ -136,7 +122,7 @@ class Certifier {
     const double at = static_cast<double>(low) + middle;
     move_to(at);
     for (std::size_t i = first; i < end; ++i)
-      if (!apart(open_[i], margin(open_[i], at) - kTouching)) return touch(at, open_[i]);
+      if (!placed_.apart(open_[i], margin(open_[i], at) - kTouching)) return touch(at, open_[i]);
     MovingValues change{};
     for (std::size_t k = 0; k < moving_count(scene_.chain); ++k)
       change[k] = (to - middle) * (travel_[index(low) + 1][k] - travel_[index(low)][k]);
@@ -171,9 +157,7 @@ class Certifier {
   long work_left_;
   std::vector<MovingValues> travel_;  // total variation of each moving joint after each sample
   std::vector<MovingValues> reach_;
-  std::vector<Eigen::Vector3d> normals_;
-  std::vector<Transform> poses_;
-  collision::Frames frames_;
+  collision::PlacedScene placed_;
   std::vector<std::size_t> open_;  // a stack of pairs that are not certified yet
   std::optional<Contact> contact_;
   bool fine_ = true;  // all pairs left open move by more than the tolerance

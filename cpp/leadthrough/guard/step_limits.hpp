@@ -11,8 +11,6 @@
 
 namespace leadthrough::guard {
 
-using RowsRef = Eigen::Ref<const Rows>;
-
 // One value a joint, finite and above zero but for the positions; rad or m, and s.
 struct StepLimits {
   Eigen::VectorXd lower, upper;

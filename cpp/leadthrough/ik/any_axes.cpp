@@ -18,7 +18,7 @@ void evaluate(const Chain& chain, const IkTarget& target, const std::optional<Ik
 }
 
 bool settle(const Chain& chain, const IkTarget& target, const std::optional<IkAxes>& axes,
-            const DescentBounds& bounds, const IkTolerance& tolerance, int max_iterations,
+            const JointBox& bounds, const IkTolerance& tolerance, int max_iterations,
             JointArray& q) {
   return visit_target(target, axes, [&](auto dimension, const auto& seen) {
     constexpr int M = decltype(dimension)::value;

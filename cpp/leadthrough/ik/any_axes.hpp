@@ -22,7 +22,7 @@ void evaluate(const Chain& chain, const IkTarget& target, const std::optional<Ik
 
 // Moves q onto the target inside the bounds; false if it cannot be met to the tolerance.
 bool settle(const Chain& chain, const IkTarget& target, const std::optional<IkAxes>& axes,
-            const DescentBounds& bounds, const IkTolerance& tolerance, int max_iterations,
+            const JointBox& bounds, const IkTolerance& tolerance, int max_iterations,
             JointArray& q);
 
 }  // namespace leadthrough

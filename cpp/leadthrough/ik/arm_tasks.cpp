@@ -36,10 +36,12 @@ class Scene {
     workspace.owner.clear();
   }
 
-  void add(int index) {
-    index_ = index;
-    task_ = &stack_.tasks[static_cast<std::size_t>(index)];
-    std::visit([this](const auto& goal) { fill(goal); }, task_->goal);
+  void add_tasks() {
+    for (const ArmTask& task : stack_.tasks) {
+      task_ = &task;
+      std::visit([this](const auto& goal) { fill(goal); }, task.goal);
+      ++index_;
+    }
   }
 
   // Brings the joints to rest in the null space of all tasks.
@@ -236,10 +238,9 @@ void judge(const StackWorkspace& workspace, StackMotion& answer) {
   }
 }
 
-StackMotion solve(const TaskStack& stack, Scene& scene, const MotionBox& box,
-                  StackWorkspace& workspace) {
-  for (std::size_t i = 0; i < stack.tasks.size(); ++i) scene.add(static_cast<int>(i));
-  StackMotion answer{resolve(workspace.levels, box, stack.scheme), scene.reports};
+StackMotion solve(const TaskStack& stack, const Scene& scene, const MotionBox& box,
+                  double quickness, StackWorkspace& workspace) {
+  StackMotion answer{resolve(workspace.levels, box, stack.scheme, quickness), scene.reports};
   judge(workspace, answer);
   return answer;
 }
@@ -248,7 +249,8 @@ StackMotion velocity_in(const TaskStack& stack, const double* q, const MotionBox
                         double lead, StackWorkspace& workspace) {
   const JointVector still = JointVector::Zero(stack.chain.joints());
   Scene scene(stack, q, still.data(), 1, dt, lead, workspace);
-  return solve(stack, scene, box, workspace);
+  scene.add_tasks();
+  return solve(stack, scene, box, kVelocityQuickness, workspace);
 }
 
 void check_state(const TaskStack& stack, JointsIn q, JointsIn qd, double dt) {
@@ -305,12 +307,9 @@ StackMotion stack_acceleration(const TaskStack& stack, JointsIn q, JointsIn qd, 
   check_state(stack, q, qd, dt);
   const MotionBox box = acceleration_box(stack.limits, q.data(), qd.data(), dt);
   Scene scene(stack, q.data(), qd.data(), 2, dt, 0.0, workspace);
-  for (std::size_t i = 0; i < stack.tasks.size(); ++i) scene.add(static_cast<int>(i));
+  scene.add_tasks();
   scene.add_rest(std::min(stack.rest_damping, 1.0 / dt));
-  StackMotion answer{resolve(workspace.levels, box, stack.scheme, kAccelerationQuickness),
-                     scene.reports};
-  judge(workspace, answer);
-  return answer;
+  return solve(stack, scene, box, kAccelerationQuickness, workspace);
 }
 
 StackStep stack_step(const TaskStack& stack, JointsIn q, JointsIn qd, double dt,

@@ -93,7 +93,7 @@ struct StackWorkspace {
   std::vector<int> owner;  // of a level, the task
 };
 
-using JointsIn = const Eigen::Ref<const Eigen::VectorXd>&;
+using JointsIn = const VectorRef&;
 
 // These throw std::invalid_argument unless q and qd (joints,) fit the stack and dt is positive.
 // Velocities for the next interval dt; qd may be empty (see velocity_box).

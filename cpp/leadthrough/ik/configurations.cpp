@@ -98,12 +98,7 @@ class Enumeration {
     const auto place = std::find_if(found.begin(), found.end(), [&](const IkResult& other) {
       return (other.q - reference_).squaredNorm() > distance;
     });
-    IkResult result;
-    result.q = values;
-    result.status = IkStatus::kConverged;
-    result.position_error = task.position_error;
-    result.orientation_error = task.orientation_error;
-    found.insert(place, std::move(result));
+    found.insert(place, result_at(q, chain_.joints(), task, IkStatus::kConverged, 0));
   }
 
   Candidates with_free(int free, const Free& values) const {
@@ -223,7 +218,7 @@ class Enumeration {
   const IkTarget& target_;
   const JointVector& reference_;
   IkTolerance tolerance_;
-  DescentBounds open_{};
+  JointBox open_{};
   Configurations result_;
   bool missed_ = false;  // a candidate came to rest away from the target, or on another one
 };

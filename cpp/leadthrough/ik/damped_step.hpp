@@ -84,13 +84,13 @@ template <int M>
 class BoxedStep {
  public:
   BoxedStep(const Task<M>& task, int joints, double damping, const JointArray& rest,
-            const JointArray& lower, const JointArray& upper)
+            const JointBox& box)
       : task_(task),
         joints_(joints),
         damping_(damping),
         rest_(rest),
-        lower_(lower),
-        upper_(upper) {}
+        lower_(box.lower),
+        upper_(box.upper) {}
 
   JointArray solve() {
     const int passes = 3 * joints_;  // an active set may cycle on ties
@@ -166,8 +166,8 @@ class BoxedStep {
 
 template <int M>
 JointArray boxed_step(const Task<M>& task, int joints, double damping, const JointArray& rest,
-                      const JointArray& lower, const JointArray& upper) {
-  return BoxedStep<M>(task, joints, damping, rest, lower, upper).solve();
+                      const JointBox& box) {
+  return BoxedStep<M>(task, joints, damping, rest, box).solve();
 }
 
 }  // namespace leadthrough

@@ -32,9 +32,9 @@ class Stepper {
     const TaskVector<M> error = task_.error;
     const double damping = kErrorDamping * error.squaredNorm() + kDampingFloor;
     task_.error = share_of_error(damping) * error + solver_.dt * weighted(twist);
-    const Sides calm = sides(nullptr), sudden = sides(qd_.data());
-    const JointArray step = towards(
-        boxed_step(task_, joints(), damping, self_motion(), calm.lower, calm.upper), sudden);
+    const JointBox calm = sides(nullptr), sudden = sides(qd_.data());
+    const JointArray step =
+        towards(boxed_step(task_, joints(), damping, self_motion(), calm), sudden);
     const JointArray total = straightened(step, error, sudden);
 
     answer.q.resize(joints());
@@ -50,13 +50,9 @@ class Stepper {
 
  private:
   // The bounds of a step.
-  struct Sides {
-    JointArray lower{}, upper{};
-  };
-
-  Sides sides(const double* qd) const {
+  JointBox sides(const double* qd) const {
     const MotionBox box = velocity_box(solver_.limits, q_.data(), qd, solver_.dt);
-    Sides found;
+    JointBox found;
     for (std::size_t i = 0; i < n_; ++i) {
       found.lower[i] = solver_.dt * box.lower[static_cast<Eigen::Index>(i)];
       found.upper[i] = solver_.dt * box.upper[static_cast<Eigen::Index>(i)];
@@ -66,7 +62,7 @@ class Stepper {
 
   // As near to `wanted` as the accelerations allow on the line from the last step: least squares
   // inside their narrow box would play the joints against each other and oscillate.
-  JointArray towards(const JointArray& wanted, const Sides& sudden) const {
+  JointArray towards(const JointArray& wanted, const JointBox& sudden) const {
     JointArray change{}, step{};
     for (std::size_t i = 0; i < n_; ++i) change[i] = wanted[i] - solver_.dt * qd_[i];
     const double part = proportion(change, 1.0);
@@ -79,11 +75,10 @@ class Stepper {
   // Fraction of the error for a step: every joint stays at a speed from which it can brake before
   // the target, and all slow down together, so that the tool stays on its course.
   double share_of_error(double damping) const {
-    JointArray free{};
-    free.fill(kInfinity);
-    JointArray minus_free = free;
-    for (double& side : minus_free) side = -side;
-    const JointArray full = boxed_step(task_, joints(), damping, {}, minus_free, free);
+    JointBox open;
+    open.lower.fill(-kInfinity);
+    open.upper.fill(kInfinity);
+    const JointArray full = boxed_step(task_, joints(), damping, {}, open);
     double rate = std::min(solver_.gain, 1.0 / solver_.dt);
     for (std::size_t i = 0; i < n_; ++i) {
       const double distance = std::abs(full[i]);
@@ -146,14 +141,12 @@ class Stepper {
 
   // The step corrected for the curvature of the kinematics: it removes the difference between the
   // reached pose and the pose predicted by the Jacobian.
-  JointArray straightened(const JointArray& step, const TaskVector<M>& error, const Sides& box) {
+  JointArray straightened(const JointArray& step, const TaskVector<M>& error, const JointBox& box) {
     TaskVector<M> predicted_error = TaskVector<M>::Zero();
-    JointArray moved = q_, lower{}, upper{};
+    JointArray moved = q_;
     for (std::size_t i = 0; i < n_; ++i) {
       moved[i] += step[i];
       predicted_error += step[i] * task_.columns[i];
-      lower[i] = box.lower[i] - step[i];
-      upper[i] = box.upper[i] - step[i];
     }
     IkTarget predicted = target_;
     predicted.position += predicted_error.template head<3>() - error.template head<3>();
@@ -164,10 +157,8 @@ class Stepper {
           so3::to_matrix(so3::compose(so3::exp(rotation), so3::exp(back))) * *target_.rotation;
     }
     evaluate(solver_.chain, predicted, moved.data(), task_);
-    JointArray total = boxed_step(task_, joints(), kDampingFloor, {}, lower, upper);
-    for (std::size_t i = 0; i < n_; ++i)
-      total[i] = std::clamp(total[i] + step[i], box.lower[i], box.upper[i]);
-    return total;
+    const JointBox left = changes_into(box, step, joints());
+    return moved_in(box, step, boxed_step(task_, joints(), kDampingFloor, {}, left), joints());
   }
 
   int joints() const { return static_cast<int>(n_); }
@@ -195,8 +186,7 @@ void check_sizes(const DifferentialIk& solver) {
 }
 
 DifferentialStep differential_step(const DifferentialIk& solver, const IkTarget& target,
-                                   const Vector6& twist, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                   const Eigen::Ref<const Eigen::VectorXd>& qd) {
+                                   const Vector6& twist, const VectorRef& q, const VectorRef& qd) {
   const int joints = solver.chain.joints();
   check_argument(q.size() == joints && is_usable(q), "q: one finite number a joint");
   check_argument(qd.size() == joints && is_usable(qd), "qd: one finite number a joint");

@@ -38,7 +38,6 @@ constexpr double kMaxStepInput = 1e6;
 // limits never leaves them. Throws std::invalid_argument for other sizes and numbers that are not
 // finite. Does not allocate.
 DifferentialStep differential_step(const DifferentialIk& solver, const IkTarget& target,
-                                   const Vector6& twist, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                   const Eigen::Ref<const Eigen::VectorXd>& qd);
+                                   const Vector6& twist, const VectorRef& q, const VectorRef& qd);
 
 }  // namespace leadthrough

@@ -9,10 +9,6 @@
 
 namespace leadthrough {
 
-struct DescentBounds {
-  JointArray lower, upper;
-};
-
 struct DescentEnd {
   IkStatus status = IkStatus::kBudget;
   double position_error = 0.0;
@@ -24,8 +20,7 @@ template <int M, typename Target = IkTarget>
 class PoseDescent {
  public:
   // `q` must lie inside the bounds. All arguments must outlive the descent.
-  PoseDescent(const Chain& chain, const Target& target, const DescentBounds& bounds,
-              const JointArray& q)
+  PoseDescent(const Chain& chain, const Target& target, const JointBox& bounds, const JointArray& q)
       : chain_(chain), target_(target), bounds_(bounds), q_(q) {
     evaluate(chain_, target_, q_.data(), *now_);
   }
@@ -75,15 +70,9 @@ class PoseDescent {
 
   void propose(const JointArray& rest, double caution) {
     const int n = chain_.joints();
-    JointArray lower{}, upper{};
-    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-      lower[i] = bounds_.lower[i] - q_[i];
-      upper[i] = bounds_.upper[i] - q_[i];
-    }
     const double damping = caution * (kErrorDamping * now_->squared() + kDampingFloor);
-    const JointArray step = boxed_step(*now_, n, damping, rest, lower, upper);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
-      moved_[i] = std::clamp(q_[i] + step[i], bounds_.lower[i], bounds_.upper[i]);
+    const JointArray step = boxed_step(*now_, n, damping, rest, changes_into(bounds_, q_, n));
+    moved_ = moved_in(bounds_, q_, step, n);
     evaluate(chain_, target_, moved_.data(), *next_);
     ++iterations_;
   }
@@ -95,7 +84,7 @@ class PoseDescent {
 
   const Chain& chain_;
   const Target& target_;
-  const DescentBounds& bounds_;
+  const JointBox& bounds_;
   JointArray q_;
   JointArray moved_{};
   std::array<Task<M>, 2> tasks_;

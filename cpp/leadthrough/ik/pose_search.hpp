@@ -30,6 +30,8 @@ class PoseSearch {
         options_(options),
         random_(options.seed, stream),
         n_(chain.joints()),
+        limits_(position_limits(chain)),
+        open_limits_(limits_),
         beyond_(distance_from(chain.fixed[0].position, target) >
                 reach(chain) + (std::isfinite(options.tolerance.position)
                                     ? options.tolerance.position
@@ -39,10 +41,9 @@ class PoseSearch {
     for (int i = 0; i < n_; ++i) {
       const auto k = static_cast<std::size_t>(i);
       wraps_[k] = wraps(chain, i);
-      limits_.lower[k] = chain.lower[i];
-      limits_.upper[k] = chain.upper[i];
-      open_limits_.lower[k] = wraps_[k] ? -kInfinity : limits_.lower[k];
-      open_limits_.upper[k] = wraps_[k] ? kInfinity : limits_.upper[k];
+      if (!wraps_[k]) continue;
+      open_limits_.lower[k] = -kInfinity;
+      open_limits_.upper[k] = kInfinity;
     }
     if (std::isfinite(options.max_cpu_seconds))
       cpu_end_ = thread_seconds() + options.max_cpu_seconds;
@@ -99,16 +100,7 @@ class PoseSearch {
     task_ = motion.task();
   }
 
-  IkResult result(IkStatus status) const {
-    IkResult result;
-    result.q.resize(n_);
-    std::copy(q_.begin(), q_.begin() + n_, result.q.data());
-    result.status = status;
-    result.position_error = task_.position_error;
-    result.orientation_error = task_.orientation_error;
-    result.iterations = iterations_;
-    return result;
-  }
+  IkResult result(IkStatus status) const { return result_at(q_, n_, task_, status, iterations_); }
 
  private:
   // Steps until the target is met or two net steps gained less than 30 %.
@@ -116,19 +108,14 @@ class PoseSearch {
     constexpr double kGoodStep = 0.7;
     constexpr int kPatience = 2;
     evaluate(chain_, target_, q_.data(), task_);
-    const JointArray zero{};
-    JointArray lower{}, upper{};
     int idle = 0;
     double attempt_least = task_.squared();
     while (!task_.within(options_.tolerance)) {
       check_interrupt();
       // Measured against the least error so far: a cycle makes no progress.
       if (idle >= kPatience || out_of_budget()) return false;
-      for (std::size_t i = 0; i < count(); ++i) {
-        lower[i] = open_limits_.lower[i] - q_[i];
-        upper[i] = open_limits_.upper[i] - q_[i];
-      }
-      move(boxed_step(task_, n_, kErrorDamping * task_.squared(), zero, lower, upper));
+      move(boxed_step(task_, n_, kErrorDamping * task_.squared(), {},
+                      changes_into(open_limits_, q_, n_)));
       evaluate(chain_, target_, q_.data(), task_);
       ++iterations_;
       idle = task_.squared() > kGoodStep * attempt_least ? idle + 1 : std::max(idle - 1, 0);
@@ -173,9 +160,9 @@ class PoseSearch {
   const IkOptions& options_;
   RandomStream random_;
   int n_;
+  JointBox limits_, open_limits_;  // of joints that wrap the latter are infinite
   bool beyond_;
   std::array<bool, kMaxJoints> wraps_{};
-  DescentBounds limits_{}, open_limits_{};  // of joints that wrap the latter are infinite
   JointArray q_{}, best_{};
   Task<M> task_;
   double least_ = kInfinity;

@@ -14,7 +14,7 @@ constexpr double kFloor = 1e-8;
 
 // Around interval k, from sample k - 1 to sample k. The arm rests before the first sample and after
 // the last, for as long as the neighbouring interval takes.
-Interval interval_before(const Eigen::Ref<const Eigen::VectorXd>& times, Eigen::Index k) {
+Interval interval_before(const VectorRef& times, Eigen::Index k) {
   const Eigen::Index last = times.size() - 1;
   const double duration = times[k] - times[k - 1];
   const double before = k > 1 ? times[k - 1] - times[k - 2] : duration;
@@ -45,7 +45,7 @@ class Pursuit {
 
   void advance(const IkTarget& target, const Interval& interval, const JointArray& posture,
                double share) {
-    const DescentBounds bounds = box(interval);
+    const JointBox bounds = box(interval);
     const JointArray pull = gentle_pull(posture, share, interval.duration);
     move(catching_up(target, interval.duration), bounds, pull);
     for (std::size_t i = 0; i < count(); ++i) {
@@ -62,8 +62,8 @@ class Pursuit {
   static constexpr double kPartOfBraking = 0.5;
 
   // The changes of the joints that their limits allow.
-  DescentBounds box(const Interval& interval) const {
-    DescentBounds bounds{};
+  JointBox box(const Interval& interval) const {
+    JointBox bounds{};
     for (std::size_t i = 0; i < count(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
       const JointRates limits{options_.velocity[k], options_.acceleration[k]};
@@ -124,7 +124,7 @@ class Pursuit {
   }
 
   // Gauss-Newton steps inside the bounds while they gain.
-  void move(const IkTarget& target, const DescentBounds& bounds, const JointArray& pull) {
+  void move(const IkTarget& target, const JointBox& bounds, const JointArray& pull) {
     constexpr int kIterations = 8;
     constexpr double kEnough = 1e-9;  // rad or m of a joint
     const double damping = kFloor + options_.damping;
@@ -133,17 +133,17 @@ class Pursuit {
     JointArray rest = pull;
     for (int iteration = 0; iteration < kIterations; ++iteration) {
       evaluate_moved(target);
-      JointArray lower{}, upper{};
+      JointBox room;
       for (std::size_t i = 0; i < count(); ++i) {
         task_.columns[i] *= scale_[i];
-        lower[i] = (bounds.lower[i] - step_[i]) / scale_[i];
-        upper[i] = (bounds.upper[i] - step_[i]) / scale_[i];
+        room.lower[i] = (bounds.lower[i] - step_[i]) / scale_[i];
+        room.upper[i] = (bounds.upper[i] - step_[i]) / scale_[i];
         if (iteration == 0)
           rest[i] = (pull[i] - step_[i]) / scale_[i];
         else
           rest[i] = options_.damping / damping * (pull[i] - step_[i]) / scale_[i];
       }
-      const JointArray change = boxed_step(task_, chain_.joints(), damping, rest, lower, upper);
+      const JointArray change = boxed_step(task_, chain_.joints(), damping, rest, room);
       double largest = 0.0;
       for (std::size_t i = 0; i < count(); ++i) {
         step_[i] = std::clamp(step_[i] + scale_[i] * change[i], bounds.lower[i], bounds.upper[i]);
@@ -171,10 +171,7 @@ class Pursuit {
 };
 
 IkTarget target_at(const TimedPath& path, Eigen::Index k) {
-  IkTarget target{path.positions.row(k), std::nullopt};
-  if (path.orientations.rows() > 0)
-    target.rotation = so3::to_matrix(Eigen::Vector4d(path.orientations.row(k)));
-  return target;
+  return target_in_row(path.positions, path.orientations, k);
 }
 
 template <int M>
@@ -197,8 +194,7 @@ void pursue_path(const Chain& chain, const TimedPath& path, const JointArray& st
 
 }  // namespace
 
-Track pursue(const Chain& chain, const TimedPath& path,
-             const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
+Track pursue(const Chain& chain, const TimedPath& path, const VectorRef& start, const Pull& pull,
              const PursuitOptions& options) {
   const Eigen::Index samples = path.positions.rows();
   check_path(samples, path.orientations, pull, chain);

@@ -34,7 +34,7 @@ template <int M, typename Target>
 class SelfMotion {
  public:
   // `q` must lie inside the bounds. All arguments must outlive the motion.
-  SelfMotion(const Chain& chain, const Target& target, const DescentBounds& bounds,
+  SelfMotion(const Chain& chain, const Target& target, const JointBox& bounds,
              const IkTolerance& tolerance, const JointArray& q)
       : chain_(chain),
         target_(target),
@@ -104,18 +104,12 @@ class SelfMotion {
     // Regular when joints are held; otherwise its remainder of the pull moves the tool by less than
     // rounding would.
     constexpr double kUndamped = 1e-12;  // m^2
-    const auto n = static_cast<std::size_t>(joints());
-    JointArray pull{}, lower{}, upper{};
-    for (std::size_t i = 0; i < n; ++i) {
+    const int n = joints();
+    JointArray pull{};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
       if (goal.pulled[i]) pull[i] = share * (goal.q[i] - q_[i]);
-      lower[i] = bounds_.lower[i] - q_[i];
-      upper[i] = bounds_.upper[i] - q_[i];
-    }
-    const JointArray step = boxed_step(task_, joints(), kUndamped, pull, lower, upper);
-    JointArray trial = q_;
-    for (std::size_t i = 0; i < n; ++i)
-      trial[i] = std::clamp(q_[i] + step[i], bounds_.lower[i], bounds_.upper[i]);
-    return trial;
+    return moved_in(bounds_, q_,
+                    boxed_step(task_, n, kUndamped, pull, changes_into(bounds_, q_, n)), n);
   }
 
   double distance_to(const SelfMotionGoal& goal, const JointArray& q) const {
@@ -127,7 +121,7 @@ class SelfMotion {
 
   const Chain& chain_;
   const Target& target_;
-  const DescentBounds& bounds_;
+  const JointBox& bounds_;
   IkTolerance tolerance_;
   JointArray q_;
   Task<M> task_;  // at q_

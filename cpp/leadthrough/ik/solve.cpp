@@ -104,7 +104,7 @@ void check_options(const Chain& chain, const IkOptions& options, bool rotations)
                  "axes: expected at least one that is not free");
 }
 
-JointVector project(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q) {
+JointVector project(const Chain& chain, const VectorRef& q) {
   check_argument(q.size() == chain.joints(), "q: expected one value a joint");
   JointVector inside(chain.joints());
   for (int i = 0; i < chain.joints(); ++i)
@@ -122,9 +122,8 @@ JointVector middle(const Chain& chain) {
   return centre;
 }
 
-IkResult solve_ik(const Chain& chain, const IkTarget& target,
-                  const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
-                  std::uint64_t stream, const ClosedForm* form) {
+IkResult solve_ik(const Chain& chain, const IkTarget& target, const VectorRef& q0,
+                  const IkOptions& options, std::uint64_t stream, const ClosedForm* form) {
   check_options(chain, options, target.rotation.has_value());
   const JointVector start = project(chain, q0);
   const bool closest = options.mode == IkMode::kClosest;
@@ -149,10 +148,10 @@ IkResult solve_ik(const Chain& chain, const IkTarget& target,
   return all.found.empty() ? result : nearer(all.found.front(), result, reference);
 }
 
-std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-                                     const Eigen::Ref<const Rows4>& orientations,
-                                     const Eigen::Ref<const Rows>& starts, const IkOptions& options,
-                                     int threads, const ClosedForm* form) {
+std::vector<IkResult> solve_ik_batch(const Chain& chain, const Rows3Ref& positions,
+                                     const Rows4Ref& orientations, const RowsRef& starts,
+                                     const IkOptions& options, int threads,
+                                     const ClosedForm* form) {
   check_argument(orientations.rows() == positions.rows() || orientations.rows() == 0,
                  "orientations: expected a row for each position, or none");
   check_argument(starts.rows() == positions.rows() && starts.cols() == chain.joints(),

@@ -81,16 +81,16 @@ struct ClosedForm;
 // A start q0 outside the limits is moved to the nearest configuration inside. `stream` selects an
 // independent sequence of restarts. `form`, of this chain or null, finds the closest configuration
 // and says why there is none.
-IkResult solve_ik(const Chain& chain, const IkTarget& target,
-                  const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options = {},
-                  std::uint64_t stream = 0, const ClosedForm* form = nullptr);
+IkResult solve_ik(const Chain& chain, const IkTarget& target, const VectorRef& q0,
+                  const IkOptions& options = {}, std::uint64_t stream = 0,
+                  const ClosedForm* form = nullptr);
 
 // One target a row; orientations (w, x, y, z) may have no rows. The results do not depend on the
 // number of threads.
-std::vector<IkResult> solve_ik_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-                                     const Eigen::Ref<const Rows4>& orientations,
-                                     const Eigen::Ref<const Rows>& starts, const IkOptions& options,
-                                     int threads, const ClosedForm* form = nullptr);
+std::vector<IkResult> solve_ik_batch(const Chain& chain, const Rows3Ref& positions,
+                                     const Rows4Ref& orientations, const RowsRef& starts,
+                                     const IkOptions& options, int threads,
+                                     const ClosedForm* form = nullptr);
 
 struct IkSolutions {
   std::vector<IkResult> found;             // nearest to the reference first
@@ -105,15 +105,15 @@ struct IkSolutions {
 // first moved in the null space as near to the reference as the task allows. With a closed form of
 // six joints for a whole pose they are all there; otherwise a search continues until its budget is
 // used up, and may find no solution.
-IkSolutions solve_ik_all(const Chain& chain, const IkTarget& target,
-                         const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
-                         int count, double separation, const ClosedForm* form = nullptr);
+IkSolutions solve_ik_all(const Chain& chain, const IkTarget& target, const VectorRef& q0,
+                         const IkOptions& options, int count, double separation,
+                         const ClosedForm* form = nullptr);
 
 // Refuses a reference or posture of another number of joints.
 void check_options(const Chain& chain, const IkOptions& options, bool rotations);
 
 // Nearest configuration inside the limits; the middle of each range, 0 without a range.
-JointVector project(const Chain& chain, const Eigen::Ref<const Eigen::VectorXd>& q);
+JointVector project(const Chain& chain, const VectorRef& q);
 JointVector middle(const Chain& chain);
 
 }  // namespace leadthrough

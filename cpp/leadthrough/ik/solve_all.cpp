@@ -110,9 +110,9 @@ std::vector<IkResult> searched_exactly(const Chain& chain, const IkTarget& targe
 
 }  // namespace
 
-IkSolutions solve_ik_all(const Chain& chain, const IkTarget& target,
-                         const Eigen::Ref<const Eigen::VectorXd>& q0, const IkOptions& options,
-                         int count, double separation, const ClosedForm* form) {
+IkSolutions solve_ik_all(const Chain& chain, const IkTarget& target, const VectorRef& q0,
+                         const IkOptions& options, int count, double separation,
+                         const ClosedForm* form) {
   check_argument(count >= 0, "count: expected none or more");
   check_options(chain, options, target.rotation.has_value());
   const JointVector start = project(chain, q0);

@@ -176,16 +176,6 @@ JointArray refine(const Chain& chain, const ClosedForm& form, const IkTarget& ta
   return best.q;
 }
 
-IkResult result_of(const Chain& chain, const JointArray& q, const Task<6>& task, int iterations) {
-  IkResult result;
-  result.q = Eigen::Map<const Eigen::VectorXd>(q.data(), chain.joints());
-  result.status = IkStatus::kConverged;
-  result.position_error = task.position_error;
-  result.orientation_error = task.orientation_error;
-  result.iterations = iterations;
-  return result;
-}
-
 }  // namespace
 
 double sweep_resolution(const Chain& chain, const ClosedForm& form) {
@@ -200,11 +190,7 @@ bool sweeps(const ClosedForm* form, const IkTarget& target, const IkOptions& opt
 std::vector<IkResult> swept_configurations(const Chain& chain, const ClosedForm& form,
                                            const IkTarget& target, const JointVector& reference,
                                            const IkTolerance& tolerance, int count) {
-  DescentBounds bounds{};
-  for (int i = 0; i < chain.joints(); ++i) {
-    bounds.lower[static_cast<std::size_t>(i)] = chain.lower[i];
-    bounds.upper[static_cast<std::size_t>(i)] = chain.upper[i];
-  }
+  const JointBox bounds = position_limits(chain);
   std::vector<IkResult> found;
   const std::vector<Sample> nearest = nearest_of_branches(sweep(chain, form, target, reference));
   for (const Sample& seed : nearest) {
@@ -213,7 +199,8 @@ std::vector<IkResult> swept_configurations(const Chain& chain, const ClosedForm&
     SelfMotion<6, IkTarget> motion(chain, target, bounds, tolerance, seed.q);
     motion.run(towards(reference), 1.0, kSteps);
     if (!motion.task().within(tolerance)) continue;
-    found.push_back(result_of(chain, motion.q(), motion.task(), motion.iterations()));
+    found.push_back(result_at(motion.q(), chain.joints(), motion.task(), IkStatus::kConverged,
+                              motion.iterations()));
   }
   const auto distance = [&](const IkResult& each) { return (each.q - reference).squaredNorm(); };
   const auto sort = [&] {
@@ -229,7 +216,8 @@ std::vector<IkResult> swept_configurations(const Chain& chain, const ClosedForm&
     if (sample.distance >= nearest_found) break;
     const JointArray q = refine(chain, form, target, reference, sample);
     const PoseDescent<6> there(chain, target, bounds, q);
-    if (there.task().within(tolerance)) found.push_back(result_of(chain, q, there.task(), 0));
+    if (there.task().within(tolerance))
+      found.push_back(result_at(q, chain.joints(), there.task(), IkStatus::kConverged, 0));
   }
   sort();
   return found;

@@ -20,6 +20,47 @@ template <int M>
 using TaskVector = Eigen::Matrix<double, M, 1>;
 using JointArray = std::array<double, kMaxJoints>;
 
+// Bounds of each joint.
+struct JointBox {
+  JointArray lower{}, upper{};
+};
+
+inline JointBox position_limits(const Chain& chain) {
+  JointBox limits;
+  std::copy(chain.lower.begin(), chain.lower.end(), limits.lower.begin());
+  std::copy(chain.upper.begin(), chain.upper.end(), limits.upper.begin());
+  return limits;
+}
+
+// The part of a box that lies no farther than `most` from q, joint by joint.
+inline JointBox around(const JointArray& q, double most, const JointBox& box, int joints) {
+  JointBox near;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(joints); ++i) {
+    near.lower[i] = std::max(box.lower[i], q[i] - most);
+    near.upper[i] = std::min(box.upper[i], q[i] + most);
+  }
+  return near;
+}
+
+// The changes of q that end in a box.
+inline JointBox changes_into(const JointBox& box, const JointArray& q, int joints) {
+  JointBox changes;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(joints); ++i) {
+    changes.lower[i] = box.lower[i] - q[i];
+    changes.upper[i] = box.upper[i] - q[i];
+  }
+  return changes;
+}
+
+// q after a step, inside a box.
+inline JointArray moved_in(const JointBox& box, const JointArray& q, const JointArray& step,
+                           int joints) {
+  JointArray moved{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(joints); ++i)
+    moved[i] = std::clamp(q[i] + step[i], box.lower[i], box.upper[i]);
+  return moved;
+}
+
 // A target relative to a configuration, rotations weighted.
 template <int M>
 struct Task {
@@ -38,8 +79,8 @@ struct Task {
 };
 
 // orientations: w, x, y, z; may have no rows.
-inline IkTarget target_in_row(const Eigen::Ref<const Rows3>& positions,
-                              const Eigen::Ref<const Rows4>& orientations, Eigen::Index row) {
+inline IkTarget target_in_row(const Rows3Ref& positions, const Rows4Ref& orientations,
+                              Eigen::Index row) {
   IkTarget target{positions.row(row), std::nullopt};
   if (orientations.rows() > 0)
     target.rotation = so3::to_matrix(Eigen::Vector4d(orientations.row(row)));
@@ -55,6 +96,19 @@ inline Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& m) {
   constexpr double kLostAxis = 1e-3;
   if (cosine < 0.0 && sine < kLostAxis) return so3::log(so3::from_matrix(m));
   return sine == 0.0 ? skew : Eigen::Vector3d(skew * (std::atan2(sine, cosine) / sine));
+}
+
+// The first `joints` values of q, with the errors there.
+template <int M>
+IkResult result_at(const JointArray& q, int joints, const Task<M>& task, IkStatus status,
+                   int iterations) {
+  IkResult result;
+  result.q = Eigen::Map<const Eigen::VectorXd>(q.data(), joints);
+  result.status = status;
+  result.position_error = task.position_error;
+  result.orientation_error = task.orientation_error;
+  result.iterations = iterations;
+  return result;
 }
 
 template <int M>

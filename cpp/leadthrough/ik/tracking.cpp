@@ -14,17 +14,6 @@ struct Preference {
   double share;  // of the distance to the posture
 };
 
-// The limits, narrowed to the joints' largest step from `q`.
-DescentBounds reachable(const Chain& chain, const JointArray& q, double max_step) {
-  DescentBounds bounds{};
-  for (int i = 0; i < chain.joints(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    bounds.lower[k] = std::max(chain.lower[i], q[k] - max_step);
-    bounds.upper[k] = std::min(chain.upper[i], q[k] + max_step);
-  }
-  return bounds;
-}
-
 bool reached(const DescentEnd& end, const IkTolerance& tolerance) {
   return end.position_error <= tolerance.position && end.orientation_error <= tolerance.orientation;
 }
@@ -35,7 +24,7 @@ DescentEnd follow_sample(const Chain& chain, const Target& target, const Prefere
   // Near a singularity the last digits cost most: they are attempted, not required.
   constexpr double kAim = 0.1;
   const IkTolerance aim{kAim * options.tolerance.position, kAim * options.tolerance.orientation};
-  const DescentBounds bounds = reachable(chain, q, options.max_step);
+  const JointBox bounds = around(q, options.max_step, position_limits(chain), chain.joints());
   const bool pulls = preferred.share > 0.0 && chain.joints() > constrained_rows<M>(target);
   DescentEnd end;
   for (const bool pulled : {true, false}) {  // without the pull if it prevents convergence
@@ -58,7 +47,7 @@ void Track::keep(Eigen::Index samples) {
   orientation_errors.conservativeResize(samples);
 }
 
-void check_path(Eigen::Index samples, const Eigen::Ref<const Rows4>& orientations, const Pull& pull,
+void check_path(Eigen::Index samples, const Rows4Ref& orientations, const Pull& pull,
                 const Chain& chain) {
   check_argument(orientations.rows() == samples || orientations.rows() == 0,
                  "orientations: expected a row for each position, or none");
@@ -67,10 +56,8 @@ void check_path(Eigen::Index samples, const Eigen::Ref<const Rows4>& orientation
                  "pull: expected a row for each position and one value a joint");
 }
 
-Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-            const Eigen::Ref<const Rows4>& orientations,
-            const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
-            const TrackOptions& options) {
+Track track(const Chain& chain, const Rows3Ref& positions, const Rows4Ref& orientations,
+            const VectorRef& start, const Pull& pull, const TrackOptions& options) {
   const Eigen::Index samples = positions.rows();
   check_path(samples, orientations, pull, chain);
   Track result{Rows(samples, chain.joints()), Eigen::VectorXd(samples), Eigen::VectorXd(samples)};

@@ -28,26 +28,24 @@ struct Track {
 // Null-space targets of a redundant arm, one row a sample. postures: joints without a preference
 // are not finite. shares: fractions of the distance to the posture, from the previous sample.
 struct Pull {
-  Eigen::Ref<const Rows> postures;
-  Eigen::Ref<const Eigen::VectorXd> shares;
+  RowsRef postures;
+  VectorRef shares;
 };
 
 // Refuses arguments whose sizes differ from those of a path's samples or the chain.
-void check_path(Eigen::Index samples, const Eigen::Ref<const Rows4>& orientations, const Pull& pull,
+void check_path(Eigen::Index samples, const Rows4Ref& orientations, const Pull& pull,
                 const Chain& chain);
 
 // The path alone, no time. positions: one row a sample; orientations (w, x, y, z) may have no
 // rows. start: the configuration before the first sample.
-Track track(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-            const Eigen::Ref<const Rows4>& orientations,
-            const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
-            const TrackOptions& options = {});
+Track track(const Chain& chain, const Rows3Ref& positions, const Rows4Ref& orientations,
+            const VectorRef& start, const Pull& pull, const TrackOptions& options = {});
 
 // A path with times, s.
 struct TimedPath {
-  Eigen::Ref<const Eigen::VectorXd> times;
-  Eigen::Ref<const Rows3> positions;
-  Eigen::Ref<const Rows4> orientations;
+  VectorRef times;
+  Rows3Ref positions;
+  Rows4Ref orientations;
 };
 
 struct PursuitOptions {
@@ -61,8 +59,7 @@ struct PursuitOptions {
 // The path at its own times, with joints inside their velocity and acceleration limits and always
 // able to brake before their position limits; if this prevents tracking, the tip lags and catches
 // up. The arm is at rest at `start` at the first time, and again at the last.
-Track pursue(const Chain& chain, const TimedPath& path,
-             const Eigen::Ref<const Eigen::VectorXd>& start, const Pull& pull,
+Track pursue(const Chain& chain, const TimedPath& path, const VectorRef& start, const Pull& pull,
              const PursuitOptions& options);
 
 }  // namespace leadthrough

@@ -89,9 +89,8 @@ YangStep yang_step(const Chain& chain, const double* q, const Vector6& twist, bo
   return step;
 }
 
-IkResult solve_yang(const Chain& chain, const IkTarget& target,
-                    const Eigen::Ref<const Eigen::VectorXd>& q0, const IkTolerance& tolerance,
-                    int max_iterations, const YangOptions& options) {
+IkResult solve_yang(const Chain& chain, const IkTarget& target, const VectorRef& q0,
+                    const IkTolerance& tolerance, int max_iterations, const YangOptions& options) {
   const double farthest = reach(chain);
   IkResult result;
   result.q = project(chain, q0);
@@ -117,9 +116,8 @@ IkResult solve_yang(const Chain& chain, const IkTarget& target,
   return result;
 }
 
-std::vector<IkResult> solve_yang_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-                                       const Eigen::Ref<const Rows4>& orientations,
-                                       const Eigen::Ref<const Rows>& starts,
+std::vector<IkResult> solve_yang_batch(const Chain& chain, const Rows3Ref& positions,
+                                       const Rows4Ref& orientations, const RowsRef& starts,
                                        const IkTolerance& tolerance, int max_iterations,
                                        const YangOptions& options, int threads) {
   check_argument(orientations.rows() == positions.rows() || orientations.rows() == 0,
@@ -136,10 +134,8 @@ std::vector<IkResult> solve_yang_batch(const Chain& chain, const Eigen::Ref<cons
   return results;
 }
 
-YangPath yang_path(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-                   const Eigen::Ref<const Rows4>& orientations,
-                   const Eigen::Ref<const Eigen::VectorXd>& start,
-                   const Eigen::Ref<const Eigen::VectorXd>& steps, const YangOptions& options) {
+YangPath yang_path(const Chain& chain, const Rows3Ref& positions, const Rows4Ref& orientations,
+                   const VectorRef& start, const VectorRef& steps, const YangOptions& options) {
   check_argument(orientations.rows() == positions.rows() || orientations.rows() == 0,
                  "orientations: expected a row for each position, or none");
   check_argument(steps.size() == positions.rows(), "steps: expected one for each position");

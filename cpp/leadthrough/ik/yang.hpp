@@ -32,13 +32,12 @@ YangStep yang_step(const Chain& chain, const double* q, const Vector6& twist, bo
                    const YangOptions& options = {});
 
 // Steps of one second each towards a pose, clamped to the limits; no restarts.
-IkResult solve_yang(const Chain& chain, const IkTarget& target,
-                    const Eigen::Ref<const Eigen::VectorXd>& q0, const IkTolerance& tolerance,
-                    int max_iterations, const YangOptions& options = {});
+IkResult solve_yang(const Chain& chain, const IkTarget& target, const VectorRef& q0,
+                    const IkTolerance& tolerance, int max_iterations,
+                    const YangOptions& options = {});
 
-std::vector<IkResult> solve_yang_batch(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-                                       const Eigen::Ref<const Rows4>& orientations,
-                                       const Eigen::Ref<const Rows>& starts,
+std::vector<IkResult> solve_yang_batch(const Chain& chain, const Rows3Ref& positions,
+                                       const Rows4Ref& orientations, const RowsRef& starts,
                                        const IkTolerance& tolerance, int max_iterations,
                                        const YangOptions& options, int threads);
 
@@ -50,9 +49,7 @@ struct YangPath {
 
 // One step per sample, from `start`; steps: seconds from the sample before. Orientations
 // (w, x, y, z) may have no rows.
-YangPath yang_path(const Chain& chain, const Eigen::Ref<const Rows3>& positions,
-                   const Eigen::Ref<const Rows4>& orientations,
-                   const Eigen::Ref<const Eigen::VectorXd>& start,
-                   const Eigen::Ref<const Eigen::VectorXd>& steps, const YangOptions& options = {});
+YangPath yang_path(const Chain& chain, const Rows3Ref& positions, const Rows4Ref& orientations,
+                   const VectorRef& start, const VectorRef& steps, const YangOptions& options = {});
 
 }  // namespace leadthrough

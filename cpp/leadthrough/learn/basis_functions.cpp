@@ -8,8 +8,7 @@ namespace leadthrough {
 namespace {
 
 // Those of orders from the first to the last, below each other.
-Rows basis_of_orders(const Eigen::Ref<const Eigen::VectorXd>& phases,
-                     const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
+Rows basis_of_orders(const VectorRef& phases, const VectorRef& centres, double sharpness,
                      bool periodic, int first, int last) {
   const Eigen::Index count = phases.size();
   Rows result((last - first + 1) * count, centres.size());
@@ -62,15 +61,13 @@ const Rows& NormalisedBasis::at(double phase, int most) {
   return rows_;
 }
 
-Rows normalised_basis(const Eigen::Ref<const Eigen::VectorXd>& phases,
-                      const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
+Rows normalised_basis(const VectorRef& phases, const VectorRef& centres, double sharpness,
                       bool periodic, int order) {
   check_argument(order >= 0 && order <= 2, "order: expected 0 to 2");
   return basis_of_orders(phases, centres, sharpness, periodic, order, order);
 }
 
-Rows basis_and_derivatives(const Eigen::Ref<const Eigen::VectorXd>& phases,
-                           const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
+Rows basis_and_derivatives(const VectorRef& phases, const VectorRef& centres, double sharpness,
                            bool periodic, int most) {
   return basis_of_orders(phases, centres, sharpness, periodic, 0, most);
 }

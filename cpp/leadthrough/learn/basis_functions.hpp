@@ -8,8 +8,7 @@ namespace leadthrough {
 
 // exp(-sharpness (u - c)^2 / 2) about each centre, or with period 1 exp(sharpness (cos 2 pi (u - c)
 // - 1)), over their sum: a row a phase. order: of the derivative by the phase, 0 to 2.
-Rows normalised_basis(const Eigen::Ref<const Eigen::VectorXd>& phases,
-                      const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
+Rows normalised_basis(const VectorRef& phases, const VectorRef& centres, double sharpness,
                       bool periodic, int order);
 
 // The same at one phase after the other, in work space of its own.
@@ -28,8 +27,7 @@ class NormalisedBasis {
 };
 
 // Those of order 0 and their derivatives up to order `most`, below each other.
-Rows basis_and_derivatives(const Eigen::Ref<const Eigen::VectorXd>& phases,
-                           const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
+Rows basis_and_derivatives(const VectorRef& phases, const VectorRef& centres, double sharpness,
                            bool periodic, int most);
 
 }  // namespace leadthrough

@@ -19,7 +19,7 @@ using Lanes = Eigen::Array<double, kAtOnce, 1>;
 // Rows of a basis, four side by side for each function; the last are filled up with zeros.
 class Panels {
  public:
-  explicit Panels(const Eigen::Ref<const Rows>& basis)
+  explicit Panels(const RowsRef& basis)
       : rows_(basis.rows()),
         functions_(basis.cols()),
         values_((basis.rows() + kAtOnce - 1) / kAtOnce * functions_, kAtOnce) {
@@ -63,16 +63,14 @@ class Panels {
 
 }  // namespace
 
-bool fill_curves(const BasisRows& basis, Eigen::Index rows, const Eigen::Ref<const Rows>& weights,
+bool fill_curves(const BasisRows& basis, Eigen::Index rows, const RowsRef& weights,
                  Eigen::Index curves, int threads, const std::vector<double*>& places) {
   const Eigen::Index motions = weights.rows();
   const double heaviest = weights.cwiseAbs().maxCoeff();
   const Eigen::Index runs = (rows + kRunOfRows - 1) / kRunOfRows;
   std::atomic<bool> certain{true};
-  for_each_index(static_cast<std::size_t>(runs), threads, [&](std::size_t index) {
-    const auto run = static_cast<Eigen::Index>(index);
-    const Eigen::Index first = run * kRunOfRows;
-    const Eigen::Index count = std::min(kRunOfRows, rows - first);
+  for_each_block(rows, kRunOfRows, threads, [&](Eigen::Index first, Eigen::Index end) {
+    const Eigen::Index run = first / kRunOfRows, count = end - first;
     const Rows values = basis(first, count);
     const double largest = values.cwiseAbs().maxCoeff() * heaviest;
     if (!(static_cast<double>(values.cols()) * largest < kSurelyFinite)) certain = false;

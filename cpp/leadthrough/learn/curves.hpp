@@ -17,7 +17,7 @@ using BasisRows = std::function<Rows(Eigen::Index first, Eigen::Index count)>;
 // after the other: sums of the functions times the weights, a row a row of the basis, a column a
 // curve, basis after basis, written to the place of the weights. They are the same on any number of
 // threads. rows: of one basis. Returns whether all sums are certain to be finite.
-bool fill_curves(const BasisRows& basis, Eigen::Index rows, const Eigen::Ref<const Rows>& weights,
+bool fill_curves(const BasisRows& basis, Eigen::Index rows, const RowsRef& weights,
                  Eigen::Index curves, int threads, const std::vector<double*>& places);
 
 }  // namespace leadthrough

@@ -6,12 +6,12 @@
 
 namespace leadthrough {
 
-Rows product(const Eigen::Ref<const Rows>& left, const Eigen::Ref<const Rows>& right) {
+Rows product(const RowsRef& left, const RowsRef& right) {
   check_argument(left.cols() == right.rows(), "right: expected as many rows as left has columns");
   return left * right;
 }
 
-Rows solve_definite(const Eigen::Ref<const Rows>& matrix, const Eigen::Ref<const Rows>& right) {
+Rows solve_definite(const RowsRef& matrix, const RowsRef& right) {
   check_argument(matrix.rows() == matrix.cols() && right.rows() == matrix.rows(),
                  "matrix, right: expected a square one and as many rows");
   const Eigen::LLT<Rows> root(matrix);

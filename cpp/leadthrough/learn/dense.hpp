@@ -7,10 +7,10 @@
 
 namespace leadthrough {
 
-Rows product(const Eigen::Ref<const Rows>& left, const Eigen::Ref<const Rows>& right);
+Rows product(const RowsRef& left, const RowsRef& right);
 
 // The X with matrix * X = right, for a symmetric matrix of which the lower half is read; empty if
 // it is not positive definite.
-Rows solve_definite(const Eigen::Ref<const Rows>& matrix, const Eigen::Ref<const Rows>& right);
+Rows solve_definite(const RowsRef& matrix, const RowsRef& right);
 
 }  // namespace leadthrough

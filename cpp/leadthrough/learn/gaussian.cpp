@@ -11,14 +11,12 @@ namespace {
 // Fractions of a matrix' largest entry: computed matrices are symmetric and definite to this only.
 constexpr double kRounding = 1e-9;
 
-using RowsIn = Eigen::Ref<const Rows>;
-
 // Rows of a matrix from one on, by what stays in registers.
 struct Lines {
   const double* first;
   Eigen::Index stride;
 
-  explicit Lines(const RowsIn& matrix, Eigen::Index i = 0)
+  explicit Lines(const RowsRef& matrix, Eigen::Index i = 0)
       : first(matrix.data() + i * matrix.outerStride()), stride(matrix.outerStride()) {}
 
   // Numbers of a row from a column on.
@@ -41,7 +39,7 @@ constexpr Eigen::Index kTogether = 4;  // rows whose products stay in registers
 // From the diagonal on, `Height` rows of a matrix from i on less what their columns of four other
 // rows times these rows come to.
 template <int Height>
-void lower_rows(const RowsIn& matrix, const RowsIn& four, Eigen::Index i, Rows& result) {
+void lower_rows(const RowsRef& matrix, const RowsRef& four, Eigen::Index i, Rows& result) {
   double factors[Height][kTogether];
   for (int r = 0; r < Height; ++r)
     for (Eigen::Index k = 0; k < kTogether; ++k) factors[r][k] = four(k, i + r);
@@ -61,7 +59,7 @@ void lower_rows(const RowsIn& matrix, const RowsIn& four, Eigen::Index i, Rows& 
 }
 
 template <int Height>
-void lower_strip(const RowsIn& matrix, const Rows& rows, Eigen::Index i, Rows& result) {
+void lower_strip(const RowsRef& matrix, const Rows& rows, Eigen::Index i, Rows& result) {
   lower_rows<Height>(matrix, rows.topRows(kTogether), i, result);
   for (Eigen::Index k = kTogether; k < rows.rows(); k += kTogether)
     lower_rows<Height>(result, rows.middleRows(k, kTogether), i, result);
@@ -72,7 +70,7 @@ void lower_strip(const RowsIn& matrix, const Rows& rows, Eigen::Index i, Rows& r
 // A symmetric matrix less what `rows`, a multiple of four, times their own transpose come to;
 // symmetric to the bit. With Eigen's rank update, which packs the rows first, the whole of
 // condition_weights takes 1.5 times as long (140 weights, 7 rows), 1.1 times for 35 rows.
-void lower(const RowsIn& matrix, const Rows& rows, Rows& result) {
+void lower(const RowsRef& matrix, const Rows& rows, Rows& result) {
   Eigen::Index i = 0;
   for (; i + 2 <= matrix.rows(); i += 2) lower_strip<2>(matrix, rows, i, result);
   if (i < matrix.rows()) lower_strip<1>(matrix, rows, i, result);
@@ -80,13 +78,10 @@ void lower(const RowsIn& matrix, const Rows& rows, Rows& result) {
 
 }  // namespace
 
-Conditioned condition_weights(const Eigen::Ref<const Eigen::VectorXd>& mean,
-                              const Eigen::Ref<const Rows>& covariance,
-                              const Eigen::Ref<const Rows>& basis,
-                              const Eigen::Ref<const Columns>& columns,
-                              const Eigen::Ref<const Rows>& values,
-                              const Eigen::Ref<const Rows>& noise,
-                              const Eigen::Ref<const Eigen::VectorXd>& scale, double least) {
+Conditioned condition_weights(const VectorRef& mean, const RowsRef& covariance,
+                              const RowsRef& basis, const Eigen::Ref<const Columns>& columns,
+                              const RowsRef& values, const RowsRef& noise, const VectorRef& scale,
+                              double least) {
   const Eigen::Index size = mean.size();
   check_argument(basis.size() > 0 && size % basis.cols() == 0,
                  "basis: expected one column for each weight of a curve");
@@ -140,7 +135,7 @@ Conditioned condition_weights(const Eigen::Ref<const Eigen::VectorXd>& mean,
   return result;
 }
 
-bool is_covariance(const Eigen::Ref<const Rows>& matrix) {
+bool is_covariance(const RowsRef& matrix) {
   check_argument(matrix.size() > 0 && matrix.rows() == matrix.cols(),
                  "matrix: expected a square one");
   const double size = matrix.cwiseAbs().maxCoeff();

@@ -21,15 +21,12 @@ struct Conditioned {
 // values of some curves at some phases. basis: a row a phase. columns: the curves observed. values:
 // a row a phase, a column a curve. noise: covariance of the values of one phase, or zero. scale:
 // what counts as large, a curve. Standard deviations below `least` of it count as known.
-Conditioned condition_weights(const Eigen::Ref<const Eigen::VectorXd>& mean,
-                              const Eigen::Ref<const Rows>& covariance,
-                              const Eigen::Ref<const Rows>& basis,
-                              const Eigen::Ref<const Columns>& columns,
-                              const Eigen::Ref<const Rows>& values,
-                              const Eigen::Ref<const Rows>& noise,
-                              const Eigen::Ref<const Eigen::VectorXd>& scale, double least);
+Conditioned condition_weights(const VectorRef& mean, const RowsRef& covariance,
+                              const RowsRef& basis, const Eigen::Ref<const Columns>& columns,
+                              const RowsRef& values, const RowsRef& noise, const VectorRef& scale,
+                              double least);
 
 // True if a finite matrix is symmetric and positive semi-definite, to rounding.
-bool is_covariance(const Eigen::Ref<const Rows>& matrix);
+bool is_covariance(const RowsRef& matrix);
 
 }  // namespace leadthrough

@@ -51,8 +51,8 @@ struct Particle {
   }
 };
 
-void travel(Particle& particle, const Eigen::Ref<const Rows>& walls,
-            const Eigen::Ref<const Eigen::VectorXd>& limits, const Eigen::VectorXd& lengths) {
+void travel(Particle& particle, const RowsRef& walls, const VectorRef& limits,
+            const Eigen::VectorXd& lengths) {
   double left = 0.5 * kPi;
   for (int bounce = 0; bounce < kMaxBounces; ++bounce) {
     check_interrupt();
@@ -75,10 +75,8 @@ void travel(Particle& particle, const Eigen::Ref<const Rows>& walls,
 
 }  // namespace
 
-Rows sample_truncated_gaussian(const Eigen::Ref<const Rows>& walls,
-                               const Eigen::Ref<const Eigen::VectorXd>& limits,
-                               const Eigen::Ref<const Eigen::VectorXd>& start,
-                               const Eigen::Ref<const Rows>& velocities) {
+Rows sample_truncated_gaussian(const RowsRef& walls, const VectorRef& limits,
+                               const VectorRef& start, const RowsRef& velocities) {
   check_argument(limits.size() == walls.rows() && start.size() == walls.cols() &&
                      velocities.cols() == walls.cols(),
                  "limits, start, velocities: expected the sizes of walls");

@@ -11,9 +11,7 @@ namespace leadthrough {
 // the walls. Pakman and Paninski 2014, "Exact Hamiltonian Monte Carlo for truncated multivariate
 // Gaussians". walls: one per row, none of them zero. start: inside all walls. velocities: one row
 // per draw, the particle's initial velocity, standard normal. The result has one row per draw.
-Rows sample_truncated_gaussian(const Eigen::Ref<const Rows>& walls,
-                               const Eigen::Ref<const Eigen::VectorXd>& limits,
-                               const Eigen::Ref<const Eigen::VectorXd>& start,
-                               const Eigen::Ref<const Rows>& velocities);
+Rows sample_truncated_gaussian(const RowsRef& walls, const VectorRef& limits,
+                               const VectorRef& start, const RowsRef& velocities);
 
 }  // namespace leadthrough

@@ -27,8 +27,7 @@ constexpr double kAstray = 0.3;         // rad or m, largest distance of a sampl
 class Search {
  public:
   Search(const CollisionModel& model, const PlacedShapes& obstacles, const TipPath& path,
-         const Eigen::Ref<const Rows>& postures, const Margins& margins,
-         const IkTolerance& tolerance)
+         const RowsRef& postures, const Margins& margins, const IkTolerance& tolerance)
       : chain_(model.chain),
         path_(path),
         postures_(postures),
@@ -131,16 +130,11 @@ class Search {
   bool all_samples(Rows& q) {
     constexpr double kAim = 0.1;
     const IkTolerance aim{kAim * tolerance_.position, kAim * tolerance_.orientation};
+    const JointBox limits = position_limits(chain_);
     for (Eigen::Index row = 0; row < q.rows(); ++row) {
       check_interrupt();
-      JointArray at = on_curve(static_cast<double>(row));
-      DescentBounds bounds{};
-      for (int i = 0; i < chain_.joints(); ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        at[k] = std::clamp(at[k], chain_.lower[i], chain_.upper[i]);
-        bounds.lower[k] = std::max(chain_.lower[i], at[k] - kAstray);
-        bounds.upper[k] = std::min(chain_.upper[i], at[k] + kAstray);
-      }
+      JointArray at = moved_in(limits, on_curve(static_cast<double>(row)), {}, chain_.joints());
+      const JointBox bounds = around(at, kAstray, limits, chain_.joints());
       const TipTask task(chain_, path_, static_cast<double>(row));
       if (!task.settle(bounds, aim, at) && !task.settle(bounds, tolerance_, at)) return false;
       std::copy_n(at.begin(), chain_.joints(), q.row(row).data());
@@ -256,7 +250,7 @@ class Search {
 
   const Chain& chain_;
   const TipPath& path_;
-  const Eigen::Ref<const Rows>& postures_;
+  const RowsRef& postures_;
   IkTolerance tolerance_;
   Margins margins_;
   std::array<CollisionScene, 2> scenes_;  // obstacles, the arm itself
@@ -270,7 +264,7 @@ class Search {
 }  // namespace
 
 ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
-                          const TipPath& path, const Eigen::Ref<const Rows>& postures,
+                          const TipPath& path, const RowsRef& postures,
                           const std::optional<JointArray>& start, const Margins& margins,
                           const IkTolerance& tolerance, int max_attempts) {
   const Eigen::Index samples = path.positions.rows();

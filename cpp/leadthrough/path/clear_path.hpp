@@ -27,7 +27,7 @@ constexpr int kMaxAttempts = 3;
 
 // Bodies are numbered as in `against(model, obstacles)`.
 ClearPath find_clear_path(const CollisionModel& model, const PlacedShapes& obstacles,
-                          const TipPath& path, const Eigen::Ref<const Rows>& postures,
+                          const TipPath& path, const RowsRef& postures,
                           const std::optional<JointArray>& start, const Margins& margins,
                           const IkTolerance& tolerance, int max_attempts = kMaxAttempts);
 

@@ -178,7 +178,7 @@ class Planner {
 
 }  // namespace
 
-Rows connect(const WholeArm& arm, const VectorXd& start, const Eigen::Ref<const Rows>& goals,
+Rows connect(const WholeArm& arm, const VectorXd& start, const RowsRef& goals,
              const ConnectOptions& options) {
   const Eigen::Index joints = arm.scene.chain.joints();
   check_argument(start.size() == joints && goals.cols() == joints && goals.rows() > 0 &&

@@ -17,7 +17,7 @@ struct ConnectOptions {
 
 // Configurations in rows from the start to one of the goals, straight in the joints in between;
 // empty if none was found.
-Rows connect(const WholeArm& arm, const Eigen::VectorXd& start, const Eigen::Ref<const Rows>& goals,
+Rows connect(const WholeArm& arm, const Eigen::VectorXd& start, const RowsRef& goals,
              const ConnectOptions& options);
 
 }  // namespace leadthrough

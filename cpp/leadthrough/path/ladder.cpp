@@ -9,8 +9,6 @@
 
 #include "leadthrough/base/interrupt.hpp"
 #include "leadthrough/ik/joint_ranges.hpp"
-#include "leadthrough/path/cell.hpp"
-#include "leadthrough/path/layers.hpp"
 
 namespace leadthrough::path {
 
@@ -32,7 +30,35 @@ constexpr std::size_t kFew = 12;      // configurations of a layer
 constexpr double kFinestCell = 0.01;  // rad or m
 constexpr int kRestarts = 100;        // of inverse kinematics at the first layer
 constexpr int kRestartSteps = 40;
+constexpr double kMaxLayers = 1e4;
 constexpr int kMaxRepairs = 400;  // of routes whose configurations do not connect
+
+// Numbers for the cubes of cells that configurations lie in (FNV-1a over whole coordinates).
+std::uint64_t mixed(std::uint64_t hash, long value) {
+  return (hash ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(value))) * 0x100000001b3U;
+}
+
+// The cell of a configuration, of a size in rad or m; full revolutions are ignored.
+std::uint64_t cell_of(const Chain& chain, const JointArray& q, double size) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(chain.joints()); ++i) {
+    const double value = chain.periodic[i] ? std::remainder(q[i], kTurn) : q[i];
+    hash = mixed(hash, std::lround(value / size));
+  }
+  return hash;
+}
+
+// Motion of the tip between two rows, in layers.
+double steps_between(const TipPath& path, Eigen::Index row, double spacing,
+                     double rotation_spacing) {
+  const double distance = (path.positions.row(row + 1) - path.positions.row(row)).norm();
+  double rotation = 0.0;
+  if (path.orientations.rows() > 0) {
+    const double cosine = std::abs(path.orientations.row(row).dot(path.orientations.row(row + 1)));
+    rotation = 2.0 * std::acos(std::min(cosine, 1.0));
+  }
+  return distance / spacing + rotation / rotation_spacing;
+}
 
 struct Node {
   JointArray q;
@@ -52,21 +78,17 @@ using Edge = std::array<int, 3>;  // layer, parent, child
 
 class Ladder {
  public:
-  Ladder(const Chain& chain, const TipPath& path, ClearanceTest& test,
-         const Eigen::Ref<const Rows>& postures, const std::optional<JointArray>& start,
-         const LadderOptions& options)
+  Ladder(const Chain& chain, const TipPath& path, ClearanceTest& test, const RowsRef& postures,
+         const std::optional<JointArray>& start, const LadderOptions& options)
       : chain_(chain),
         path_(path),
         test_(test),
         start_(start),
         options_(options),
-        n_(index(chain.joints())) {
+        n_(index(chain.joints())),
+        limits_(position_limits(chain)) {
     for (const double sample : layers(path, options.spacing, options.rotation_spacing))
       layers_.push_back({sample, TipTask(chain, path, sample), posture_at(postures, sample), {}});
-    for (int i = 0; i < chain.joints(); ++i) {
-      limits_.lower[index(i)] = chain.lower[i];
-      limits_.upper[index(i)] = chain.upper[i];
-    }
   }
 
   Climb run() {
@@ -90,7 +112,7 @@ class Ladder {
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-  static JointArray posture_at(const Eigen::Ref<const Rows>& postures, double sample) {
+  static JointArray posture_at(const RowsRef& postures, double sample) {
     const Eigen::Index last = postures.rows() - 1;
     const auto row = std::min(static_cast<Eigen::Index>(sample), last);
     const Eigen::Index next = std::min(row + 1, last);
@@ -142,10 +164,10 @@ class Ladder {
     for (const Node& from : layers_[k - 1].nodes) {
       check_interrupt();
       JointArray q = from.q;
-      if (layer.task.settle(around(q), options_.tolerance, q) && offer(k, q)) open_.push_back(q);
+      if (layer.task.settle(near(q), options_.tolerance, q) && offer(k, q)) open_.push_back(q);
       if (!layer.task.tube()) continue;
       q = from.q;  // back onto the path
-      if (layer.task.settle_at({}, around(q), options_.tolerance, q) && offer(k, q))
+      if (layer.task.settle_at({}, near(q), options_.tolerance, q) && offer(k, q))
         open_.push_back(q);
     }
     // Narrow places are examined in finer cells.
@@ -160,13 +182,8 @@ class Ladder {
   }
 
   // The limits, narrowed to a joint's largest motion from one layer to the next.
-  DescentBounds around(const JointArray& q) const {
-    DescentBounds bounds{};
-    for (std::size_t i = 0; i < n_; ++i) {
-      bounds.lower[i] = std::max(limits_.lower[i], q[i] - options_.longest);
-      bounds.upper[i] = std::min(limits_.upper[i], q[i] + options_.longest);
-    }
-    return bounds;
+  JointBox near(const JointArray& q) const {
+    return around(q, options_.longest, limits_, chain_.joints());
   }
 
   // Explores a layer from every configuration along the task's null space, through obstacles too:
@@ -193,7 +210,7 @@ class Ladder {
         for (std::size_t j = 0; j < n_; ++j)
           q[j] = std::clamp(q[j] + step * direction[j], limits_.lower[j], limits_.upper[j]);
         if (cells_.count(cell(task, q)) > 0) continue;
-        if (task.settle(around(from), options_.tolerance, q) && cells_.count(cell(task, q)) == 0)
+        if (task.settle(near(from), options_.tolerance, q) && cells_.count(cell(task, q)) == 0)
           found(q);
       }
     }
@@ -210,7 +227,7 @@ class Ladder {
         place[k] += step;
         if (place.norm() > 1.0) place *= kSurface / place.norm();
         JointArray q = from;
-        if (task.settle_at(place, around(from), options_.tolerance, q) &&
+        if (task.settle_at(place, near(from), options_.tolerance, q) &&
             cells_.count(cell(task, q)) == 0)
           found(q);
       }
@@ -330,12 +347,8 @@ class Ladder {
       check_interrupt();
       const double share = static_cast<double>(part) / kParts;
       JointArray q{};
-      DescentBounds bounds{};
-      for (std::size_t i = 0; i < n_; ++i) {
-        q[i] = (1.0 - share) * a[i] + share * b[i];
-        bounds.lower[i] = std::max(limits_.lower[i], q[i] - kMaxDeviation);
-        bounds.upper[i] = std::min(limits_.upper[i], q[i] + kMaxDeviation);
-      }
+      for (std::size_t i = 0; i < n_; ++i) q[i] = (1.0 - share) * a[i] + share * b[i];
+      const JointBox bounds = around(q, kMaxDeviation, limits_, chain_.joints());
       const TipTask task(chain_, path_, from + share * (layers_[k].sample - from));
       if (!task.settle(bounds, options_.tolerance, q) || !test_.clear(q.data(), kRoom))
         return false;
@@ -383,7 +396,7 @@ class Ladder {
   const std::optional<JointArray>& start_;
   const LadderOptions& options_;
   std::size_t n_;
-  DescentBounds limits_{};
+  JointBox limits_;
   std::vector<Layer> layers_;
   std::unordered_set<std::uint64_t> cells_;
   double cell_ = options_.cell;
@@ -394,9 +407,27 @@ class Ladder {
 
 }  // namespace
 
-Climb climb(const Chain& chain, const TipPath& path, ClearanceTest& test,
-            const Eigen::Ref<const Rows>& postures, const std::optional<JointArray>& start,
-            const LadderOptions& options) {
+std::vector<double> layers(const TipPath& path, double spacing, double rotation_spacing) {
+  const Eigen::Index rows = path.positions.rows();
+  std::vector<double> along(static_cast<std::size_t>(rows), 0.0);
+  for (std::size_t i = 1; i < along.size(); ++i)
+    along[i] = along[i - 1] +
+               steps_between(path, static_cast<Eigen::Index>(i) - 1, spacing, rotation_spacing);
+  const double steps = along.back() > 1.0 ? std::min(along.back(), kMaxLayers) : 1.0;
+  const auto parts = static_cast<std::size_t>(std::ceil(steps));
+  std::vector<double> samples{0.0};
+  std::size_t row = 0;
+  for (std::size_t k = 1; k < parts; ++k) {
+    const double at = along.back() * static_cast<double>(k) / static_cast<double>(parts);
+    while (along[row + 1] < at) ++row;
+    samples.push_back(static_cast<double>(row) + (at - along[row]) / (along[row + 1] - along[row]));
+  }
+  if (rows > 1) samples.push_back(static_cast<double>(rows - 1));
+  return samples;
+}
+
+Climb climb(const Chain& chain, const TipPath& path, ClearanceTest& test, const RowsRef& postures,
+            const std::optional<JointArray>& start, const LadderOptions& options) {
   return Ladder(chain, path, test, postures, start, options).run();
 }
 

@@ -38,10 +38,15 @@ struct Climb {
   bool arrived() const { return q.size() == samples.size(); }
 };
 
+// Samples at which a path is examined, possibly between two rows: evenly spaced along the tip's
+// translation and rotation.
+// spacing, rotation_spacing: how far the tip goes, m, and turns, rad, from one layer to the next at
+// the most. The ends are among them.
+std::vector<double> layers(const TipPath& path, double spacing, double rotation_spacing);
+
 // postures: preferred configurations, one row per sample; not finite without a preference. start:
 // the configuration at the first sample is as near to it as possible.
-Climb climb(const Chain& chain, const TipPath& path, ClearanceTest& test,
-            const Eigen::Ref<const Rows>& postures, const std::optional<JointArray>& start,
-            const LadderOptions& options);
+Climb climb(const Chain& chain, const TipPath& path, ClearanceTest& test, const RowsRef& postures,
+            const std::optional<JointArray>& start, const LadderOptions& options);
 
 }  // namespace leadthrough::path

@@ -107,7 +107,7 @@ IkTarget TipTask::moved(const TubePlace& place, const JointArray& q) const {
   return target;
 }
 
-bool TipTask::settle_at(const TubePlace& place, const DescentBounds& bounds,
+bool TipTask::settle_at(const TubePlace& place, const JointBox& bounds,
                         const IkTolerance& tolerance, JointArray& q, int max_iterations) const {
   if (!tube_)
     return leadthrough::settle(chain_, target_, axes_, bounds, tolerance, max_iterations, q);
@@ -118,7 +118,7 @@ bool TipTask::settle_at(const TubePlace& place, const DescentBounds& bounds,
          this->place(q).norm() <= 1.0;
 }
 
-bool TipTask::settle(const DescentBounds& bounds, const IkTolerance& tolerance, JointArray& q,
+bool TipTask::settle(const JointBox& bounds, const IkTolerance& tolerance, JointArray& q,
                      int max_iterations) const {
   TubePlace at = place(q);
   const double length = at.norm();

@@ -13,10 +13,10 @@ namespace leadthrough::path {
 // along and rad about the axes of the sample's frame; where S is 0 the tip stays. With a tube, axes
 // are given.
 struct TipPath {
-  Eigen::Ref<const Rows3> positions;
-  Eigen::Ref<const Rows4> orientations;
+  Rows3Ref positions;
+  Rows4Ref orientations;
   std::optional<IkAxes> axes;
-  Eigen::Ref<const Rows> tube;
+  RowsRef tube;
 };
 
 // Null-space directions of the joints, orthogonal to each other; the largest element of each
@@ -48,10 +48,10 @@ class TipTask {
 
   // Moves q onto the task inside the bounds; false if it cannot be met to the tolerance. With a
   // tube, a tip inside does not move, and one outside goes to the nearest position inside.
-  bool settle(const DescentBounds& bounds, const IkTolerance& tolerance, JointArray& q,
+  bool settle(const JointBox& bounds, const IkTolerance& tolerance, JointArray& q,
               int max_iterations = 12) const;
   // The same onto a position in the tube; an empty one is the path.
-  bool settle_at(const TubePlace& place, const DescentBounds& bounds, const IkTolerance& tolerance,
+  bool settle_at(const TubePlace& place, const JointBox& bounds, const IkTolerance& tolerance,
                  JointArray& q, int max_iterations = 12) const;
   FreeDirections free_directions(const JointArray& q) const;
   void evaluate(const JointArray& q, TipError& error) const;

@@ -37,7 +37,7 @@ Matrix3 about_axis(const Vector3& axis, double across, double turned) {
 }
 
 template <typename Jacobian>
-Matrices rows_of(const Eigen::Ref<const Vectors>& rotation_vectors, Jacobian jacobian) {
+Matrices rows_of(const Rows3Ref& rotation_vectors, Jacobian jacobian) {
   Matrices result(rotation_vectors.rows(), 9);
   for (Eigen::Index i = 0; i < rotation_vectors.rows(); ++i) {
     check_interrupt(i);
@@ -69,9 +69,7 @@ struct GreatCircle {
 
 }  // namespace
 
-Quaternions slerp_through(const Eigen::Ref<const Eigen::VectorXd>& times,
-                          const Eigen::Ref<const Quaternions>& samples,
-                          const Eigen::Ref<const Eigen::VectorXd>& at) {
+Quaternions slerp_through(const VectorRef& times, const Rows4Ref& samples, const VectorRef& at) {
   check_argument(times.size() > 1 && samples.rows() == times.size(),
                  "samples: expected one at each of two times or more");
   const Eigen::Index last = times.size() - 2;
@@ -97,7 +95,7 @@ Quaternions slerp_through(const Eigen::Ref<const Eigen::VectorXd>& times,
   return result;
 }
 
-Lifted lift(const Eigen::Ref<const Quaternions>& quaternions) {
+Lifted lift(const Rows4Ref& quaternions) {
   Lifted result{Vectors(quaternions.rows(), 3), kNowhere};
   if (quaternions.rows() == 0) return result;
   Quaternion before = quaternions.row(0);
@@ -149,16 +147,15 @@ Matrix3 left_jacobian_inverse(const Vector3& rotation_vector) {
   return about_axis(vector / half, half * std::cos(half) / std::sin(half), -half);
 }
 
-Matrices left_jacobian_batch(const Eigen::Ref<const Vectors>& rotation_vectors) {
+Matrices left_jacobian_batch(const Rows3Ref& rotation_vectors) {
   return rows_of(rotation_vectors, &left_jacobian);
 }
 
-Matrices left_jacobian_inverse_batch(const Eigen::Ref<const Vectors>& rotation_vectors) {
+Matrices left_jacobian_inverse_batch(const Rows3Ref& rotation_vectors) {
   return rows_of(rotation_vectors, &left_jacobian_inverse);
 }
 
-Quaternions integrate(const Eigen::Ref<const Eigen::VectorXd>& times,
-                      const Eigen::Ref<const Vectors>& angular_velocities,
+Quaternions integrate(const VectorRef& times, const Rows3Ref& angular_velocities,
                       const Eigen::Ref<const Quaternion>& start) {
   check_argument(angular_velocities.rows() == times.size(),
                  "angular_velocities: expected one at each time");

@@ -16,7 +16,7 @@ constexpr int kMaxSteps = 100;
 
 // The rotations that go into one mean: rows `first`, `first + stride`, ... of all layers.
 struct Column {
-  const Eigen::Ref<const Quaternions>& layers;
+  const Rows4Ref& layers;
   Eigen::Index first, stride, count;
 
   Quaternion operator[](Eigen::Index i) const { return layers.row(first + i * stride); }
@@ -45,7 +45,7 @@ double largest_distance(const Column& column, const Quaternion& from) {
 }
 
 // Gauss-Newton in the tangent space. The Hessian is at most the identity, so no step overshoots.
-Quaternion karcher_mean(const Column& column, const Eigen::Ref<const Eigen::VectorXd>& weights) {
+Quaternion karcher_mean(const Column& column, const VectorRef& weights) {
   const double total = weights.sum();
   Quaternion mean = chordal_mean(column, weights);
   for (int steps = 0; steps < kMaxSteps; ++steps) {
@@ -62,8 +62,7 @@ Quaternion karcher_mean(const Column& column, const Eigen::Ref<const Eigen::Vect
 
 }  // namespace
 
-Means mean_batch(const Eigen::Ref<const Quaternions>& layers,
-                 const Eigen::Ref<const Eigen::VectorXd>& weights) {
+Means mean_batch(const Rows4Ref& layers, const VectorRef& weights) {
   check_argument(weights.size() > 0 && layers.rows() % weights.size() == 0,
                  "layers: expected as many layers as weights");
   const Eigen::Index count = weights.size();

@@ -15,7 +15,6 @@ struct Means {
 // `layers` holds as many blocks of rows as there are weights, all > 0; row i of every block goes
 // into mean i. A reach below pi / 2 proves that the mean is the only one (Afsari 2011, "Riemannian
 // L^p center of mass"); beyond it, the mean is one of several candidates.
-Means mean_batch(const Eigen::Ref<const Quaternions>& layers,
-                 const Eigen::Ref<const Eigen::VectorXd>& weights);
+Means mean_batch(const Rows4Ref& layers, const VectorRef& weights);
 
 }  // namespace leadthrough::so3

@@ -73,79 +73,67 @@ Quaternion from_matrix(const Matrix3& m) {
   return q[0] < 0.0 ? Quaternion(-q) : q;
 }
 
-Quaternions exp_batch(const Eigen::Ref<const Vectors>& rotation_vectors) {
-  Quaternions result(rotation_vectors.rows(), 4);
-  for (Eigen::Index i = 0; i < rotation_vectors.rows(); ++i) {
+namespace {
+
+using ByRows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+// A value a row.
+template <typename Result, typename At>
+Result each_row(Eigen::Index rows, const At& at) {
+  Result result(rows, Result::ColsAtCompileTime);
+  for (Eigen::Index i = 0; i < rows; ++i) {
     check_interrupt(i);
-    result.row(i) = exp(Vector3(rotation_vectors.row(i)));
+    result.row(i) = at(i);
   }
   return result;
 }
 
-Vectors log_batch(const Eigen::Ref<const Quaternions>& quaternions) {
-  Vectors result(quaternions.rows(), 3);
-  for (Eigen::Index i = 0; i < quaternions.rows(); ++i) {
-    check_interrupt(i);
-    result.row(i) = log(Quaternion(quaternions.row(i)));
-  }
-  return result;
+}  // namespace
+
+Quaternions exp_batch(const Rows3Ref& rotation_vectors) {
+  return each_row<Quaternions>(rotation_vectors.rows(), [&](Eigen::Index i) {
+    return exp(Vector3(rotation_vectors.row(i)));
+  });
 }
 
-Quaternions compose_batch(const Eigen::Ref<const Quaternions>& a,
-                          const Eigen::Ref<const Quaternions>& b) {
+Vectors log_batch(const Rows4Ref& quaternions) {
+  return each_row<Vectors>(quaternions.rows(),
+                           [&](Eigen::Index i) { return log(Quaternion(quaternions.row(i))); });
+}
+
+Quaternions compose_batch(const Rows4Ref& a, const Rows4Ref& b) {
   check_argument(a.rows() == b.rows(), "b: expected as many rows as a");
-  Quaternions result(a.rows(), 4);
-  for (Eigen::Index i = 0; i < a.rows(); ++i) {
-    check_interrupt(i);
-    result.row(i) = compose(Quaternion(a.row(i)), Quaternion(b.row(i)));
-  }
-  return result;
+  return each_row<Quaternions>(a.rows(), [&](Eigen::Index i) {
+    return compose(Quaternion(a.row(i)), Quaternion(b.row(i)));
+  });
 }
 
-Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions) {
-  Matrices result(quaternions.rows(), 9);
-  for (Eigen::Index i = 0; i < quaternions.rows(); ++i) {
-    check_interrupt(i);
-    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> m =
-        to_matrix(Quaternion(quaternions.row(i)));
-    result.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(m.data());
-  }
-  return result;
+Matrices to_matrix_batch(const Rows4Ref& quaternions) {
+  return each_row<Matrices>(quaternions.rows(), [&](Eigen::Index i) {
+    return Eigen::Matrix<double, 9, 1>(
+        to_matrix(Quaternion(quaternions.row(i))).reshaped<Eigen::RowMajor>());
+  });
 }
 
 Quaternions from_matrix_batch(const Eigen::Ref<const Matrices>& matrices) {
-  Quaternions result(matrices.rows(), 4);
-  for (Eigen::Index i = 0; i < matrices.rows(); ++i) {
-    check_interrupt(i);
-    const Eigen::Matrix<double, 1, 9> row = matrices.row(i);
-    result.row(i) =
-        from_matrix(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(row.data()));
-  }
-  return result;
+  return each_row<Quaternions>(matrices.rows(), [&](Eigen::Index i) {
+    return from_matrix(Eigen::Map<const ByRows>(matrices.row(i).data()));
+  });
 }
 
-Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
-                        const Eigen::Ref<const Quaternions>& b,
-                        const Eigen::Ref<const Eigen::VectorXd>& fractions) {
+Quaternions slerp_batch(const Rows4Ref& a, const Rows4Ref& b, const VectorRef& fractions) {
   check_argument(a.rows() == b.rows() && fractions.size() == a.rows(),
                  "b, fractions: expected as many rows as a");
-  Quaternions result(a.rows(), 4);
-  for (Eigen::Index i = 0; i < a.rows(); ++i) {
-    check_interrupt(i);
-    result.row(i) = slerp(Quaternion(a.row(i)), Quaternion(b.row(i)), fractions[i]);
-  }
-  return result;
+  return each_row<Quaternions>(a.rows(), [&](Eigen::Index i) {
+    return slerp(Quaternion(a.row(i)), Quaternion(b.row(i)), fractions[i]);
+  });
 }
 
-Eigen::VectorXd distance_batch(const Eigen::Ref<const Quaternions>& a,
-                               const Eigen::Ref<const Quaternions>& b) {
+Eigen::VectorXd distance_batch(const Rows4Ref& a, const Rows4Ref& b) {
   check_argument(a.rows() == b.rows(), "b: expected as many rows as a");
-  Eigen::VectorXd result(a.rows());
-  for (Eigen::Index i = 0; i < a.rows(); ++i) {
-    check_interrupt(i);
-    result[i] = distance(Quaternion(a.row(i)), Quaternion(b.row(i)));
-  }
-  return result;
+  return each_row<Eigen::VectorXd>(a.rows(), [&](Eigen::Index i) {
+    return Eigen::Matrix<double, 1, 1>(distance(Quaternion(a.row(i)), Quaternion(b.row(i))));
+  });
 }
 
 }  // namespace leadthrough::so3

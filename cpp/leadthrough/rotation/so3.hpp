@@ -3,7 +3,7 @@
 // Rotations as unit quaternions (w, x, y, z) and rotation vectors (axis times angle, rad).
 // Exp and log after Sola, Deray, Atchuthan 2018, "A micro Lie theory", examples 3 and 4.
 
-#include <Eigen/Core>
+#include "leadthrough/base/matrix.hpp"
 
 namespace leadthrough::so3 {
 
@@ -11,9 +11,9 @@ using Vector3 = Eigen::Vector3d;
 using Quaternion = Eigen::Vector4d;  // w, x, y, z
 using Matrix3 = Eigen::Matrix3d;
 
-using Vectors = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using Vectors = Rows3;
 using Matrices = Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor>;
-using Quaternions = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
+using Quaternions = Rows4;
 
 // Unit quaternion of a rotation vector of any length.
 Quaternion exp(const Vector3& rotation_vector);
@@ -54,17 +54,13 @@ Matrix3 to_matrix(const Quaternion& quaternion);
 Quaternion from_matrix(const Matrix3& matrix);
 
 // One row a rotation.
-Quaternions exp_batch(const Eigen::Ref<const Vectors>& rotation_vectors);
-Vectors log_batch(const Eigen::Ref<const Quaternions>& quaternions);
-Quaternions compose_batch(const Eigen::Ref<const Quaternions>& a,
-                          const Eigen::Ref<const Quaternions>& b);
+Quaternions exp_batch(const Rows3Ref& rotation_vectors);
+Vectors log_batch(const Rows4Ref& quaternions);
+Quaternions compose_batch(const Rows4Ref& a, const Rows4Ref& b);
 // Nine numbers a row: the matrix, row by row.
-Matrices to_matrix_batch(const Eigen::Ref<const Quaternions>& quaternions);
+Matrices to_matrix_batch(const Rows4Ref& quaternions);
 Quaternions from_matrix_batch(const Eigen::Ref<const Matrices>& matrices);
-Quaternions slerp_batch(const Eigen::Ref<const Quaternions>& a,
-                        const Eigen::Ref<const Quaternions>& b,
-                        const Eigen::Ref<const Eigen::VectorXd>& fractions);
-Eigen::VectorXd distance_batch(const Eigen::Ref<const Quaternions>& a,
-                               const Eigen::Ref<const Quaternions>& b);
+Quaternions slerp_batch(const Rows4Ref& a, const Rows4Ref& b, const VectorRef& fractions);
+Eigen::VectorXd distance_batch(const Rows4Ref& a, const Rows4Ref& b);
 
 }  // namespace leadthrough::so3

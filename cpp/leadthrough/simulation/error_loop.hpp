@@ -21,7 +21,7 @@ struct ErrorModel {
 
 // A piece of a motion: rows of `every` samples, then of each one.
 struct ErrorPiece {
-  using Part = Eigen::Ref<const Rows>;
+  using Part = RowsRef;
 
   const Part& ease;          // M^-1 (joints, joints) in a row
   const Part& answer;        // M^-1 K and M^-1 D of the controller (joints, 2 joints) in a row
@@ -48,7 +48,7 @@ class ErrorLoop {
     Eigen::VectorXd speed;  // at this moment; the controller sees a period's mean
     Eigen::VectorXd largest;
   };
-  using Vector = Eigen::Ref<const Eigen::VectorXd>;
+  using Vector = VectorRef;
   using Matrix = Eigen::Map<const Rows>;
 
   void advance(Response& response, const Matrix& ease, const Matrix& answer, const Vector& left,

@@ -8,13 +8,11 @@
 
 namespace leadthrough::simulation {
 
-using RowsRef = Eigen::Ref<const Rows>;
-
 // Rows (n, joints): positions and velocities at the samples, and accelerations in the period that
 // follows each.
 struct Commands {
   const RowsRef &q, &qd, &qdd;
-  const Eigen::Ref<const Eigen::VectorXd>& progress;  // (n,) fractions of the tip's path
+  const VectorRef& progress;  // (n,) fractions of the tip's path
 };
 
 // Rows (n, joints), of which only the first `periods` are known. If a joint runs away in the last

@@ -86,12 +86,12 @@ Rows slopes_of_few(const VectorXd& steps, const Rows& chords) {
   return slopes;
 }
 
-VectorXd steps_of(const Eigen::Ref<const VectorXd>& parameters) {
+VectorXd steps_of(const VectorRef& parameters) {
   const Index pieces = parameters.size() - 1;
   return parameters.tail(pieces) - parameters.head(pieces);
 }
 
-Rows chords_of(const VectorXd& steps, const Eigen::Ref<const Rows>& q) {
+Rows chords_of(const VectorXd& steps, const RowsRef& q) {
   Rows chords = q.bottomRows(steps.size()) - q.topRows(steps.size());
   chords.array().colwise() /= steps.array();
   return chords;
@@ -99,8 +99,7 @@ Rows chords_of(const VectorXd& steps, const Eigen::Ref<const Rows>& q) {
 
 }  // namespace
 
-Rows spline_slopes(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
-                   SplineEnds ends) {
+Rows spline_slopes(const VectorRef& parameters, const RowsRef& q, SplineEnds ends) {
   check_argument(q.rows() == parameters.size() && q.rows() > 1,
                  "q: expected one row for each of two parameters or more");
   const VectorXd steps = steps_of(parameters);
@@ -109,7 +108,7 @@ Rows spline_slopes(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Re
                                                          : slopes_of_few(steps, chords);
 }
 
-Rows cubic_through(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q) {
+Rows cubic_through(const VectorRef& parameters, const RowsRef& q) {
   check_argument(q.rows() == parameters.size() && q.rows() > 1,
                  "q: expected one row for each of two parameters or more");
   const VectorXd steps = steps_of(parameters);

@@ -12,11 +12,9 @@ enum class SplineEnds { kSmooth, kAtRest };
 // the time law of long recordings are computed here.
 
 // Slopes at the rows of q of the cubic spline through them, at increasing parameters, two or more.
-Rows spline_slopes(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                   const Eigen::Ref<const Rows>& q, SplineEnds ends);
+Rows spline_slopes(const VectorRef& parameters, const RowsRef& q, SplineEnds ends);
 
 // The same spline with smooth ends: a row for each coefficient of each piece, as in PolynomialPath.
-Rows cubic_through(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                   const Eigen::Ref<const Rows>& q);
+Rows cubic_through(const VectorRef& parameters, const RowsRef& q);
 
 }  // namespace leadthrough

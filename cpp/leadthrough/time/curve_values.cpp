@@ -59,9 +59,8 @@ std::vector<double> binomials(Index degree) {
 
 }  // namespace
 
-Rows polynomial_values(const Eigen::Ref<const Eigen::VectorXd>& knots,
-                       const Eigen::Ref<const Rows>& coefficients,
-                       const Eigen::Ref<const Eigen::VectorXd>& times, int order) {
+Rows polynomial_values(const VectorRef& knots, const RowsRef& coefficients, const VectorRef& times,
+                       int order) {
   check_argument(knots.size() > 1, "knots: expected at least two");
   check_argument(coefficients.size() > 0 && coefficients.rows() % (knots.size() - 1) == 0,
                  "coefficients: expected as many rows for each piece");
@@ -88,8 +87,7 @@ Rows polynomial_values(const Eigen::Ref<const Eigen::VectorXd>& knots,
   return result;
 }
 
-Rows bezier_values(const Eigen::Ref<const Rows>& points,
-                   const Eigen::Ref<const Eigen::VectorXd>& fractions) {
+Rows bezier_values(const RowsRef& points, const VectorRef& fractions) {
   check_argument(points.size() > 0, "points: expected at least one");
   const Index degree = points.rows() - 1, columns = points.cols();
   const std::vector<double> ways = binomials(degree);

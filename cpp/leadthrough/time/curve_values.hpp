@@ -9,12 +9,10 @@ namespace leadthrough {
 // Derivatives of an order of polynomial pieces, 0 for values. Piece p spans knots[p] to
 // knots[p + 1], the outer ones also what is beyond; its coefficients of (t - knots[p])^k, k rising,
 // are the rows from p * terms on. Sums powers in rising order, as SciPy's PPoly does.
-Rows polynomial_values(const Eigen::Ref<const Eigen::VectorXd>& knots,
-                       const Eigen::Ref<const Rows>& coefficients,
-                       const Eigen::Ref<const Eigen::VectorXd>& times, int order);
+Rows polynomial_values(const VectorRef& knots, const RowsRef& coefficients, const VectorRef& times,
+                       int order);
 
 // The Bezier curve of control points, the rows, at fractions of its domain.
-Rows bezier_values(const Eigen::Ref<const Rows>& points,
-                   const Eigen::Ref<const Eigen::VectorXd>& fractions);
+Rows bezier_values(const RowsRef& points, const VectorRef& fractions);
 
 }  // namespace leadthrough

@@ -34,7 +34,7 @@ AxisLimits mirrored(const AxisLimits& l) {
           -l.acceleration_low, -l.jerk_high,    -l.jerk_low};
 }
 
-AxisState mirrored(const AxisState& s) { return {-s.position, -s.velocity, -s.acceleration}; }
+JointState mirrored(const JointState& s) { return {-s.position, -s.velocity, -s.acceleration}; }
 
 // To a velocity without acceleration: times and jerks of the three parts, accelerations after them.
 struct Ramp {
@@ -44,7 +44,7 @@ struct Ramp {
 };
 
 // The ramp if the acceleration, released at once, leaves less than `velocity`.
-Ramp ramp_up(const AxisState& s, double velocity, const AxisLimits& limits) {
+Ramp ramp_up(const JointState& s, double velocity, const AxisLimits& limits) {
   const double push = limits.jerk_high, release = -limits.jerk_low;
   const double most = limits.acceleration_high, a = s.acceleration, change = velocity - s.velocity;
   const double released = 0.5 * most * most / release;
@@ -70,7 +70,7 @@ Ramp ramp_up(const AxisState& s, double velocity, const AxisLimits& limits) {
           velocity};
 }
 
-Ramp ramp_to(double velocity, const AxisState& s, const AxisLimits& limits) {
+Ramp ramp_to(double velocity, const JointState& s, const AxisLimits& limits) {
   const double a = s.acceleration;
   const double jerk = a > 0.0 ? limits.jerk_low : limits.jerk_high;
   if (velocity >= s.velocity - 0.5 * a * a / jerk) return ramp_up(s, velocity, limits);
@@ -83,13 +83,13 @@ Ramp ramp_to(double velocity, const AxisState& s, const AxisLimits& limits) {
   return ramp;
 }
 
-void push(AxisState& s, double jerk, double t) {
+void push(JointState& s, double jerk, double t) {
   s.position += t * (s.velocity + t * (0.5 * s.acceleration + t * jerk / 6.0));
   s.velocity += t * (s.acceleration + 0.5 * t * jerk);
   s.acceleration += t * jerk;
 }
 
-AxisState end_of(const Ramp& ramp, AxisState s) {
+JointState end_of(const Ramp& ramp, JointState s) {
   for (std::size_t i = 0; i < 3; ++i) {
     push(s, ramp.jerk[i], ramp.time[i]);
     s.acceleration = ramp.acceleration[i];  // free of rounding, which would leave the limits
@@ -99,7 +99,7 @@ AxisState end_of(const Ramp& ramp, AxisState s) {
 }
 
 // After a time on the ramp and, where that is over, at its velocity.
-AxisState after(double time, const Ramp& ramp, AxisState s) {
+JointState after(double time, const Ramp& ramp, JointState s) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (time < ramp.time[i]) {
       push(s, ramp.jerk[i], time);
@@ -114,7 +114,7 @@ AxisState after(double time, const Ramp& ramp, AxisState s) {
   return s;
 }
 
-Ramp stop_of(const AxisState& s, const AxisLimits& limits) { return ramp_to(0.0, s, limits); }
+Ramp stop_of(const JointState& s, const AxisLimits& limits) { return ramp_to(0.0, s, limits); }
 
 // A number between `low` and `high` at which a rising function, negative at `low`, is zero or less
 // by no more than `nearly`; a lower one where rounding leaves none. Regula falsi (Illinois), aimed
@@ -149,7 +149,7 @@ double last_not_positive(const Function& f, double low, double high, double near
 // An axis on its way up to the target, which is the origin.
 class Approach {
  public:
-  Approach(const AxisState& state, double target, const AxisLimits& limits)
+  Approach(const JointState& state, double target, const AxisLimits& limits)
       : s_{state.position - target, state.velocity, state.acceleration},
         limits_(limits),
         rest_(rest(s_)) {
@@ -163,24 +163,24 @@ class Approach {
 
   double time() const { return time_with(limits_.velocity_high); }
 
-  AxisState step(double period) const { return step(period, limits_.velocity_high); }
+  JointState step(double period) const { return step(period, limits_.velocity_high); }
 
-  AxisState step_at(double period, double time) const { return step(period, speed_for(time)); }
+  JointState step_at(double period, double time) const { return step(period, speed_for(time)); }
 
   // Seen from where the target is not the origin.
-  AxisState placed(AxisState s, double target) const {
+  JointState placed(JointState s, double target) const {
     if (mirrored_) s = mirrored(s);
     return {target + s.position, s.velocity, s.acceleration};
   }
 
  private:
   bool stops() const { return rest_ >= -nearly_; }
-  Ramp stop(const AxisState& s) const { return stop_of(s, limits_); }
-  double rest(const AxisState& s) const { return end_of(stop(s), s).position; }
+  Ramp stop(const JointState& s) const { return stop_of(s, limits_); }
+  double rest(const JointState& s) const { return end_of(stop(s), s).position; }
 
-  AxisState step(double period, double speed) const {
+  JointState step(double period, double speed) const {
     double moment = 0.0;
-    AxisState s = s_;
+    JointState s = s_;
     if (!stops()) {
       const Ramp ramp = ramp_to(speed, s_, limits_);
       s = after(period, ramp, s_);
@@ -203,7 +203,7 @@ class Approach {
   double time_with(double speed) const {
     if (stops()) return stop(s_).duration();
     const Ramp ramp = ramp_to(speed, s_, limits_);
-    const AxisState fast = end_of(ramp, s_);
+    const JointState fast = end_of(ramp, s_);
     const double left = -rest(fast);
     if (left >= 0.0) return ramp.duration() + left / speed + stop(fast).duration();
     const double last = last_moment(ramp, ramp.duration());
@@ -221,30 +221,39 @@ class Approach {
     return last_not_positive(early, low, std::min(2.0 * low, highest), kSamePlace * wanted);
   }
 
-  AxisState s_;
+  JointState s_;
   AxisLimits limits_;
   double rest_ = 0.0, nearly_ = 0.0;
   bool mirrored_ = false;
 };
 
-void check_axes(const AxisBatch& axes) {
-  check_argument(axes.states.rows() == 3 && axes.limits.rows() == 6 &&
-                     axes.limits.cols() == axes.states.cols(),
-                 "states, limits: expected three and six rows, one column an axis");
-}
+class Axes {
+ public:
+  Axes(const RowsRef& states, const RowsRef& limits, Eigen::Index targets)
+      : states_(states), limits_(limits) {
+    check_argument(states.rows() == 3 && limits.rows() == 6 && limits.cols() == states.cols(),
+                   "states, limits: expected three and six rows, one column an axis");
+    check_argument(targets == size(), "targets: expected one for each axis");
+  }
 
-void check_axes(const AxisBatch& axes, const AxisTargets& targets) {
-  check_axes(axes);
-  check_argument(targets.size() == axes.size(), "targets: expected one for each axis");
-}
+  Eigen::Index size() const { return states_.cols(); }
+  JointState state(Eigen::Index i) const { return {states_(0, i), states_(1, i), states_(2, i)}; }
+  AxisLimits limit(Eigen::Index i) const {
+    return {limits_(0, i), limits_(1, i), limits_(2, i),
+            limits_(3, i), limits_(4, i), limits_(5, i)};
+  }
+
+ private:
+  const RowsRef &states_, &limits_;
+};
 
 template <typename Step>
-AxisColumns stepped(const AxisBatch& axes, const AxisTargets& targets, const Step& step) {
-  AxisColumns result(3, axes.size());
+Rows stepped(const Axes& axes, const VectorRef& targets, const Step& step) {
+  Rows result(3, axes.size());
   for (Eigen::Index i = 0; i < axes.size(); ++i) {
     check_interrupt(i);
     const Approach approach(axes.state(i), targets[i], axes.limit(i));
-    const AxisState s = approach.placed(step(approach), targets[i]);
+    const JointState s = approach.placed(step(approach), targets[i]);
     result.col(i) << s.position, s.velocity, s.acceleration;
   }
   return result;
@@ -252,8 +261,8 @@ AxisColumns stepped(const AxisBatch& axes, const AxisTargets& targets, const Ste
 
 }  // namespace
 
-Eigen::VectorXd resting_places(const AxisBatch& axes) {
-  check_axes(axes);
+Eigen::VectorXd resting_places(const RowsRef& states, const RowsRef& limits) {
+  const Axes axes(states, limits, states.cols());
   Eigen::VectorXd places(axes.size());
   for (Eigen::Index i = 0; i < axes.size(); ++i) {
     check_interrupt(i);
@@ -262,8 +271,9 @@ Eigen::VectorXd resting_places(const AxisBatch& axes) {
   return places;
 }
 
-Eigen::VectorXd times_to_rest(const AxisBatch& axes, const AxisTargets& targets) {
-  check_axes(axes, targets);
+Eigen::VectorXd times_to_rest(const RowsRef& states, const RowsRef& limits,
+                              const VectorRef& targets) {
+  const Axes axes(states, limits, targets.size());
   Eigen::VectorXd times(axes.size());
   for (Eigen::Index i = 0; i < axes.size(); ++i) {
     check_interrupt(i);
@@ -272,21 +282,24 @@ Eigen::VectorXd times_to_rest(const AxisBatch& axes, const AxisTargets& targets)
   return times;
 }
 
-AxisState step_axis(const AxisState& state, double target, const AxisLimits& limits,
-                    double period) {
+JointState step_axis(const JointState& state, double target, const AxisLimits& limits,
+                     double period) {
   const Approach approach(state, target, limits);
   return approach.placed(approach.step(period), target);
 }
 
-AxisColumns step_each(const AxisBatch& axes, const AxisTargets& targets, double period) {
-  check_axes(axes, targets);
-  return stepped(axes, targets, [&](const Approach& axis) { return axis.step(period); });
+Rows step_each(const RowsRef& states, const RowsRef& limits, const VectorRef& targets,
+               double period) {
+  return stepped({states, limits, targets.size()}, targets,
+                 [&](const Approach& axis) { return axis.step(period); });
 }
 
-AxisColumns step_together(const AxisBatch& axes, const AxisTargets& targets, double period) {
-  const Eigen::VectorXd times = times_to_rest(axes, targets);
+Rows step_together(const RowsRef& states, const RowsRef& limits, const VectorRef& targets,
+                   double period) {
+  const Eigen::VectorXd times = times_to_rest(states, limits, targets);
   const double last = times.size() > 0 ? times.maxCoeff() : 0.0;
-  return stepped(axes, targets, [&](const Approach& axis) { return axis.step_at(period, last); });
+  return stepped({states, limits, targets.size()}, targets,
+                 [&](const Approach& axis) { return axis.step_at(period, last); });
 }
 
 }  // namespace leadthrough

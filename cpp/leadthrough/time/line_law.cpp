@@ -25,7 +25,7 @@ struct LineLimits {
 };
 
 // Those of the joints, for a line from a point to the next.
-LineLimits limits_along(const Eigen::Ref<const Rows>& points, Index line, const RateLimits& limits,
+LineLimits limits_along(const RowsRef& points, Index line, const RateLimits& limits,
                         double period) {
   LineLimits least{kInfinity, kInfinity, kInfinity};
   for (Index j = 0; j < points.cols(); ++j) {
@@ -141,8 +141,8 @@ DoubleS sampled(const LineLimits& limits) {
 
 }  // namespace
 
-LineMotions time_lines(const Eigen::Ref<const Rows>& points, const RateLimits& limits,
-                       double period, double longest) {
+LineMotions time_lines(const RowsRef& points, const RateLimits& limits, double period,
+                       double longest) {
   check_argument(limits.velocity.size() == points.cols() &&
                      limits.acceleration.size() == points.cols() &&
                      limits.jerk.size() == points.cols(),

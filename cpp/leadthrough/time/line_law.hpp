@@ -20,7 +20,7 @@ struct LineMotions {
 
 // Lines from each of the points to the next, none of which repeats the one before. Samples a period
 // apart and the quintics between them keep the limits. Joints with limits of 0 do not count.
-LineMotions time_lines(const Eigen::Ref<const Rows>& points, const RateLimits& limits,
-                       double period, double longest);
+LineMotions time_lines(const RowsRef& points, const RateLimits& limits, double period,
+                       double longest);
 
 }  // namespace leadthrough

@@ -35,7 +35,7 @@ constexpr std::array<double, 3> kGaussWeight{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0}
 // The pace: by how much the length grows with s.
 class Pace {
  public:
-  Pace(const PolynomialPath& path, const Eigen::Ref<const VectorXd>& scale)
+  Pace(const PolynomialPath& path, const VectorRef& scale)
       : path_(path),
         weight_(scale.size()),
         q_(scale.size()),
@@ -182,8 +182,7 @@ VectorXd graded(std::vector<double> s) {
 
 }  // namespace
 
-PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const VectorXd>& scale,
-                        Index points) {
+PathGrid make_path_grid(const PolynomialPath& path, const VectorRef& scale, Index points) {
   const Index pieces = path.pieces();
   check_argument(pieces > 0 && path.coefficients.rows() >= pieces &&
                      path.coefficients.rows() % pieces == 0 && path.joints() > 0,

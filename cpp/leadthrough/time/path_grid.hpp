@@ -25,8 +25,7 @@ constexpr Eigen::Index kMaxGridPoints = 10'000'000;
 // `points` points, closer to each other where the path turns. scale: for each joint, what counts
 // as one unit of motion: the fastest that it could be, 0 for a joint that does not count. The path
 // must move.
-PathGrid make_path_grid(const PolynomialPath& path, const Eigen::Ref<const Eigen::VectorXd>& scale,
-                        Eigen::Index points);
+PathGrid make_path_grid(const PolynomialPath& path, const VectorRef& scale, Eigen::Index points);
 
 // s by the length in a cell of the grid: the quintic through s, slope and bend of the points on
 // both sides, so that the second derivative is continuous.

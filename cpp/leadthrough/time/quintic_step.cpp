@@ -157,8 +157,8 @@ QuinticStep::Roots QuinticStep::velocity_roots() const {
 
 namespace {
 
-JointState state(const Eigen::Ref<const Rows>& positions, const Eigen::Ref<const Rows>& velocities,
-                 const Eigen::Ref<const Rows>& accelerations, Index row, Index joint) {
+JointState state(const RowsRef& positions, const RowsRef& velocities, const RowsRef& accelerations,
+                 Index row, Index joint) {
   return {positions(row, joint), velocities(row, joint), accelerations(row, joint)};
 }
 
@@ -212,10 +212,8 @@ struct LanePeaks {
   }
 };
 
-void check_samples(const Eigen::Ref<const Eigen::VectorXd>& times,
-                   const Eigen::Ref<const Rows>& positions,
-                   const Eigen::Ref<const Rows>& velocities,
-                   const Eigen::Ref<const Rows>& accelerations) {
+void check_samples(const VectorRef& times, const RowsRef& positions, const RowsRef& velocities,
+                   const RowsRef& accelerations) {
   check_argument(times.size() > 1, "times: expected at least two");
   for (const auto* rows : {&positions, &velocities, &accelerations})
     check_argument(rows->rows() == times.size() && rows->cols() == positions.cols(),
@@ -224,10 +222,8 @@ void check_samples(const Eigen::Ref<const Eigen::VectorXd>& times,
 
 }  // namespace
 
-StepExtremes step_extremes(const Eigen::Ref<const Eigen::VectorXd>& times,
-                           const Eigen::Ref<const Rows>& positions,
-                           const Eigen::Ref<const Rows>& velocities,
-                           const Eigen::Ref<const Rows>& accelerations) {
+StepExtremes step_extremes(const VectorRef& times, const RowsRef& positions,
+                           const RowsRef& velocities, const RowsRef& accelerations) {
   check_samples(times, positions, velocities, accelerations);
   const Index steps = times.size() - 1, joints = positions.cols();
   StepExtremes result{Rows(steps, joints), Rows(steps, joints)};
@@ -242,10 +238,8 @@ StepExtremes step_extremes(const Eigen::Ref<const Eigen::VectorXd>& times,
   return result;
 }
 
-MotionPeaks motion_peaks(const Eigen::Ref<const Eigen::VectorXd>& times,
-                         const Eigen::Ref<const Rows>& positions,
-                         const Eigen::Ref<const Rows>& velocities,
-                         const Eigen::Ref<const Rows>& accelerations) {
+MotionPeaks motion_peaks(const VectorRef& times, const RowsRef& positions,
+                         const RowsRef& velocities, const RowsRef& accelerations) {
   check_samples(times, positions, velocities, accelerations);
   const Index joints = positions.cols();
   MotionPeaks result{Rows(kPeaks, joints), Rows(kPeaks, joints), Rows(kPeaks, joints)};

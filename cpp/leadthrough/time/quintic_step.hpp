@@ -107,10 +107,8 @@ struct LaneBounds {
 struct StepExtremes {
   Rows speed, acceleration;
 };
-StepExtremes step_extremes(const Eigen::Ref<const Eigen::VectorXd>& times,
-                           const Eigen::Ref<const Rows>& positions,
-                           const Eigen::Ref<const Rows>& velocities,
-                           const Eigen::Ref<const Rows>& accelerations);
+StepExtremes step_extremes(const VectorRef& times, const RowsRef& positions,
+                           const RowsRef& velocities, const RowsRef& accelerations);
 
 // The extremes of each joint (column) over a motion of two samples or more: by row the lowest and
 // the highest position, and the largest magnitudes of speed, acceleration and jerk, the difference
@@ -118,9 +116,7 @@ StepExtremes step_extremes(const Eigen::Ref<const Eigen::VectorXd>& times,
 struct MotionPeaks {
   Rows value, time, step;
 };
-MotionPeaks motion_peaks(const Eigen::Ref<const Eigen::VectorXd>& times,
-                         const Eigen::Ref<const Rows>& positions,
-                         const Eigen::Ref<const Rows>& velocities,
-                         const Eigen::Ref<const Rows>& accelerations);
+MotionPeaks motion_peaks(const VectorRef& times, const RowsRef& positions,
+                         const RowsRef& velocities, const RowsRef& accelerations);
 
 }  // namespace leadthrough

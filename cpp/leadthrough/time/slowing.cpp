@@ -16,9 +16,8 @@ namespace {
 // of `slope` is q' between samples k - 1 and k, with standing still at both ends; `bend` is q''.
 class PathSpeed {
  public:
-  PathSpeed(const Eigen::Ref<const Eigen::VectorXd>& times, const Eigen::Ref<const Rows>& q,
-            const Eigen::Ref<const Eigen::VectorXd>& velocity,
-            const Eigen::Ref<const Eigen::VectorXd>& acceleration)
+  PathSpeed(const VectorRef& times, const RowsRef& q, const VectorRef& velocity,
+            const VectorRef& acceleration)
       : last_(q.rows() - 1),
         joints_(q.cols()),
         acceleration_(acceleration),
@@ -67,7 +66,7 @@ class PathSpeed {
   double interval(Eigen::Index k) const { return slowing_ * interval_[k]; }
 
  private:
-  void bound_by(const Eigen::Ref<const Eigen::VectorXd>& velocity) {
+  void bound_by(const VectorRef& velocity) {
     for (Eigen::Index k = 1; k <= last_; ++k)
       for (Eigen::Index i = 0; i < joints_; ++i) {
         const double rate = std::abs(slope_(k, i));
@@ -170,9 +169,8 @@ class PathSpeed {
 
 }  // namespace
 
-Slowing slow_down(const Eigen::Ref<const Eigen::VectorXd>& times, const Eigen::Ref<const Rows>& q,
-                  const Eigen::Ref<const Eigen::VectorXd>& velocity,
-                  const Eigen::Ref<const Eigen::VectorXd>& acceleration) {
+Slowing slow_down(const VectorRef& times, const RowsRef& q, const VectorRef& velocity,
+                  const VectorRef& acceleration) {
   check_argument(times.size() > 0 && q.rows() == times.size(), "q: expected one row for each time");
   check_argument(velocity.size() == q.cols() && acceleration.size() == q.cols(),
                  "velocity, acceleration: expected one limit a joint");

@@ -16,8 +16,7 @@ struct Slowing {
 // times: s, at least one, increasing. q: one row a sample. velocity, acceleration: one a joint,
 // infinite where there is no limit. Accelerations are second differences of the samples, and the
 // arm stands still before the first and after the last.
-Slowing slow_down(const Eigen::Ref<const Eigen::VectorXd>& times, const Eigen::Ref<const Rows>& q,
-                  const Eigen::Ref<const Eigen::VectorXd>& velocity,
-                  const Eigen::Ref<const Eigen::VectorXd>& acceleration);
+Slowing slow_down(const VectorRef& times, const RowsRef& q, const VectorRef& velocity,
+                  const VectorRef& acceleration);
 
 }  // namespace leadthrough

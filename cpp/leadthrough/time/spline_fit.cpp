@@ -37,8 +37,7 @@ constexpr double kRoom = 0.5;
 
 class Fit {
  public:
-  Fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
-      const std::vector<Index>& breaks)
+  Fit(const VectorRef& parameters, const RowsRef& q, const std::vector<Index>& breaks)
       : parameters_(parameters),
         q_(q),
         spans_(static_cast<Index>(breaks.size()) - 1),
@@ -209,7 +208,7 @@ class Fit {
   }
 
   // Right sides of the normal equations, one column a coordinate.
-  Rows moments(const Eigen::Ref<const Rows>& samples) const {
+  Rows moments(const RowsRef& samples) const {
     Rows sums = Rows::Zero(spans_ + kDegree, samples.cols());
     for (Index i = 0; i < samples.rows(); ++i) {
       const double* sample = samples.row(i).data();
@@ -299,8 +298,8 @@ class Fit {
     return point.row(degree);
   }
 
-  const Eigen::Ref<const VectorXd> parameters_;
-  const Eigen::Ref<const Rows> q_;
+  const VectorRef parameters_;
+  const RowsRef q_;
   const Index spans_;
   VectorXd knots_;
   Rows basis_;               // (samples, order)
@@ -344,12 +343,12 @@ std::vector<Index> halved(const std::vector<Index>& breaks, const std::vector<bo
 }
 
 // halved_fit of every so many samples: its pieces are nearly those that all of them need.
-SplineFit thinned_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
-                      double tolerance, bool corners);
+SplineFit thinned_fit(const VectorRef& parameters, const RowsRef& q, double tolerance,
+                      bool corners);
 
 // Halves pieces until all are within the tolerance; no coefficients if they become too short.
-SplineFit halved_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
-                     double tolerance, bool corners) {
+SplineFit halved_fit(const VectorRef& parameters, const RowsRef& q, double tolerance,
+                     bool corners) {
   SplineFit found;
   std::vector<Index>& breaks = found.breaks;
   breaks = q.rows() > kLong ? thinned_fit(parameters, q, tolerance, corners).breaks
@@ -371,8 +370,8 @@ SplineFit halved_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::
   return found;
 }
 
-SplineFit thinned_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
-                      double tolerance, bool corners) {
+SplineFit thinned_fit(const VectorRef& parameters, const RowsRef& q, double tolerance,
+                      bool corners) {
   const Index count = (q.rows() - 1) / kThinning + 1;
   VectorXd some(count);
   Rows rows(count, q.cols());
@@ -388,8 +387,8 @@ SplineFit thinned_fit(const Eigen::Ref<const VectorXd>& parameters, const Eigen:
 
 }  // namespace
 
-SplineFit fit_spline(const Eigen::Ref<const VectorXd>& parameters, const Eigen::Ref<const Rows>& q,
-                     double tolerance, bool corners) {
+SplineFit fit_spline(const VectorRef& parameters, const RowsRef& q, double tolerance,
+                     bool corners) {
   check_argument(q.rows() == parameters.size() && q.cols() > 0,
                  "q: expected one row for each parameter");
   check_argument(q.rows() > 6, "q: expected at least seven rows");
@@ -398,8 +397,7 @@ SplineFit fit_spline(const Eigen::Ref<const VectorXd>& parameters, const Eigen::
   return fit;
 }
 
-SplineFit smooth_spline(const Eigen::Ref<const VectorXd>& parameters,
-                        const Eigen::Ref<const Rows>& q, double tolerance,
+SplineFit smooth_spline(const VectorRef& parameters, const RowsRef& q, double tolerance,
                         const CurveBounds& bounds) {
   check_argument(q.rows() == parameters.size() && q.cols() > 0,
                  "q: expected one row for each parameter");
@@ -420,7 +418,7 @@ SplineFit smooth_spline(const Eigen::Ref<const VectorXd>& parameters,
   }
 }
 
-std::vector<Index> rows_apart(const Eigen::Ref<const Rows>& q, double tolerance) {
+std::vector<Index> rows_apart(const RowsRef& q, double tolerance) {
   check_argument(q.size() > 0, "q: expected at least one number");
   std::vector<Index> found{0};
   for (Index i = 1; i < q.rows(); ++i)

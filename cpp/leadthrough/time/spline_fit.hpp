@@ -24,18 +24,16 @@ struct CurveBounds {
 // are halved. parameters: increasing, more than six, of the rows of q. The ends are
 // interpolated. corners: whether pieces around a corner may be as short as from sample to sample,
 // which they pass there; without, no breaks if pieces would have fewer than three.
-SplineFit fit_spline(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                     const Eigen::Ref<const Rows>& q, double tolerance, bool corners);
+SplineFit fit_spline(const VectorRef& parameters, const RowsRef& q, double tolerance, bool corners);
 
 // A penalized fit (Eilers and Marx 1996): of each column the smallest third derivative, in the mean
 // square, that leaves no sample by more than the tolerance, to a quarter of a power of ten of its
 // weight. Arguments as before; the path is inside the bounds.
-SplineFit smooth_spline(const Eigen::Ref<const Eigen::VectorXd>& parameters,
-                        const Eigen::Ref<const Rows>& q, double tolerance,
+SplineFit smooth_spline(const VectorRef& parameters, const RowsRef& q, double tolerance,
                         const CurveBounds& bounds);
 
 // The first row, and every row that differs from the last one found by more than the tolerance in
 // some column.
-std::vector<Eigen::Index> rows_apart(const Eigen::Ref<const Rows>& q, double tolerance);
+std::vector<Eigen::Index> rows_apart(const RowsRef& q, double tolerance);
 
 }  // namespace leadthrough

@@ -399,10 +399,8 @@ TimeLaw make_time_law(const PolynomialPath& path, const PathGrid& grid, const Ra
   return TimeLawSearch(path, grid, limits, bounds, options).run();
 }
 
-MotionStates states_along(const PolynomialPath& path, const PathGrid& grid,
-                          const Eigen::Ref<const VectorXd>& length,
-                          const Eigen::Ref<const VectorXd>& speed,
-                          const Eigen::Ref<const VectorXd>& push) {
+MotionStates states_along(const PolynomialPath& path, const PathGrid& grid, const VectorRef& length,
+                          const VectorRef& speed, const VectorRef& push) {
   const Index samples = length.size(), joints = path.joints();
   check_argument(speed.size() == samples && push.size() == samples,
                  "speed, push: expected one for each length");

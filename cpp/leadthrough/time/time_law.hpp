@@ -59,9 +59,7 @@ struct MotionStates {
 };
 
 // The joints along the path at lengths with two derivatives in time, all (n).
-MotionStates states_along(const PolynomialPath& path, const PathGrid& grid,
-                          const Eigen::Ref<const Eigen::VectorXd>& length,
-                          const Eigen::Ref<const Eigen::VectorXd>& speed,
-                          const Eigen::Ref<const Eigen::VectorXd>& push);
+MotionStates states_along(const PolynomialPath& path, const PathGrid& grid, const VectorRef& length,
+                          const VectorRef& speed, const VectorRef& push);
 
 }  // namespace leadthrough

@@ -76,8 +76,8 @@ TEST(Arguments, OfMotionsHaveOneRowATimeAndOneColumnAJoint) {
   EXPECT_TRUE(refuses([&] { step_extremes(kThree, rows(3, 2), rows(2, 2), rows(3, 2)); }));
   EXPECT_TRUE(refuses([&] { motion_peaks(kThree, rows(3, 2), rows(3, 2), rows(3, 1)); }));
   EXPECT_TRUE(refuses([&] { slow_down(kThree, rows(2, 2), kTwo, kTwo); }));
-  EXPECT_TRUE(refuses([&] { times_to_rest({rows(3, 2), rows(6, 2)}, kThree); }));
-  EXPECT_TRUE(refuses([&] { step_together({rows(3, 2), rows(5, 2)}, kTwo, 1e-3); }));
+  EXPECT_TRUE(refuses([&] { times_to_rest(rows(3, 2), rows(6, 2), kThree); }));
+  EXPECT_TRUE(refuses([&] { step_together(rows(3, 2), rows(5, 2), kTwo, 1e-3); }));
 }
 
 TEST(Arguments, OfTimeLawsFitThePath) {

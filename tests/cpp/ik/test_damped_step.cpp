@@ -11,7 +11,8 @@ namespace {
 // Random columns, an error and a box; every third joint cannot move.
 struct Problem {
   Task<6> task;
-  JointArray rest{}, lower{}, upper{};
+  JointArray rest{};
+  JointBox box;
 };
 
 Problem random_problem(std::mt19937& generator, int joints) {
@@ -22,8 +23,8 @@ Problem random_problem(std::mt19937& generator, int joints) {
     const auto k = static_cast<std::size_t>(i);
     for (int row = 0; row < 6; ++row) problem.task.columns[k][row] = normal(generator);
     problem.rest[k] = 0.1 * normal(generator);
-    problem.lower[k] = -0.3 * std::abs(normal(generator));
-    problem.upper[k] = i % 3 == 2 ? problem.lower[k] : 0.3 * std::abs(normal(generator));
+    problem.box.lower[k] = -0.3 * std::abs(normal(generator));
+    problem.box.upper[k] = i % 3 == 2 ? problem.box.lower[k] : 0.3 * std::abs(normal(generator));
   }
   return problem;
 }
@@ -36,20 +37,19 @@ TEST(DampedStep, ABoxedStepMeetsTheConditionsOfOptimality) {
   for (int repeat = 0; repeat < 500; ++repeat) {
     const int joints = 1 + repeat % kMaxJoints;
     const Problem problem = random_problem(generator, joints);
-    const JointArray step =
-        boxed_step(problem.task, joints, damping, problem.rest, problem.lower, problem.upper);
+    const JointArray step = boxed_step(problem.task, joints, damping, problem.rest, problem.box);
     TaskVector<6> residual = problem.task.error;
     for (std::size_t i = 0; i < static_cast<std::size_t>(joints); ++i)
       residual -= step[i] * problem.task.columns[i];
     for (std::size_t i = 0; i < static_cast<std::size_t>(joints); ++i) {
-      ASSERT_GE(step[i], problem.lower[i]);
-      ASSERT_LE(step[i], problem.upper[i]);
+      ASSERT_GE(step[i], problem.box.lower[i]);
+      ASSERT_LE(step[i], problem.box.upper[i]);
       const double gradient =
           -problem.task.columns[i].dot(residual) + damping * (step[i] - problem.rest[i]);
-      if (step[i] > problem.lower[i]) {
+      if (step[i] > problem.box.lower[i]) {
         EXPECT_LE(gradient, 1e-9) << repeat;
       }
-      if (step[i] < problem.upper[i]) {
+      if (step[i] < problem.box.upper[i]) {
         EXPECT_GE(gradient, -1e-9) << repeat;
       }
     }

@@ -6,7 +6,7 @@
 #include "arm/robots.hpp"
 #include "leadthrough/base/constants.hpp"
 #include "leadthrough/path/clear_path.hpp"
-#include "leadthrough/path/layers.hpp"
+#include "leadthrough/path/ladder.hpp"
 
 namespace leadthrough::clear_path_tests {
 

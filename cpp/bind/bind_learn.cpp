@@ -1,6 +1,11 @@
 #include <pybind11/eigen.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "bind/parts.hpp"
+#include "leadthrough/learn/alignment.hpp"
+#include "leadthrough/learn/arc_length.hpp"
 #include "leadthrough/learn/basis_functions.hpp"
 #include "leadthrough/learn/curves.hpp"
 #include "leadthrough/learn/dense.hpp"
@@ -13,13 +18,50 @@ namespace leadthrough {
 
 namespace {
 
-using Numbers = py::array_t<double, py::array::c_style>;
+using Numbers = CArray<double>;
 using NumbersIn = const Numbers&;
 using VectorMap = Eigen::Map<const Eigen::VectorXd>;
 using RowsMap = Eigen::Map<const Rows>;
 
 // More via points are left to the checks in Python.
 constexpr py::ssize_t kMaxVias = 100;
+
+Polyline polyline_of(const CArray<double>& points) {
+  require(points.ndim() == 2 && points.size() > 0);
+  return {points.data(), static_cast<std::size_t>(points.shape(0)),
+          static_cast<std::size_t>(points.shape(1))};
+}
+
+py::array_t<double> lengths_along(const CArray<double>& points) {
+  const Polyline curve = polyline_of(points);
+  return moved_array(without_gil([&] { return arc_lengths(curve); }, points.size() >= kLong));
+}
+
+// Rows at even lengths; None where the length of the curve is not finite.
+py::object resampled(const CArray<double>& points, std::size_t count) {
+  const Polyline curve = polyline_of(points);
+  require(count >= 2);
+  const bool is_long = std::max(points.size(), static_cast<py::ssize_t>(count)) >= kLong;
+  const auto resample = [&] {
+    const std::vector<double> lengths = arc_lengths(curve);
+    return std::isfinite(lengths.back()) ? by_arc_length(curve, lengths, count)
+                                         : std::vector<double>();
+  };
+  std::vector<double> rows = without_gil(resample, is_long);
+  if (rows.empty()) return py::none();
+  return moved_array(std::move(rows), {static_cast<py::ssize_t>(count), points.shape(1)});
+}
+
+// A row and a column for each of the curves (k, n, d).
+py::array_t<double> between_curves(const CArray<double>& curves) {
+  require(curves.ndim() == 3 && curves.size() > 0);
+  const auto count = static_cast<std::size_t>(curves.shape(0));
+  const Polyline first{curves.data(), static_cast<std::size_t>(curves.shape(1)),
+                       static_cast<std::size_t>(curves.shape(2))};
+  const bool is_long = curves.size() * curves.shape(0) >= kLong;
+  return moved_array(without_gil([&] { return rms_apart(first, count); }, is_long),
+                     {curves.shape(0), curves.shape(0)});
+}
 
 // Data of an array that the checks in Python accept unchanged; null for any other object.
 const double* finite_rows(const py::handle& object, py::ssize_t rows, py::ssize_t columns) {
@@ -76,8 +118,7 @@ py::object condition_at(NumbersIn mean, NumbersIn covariance, NumbersIn centres,
 // motions, and whether they are certain to be finite. NumPy's memory comes in large pages: to get
 // small ones takes longer than to fill them.
 py::tuple curves(const BasisRows& basis, Eigen::Index functions, Eigen::Index bases,
-                 Eigen::Index rows, const Eigen::Ref<const Rows>& weights, py::ssize_t most,
-                 int threads) {
+                 Eigen::Index rows, const RowsRef& weights, py::ssize_t most, int threads) {
   require(functions > 0 && rows > 0 && weights.size() > 0 && weights.cols() % functions == 0 &&
           most > 0);
   const Eigen::Index width = weights.cols() / functions;
@@ -95,8 +136,8 @@ py::tuple curves(const BasisRows& basis, Eigen::Index functions, Eigen::Index ba
 }
 
 // Curves over given rows of the bases, which lie below each other.
-py::tuple curves_over(const Eigen::Ref<const Rows>& basis, Eigen::Index bases,
-                      const Eigen::Ref<const Rows>& weights, py::ssize_t most, int threads) {
+py::tuple curves_over(const RowsRef& basis, Eigen::Index bases, const RowsRef& weights,
+                      py::ssize_t most, int threads) {
   require(bases > 0 && basis.rows() % bases == 0);
   const Eigen::Index rows = basis.rows() / bases;
   const auto part = [&](Eigen::Index first, Eigen::Index count) {
@@ -110,10 +151,9 @@ py::tuple curves_over(const Eigen::Ref<const Rows>& basis, Eigen::Index bases,
 
 // Curves over basis functions and their derivatives by time, of which there are as many as factors
 // but one.
-py::tuple curves_over_basis(const Eigen::Ref<const Eigen::VectorXd>& phases,
-                            const Eigen::Ref<const Eigen::VectorXd>& centres, double sharpness,
-                            bool periodic, const Eigen::Ref<const Eigen::VectorXd>& factors,
-                            const Eigen::Ref<const Rows>& weights, py::ssize_t most, int threads) {
+py::tuple curves_over_basis(const VectorRef& phases, const VectorRef& centres, double sharpness,
+                            bool periodic, const VectorRef& factors, const RowsRef& weights,
+                            py::ssize_t most, int threads) {
   require(factors.size() >= 1 && factors.size() <= 3);
   const auto part = [&](Eigen::Index first, Eigen::Index count) {
     Rows found = basis_and_derivatives(phases.segment(first, count), centres, sharpness, periodic,
@@ -127,43 +167,41 @@ py::tuple curves_over_basis(const Eigen::Ref<const Eigen::VectorXd>& phases,
 
 }  // namespace
 
-void bind_gaussian(py::module_& module) {
-  module.def("sample_truncated_gaussian", &sample_truncated_gaussian, py::arg("walls").noconvert(),
-             py::arg("limits").noconvert(), py::arg("start").noconvert(),
-             py::arg("velocities").noconvert(), Unlocking());
+void bind_learn(py::module_& module) {
+  for (const auto& [name, compare] :
+       {std::pair("dtw_distance", &dtw_distance), std::pair("frechet_distance", &frechet_distance)})
+    module.def(name, compare, "a"_array, "b"_array, "band"_a, Unlocking());
+  module.def("dtw_path", &dtw_path, "a"_array, "b"_array, Unlocking());
+  module.def("arc_lengths", &lengths_along, "points"_array);
+  module.def("rms_apart", &between_curves, "curves"_array);
+  module.def("by_arc_length", &resampled, "points"_array, "count"_a);
+
+  module.def("sample_truncated_gaussian", &sample_truncated_gaussian, "walls"_array, "limits"_array,
+             "start"_array, "velocities"_array, Unlocking());
   module.def(
       "condition_weights",
-      [](const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::Ref<const Rows>& covariance,
-         const Eigen::Ref<const Rows>& basis, const Eigen::Ref<const Columns>& columns,
-         const Eigen::Ref<const Rows>& values, const Eigen::Ref<const Rows>& noise,
-         const Eigen::Ref<const Eigen::VectorXd>& scale, double least) {
+      [](const VectorRef& mean, const RowsRef& covariance, const RowsRef& basis,
+         const Eigen::Ref<const Columns>& columns, const RowsRef& values, const RowsRef& noise,
+         const VectorRef& scale, double least) {
         Conditioned result = without_gil([&] {
           return condition_weights(mean, covariance, basis, columns, values, noise, scale, least);
         });
         return py::make_tuple(result.certain, std::move(result.mean), std::move(result.covariance));
       },
-      py::arg("mean").noconvert(), py::arg("covariance").noconvert(), py::arg("basis").noconvert(),
-      py::arg("columns").noconvert(), py::arg("values").noconvert(), py::arg("noise").noconvert(),
-      py::arg("scale").noconvert(), py::arg("least"));
-  module.def("condition_at", &condition_at, py::arg("mean").noconvert(),
-             py::arg("covariance").noconvert(), py::arg("centres").noconvert(),
-             py::arg("sharpness"), py::arg("periodic"), py::arg("scale").noconvert(),
-             py::arg("duration"), py::arg("time"), py::arg("position"), py::arg("noise"),
-             py::arg("least"));
-  module.def("product", &product, py::arg("left").noconvert(), py::arg("right").noconvert(),
-             Unlocking());
-  module.def("solve_definite", &solve_definite, py::arg("matrix").noconvert(),
-             py::arg("right").noconvert(), Unlocking());
-  module.def("is_covariance", &is_covariance, py::arg("matrix").noconvert(), Unlocking());
-  module.def("normalised_basis", &normalised_basis, py::arg("phases").noconvert(),
-             py::arg("centres").noconvert(), py::arg("sharpness"), py::arg("periodic"),
-             py::arg("order"), Unlocking());
-  module.def("curves_over", &curves_over, py::arg("basis").noconvert(), py::arg("bases"),
-             py::arg("weights").noconvert(), py::arg("most"), py::arg("threads"));
-  module.def("curves_over_basis", &curves_over_basis, py::arg("phases").noconvert(),
-             py::arg("centres").noconvert(), py::arg("sharpness"), py::arg("periodic"),
-             py::arg("factors").noconvert(), py::arg("weights").noconvert(), py::arg("most"),
-             py::arg("threads"));
+      "mean"_array, "covariance"_array, "basis"_array, "columns"_array, "values"_array,
+      "noise"_array, "scale"_array, "least"_a);
+  module.def("condition_at", &condition_at, "mean"_array, "covariance"_array, "centres"_array,
+             "sharpness"_a, "periodic"_a, "scale"_array, "duration"_a, "time"_a, "position"_a,
+             "noise"_a, "least"_a);
+  module.def("product", &product, "left"_array, "right"_array, Unlocking());
+  module.def("solve_definite", &solve_definite, "matrix"_array, "right"_array, Unlocking());
+  module.def("is_covariance", &is_covariance, "matrix"_array, Unlocking());
+  module.def("normalised_basis", &normalised_basis, "phases"_array, "centres"_array, "sharpness"_a,
+             "periodic"_a, "order"_a, Unlocking());
+  module.def("curves_over", &curves_over, "basis"_array, "bases"_a, "weights"_array, "most"_a,
+             "threads"_a);
+  module.def("curves_over_basis", &curves_over_basis, "phases"_array, "centres"_array,
+             "sharpness"_a, "periodic"_a, "factors"_array, "weights"_array, "most"_a, "threads"_a);
 }
 
 }  // namespace leadthrough

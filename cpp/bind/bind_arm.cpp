@@ -1,9 +1,12 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <map>
 
 #include "bind/parts.hpp"
+#include "leadthrough/arm/dynamics.hpp"
+#include "leadthrough/arm/jacobian.hpp"
 #include "leadthrough/arm/urdf.hpp"
 #include "leadthrough/ik/solve.hpp"
 #include "leadthrough/rotation/so3.hpp"
@@ -38,18 +41,6 @@ urdf::Robot parse(const std::string& document) {
   return value_or_raise(without_gil([&] { return urdf::parse(document); }));
 }
 
-std::vector<std::string> link_names(const urdf::Robot& robot) {
-  std::vector<std::string> names;
-  for (const urdf::Link& link : robot.links) names.push_back(link.name);
-  return names;
-}
-
-std::vector<std::string> joint_names(const urdf::Robot& robot) {
-  std::vector<std::string> names;
-  for (const urdf::Joint& joint : robot.joints) names.push_back(joint.name);
-  return names;
-}
-
 std::vector<urdf::Joint> path(const urdf::Robot& robot, const std::string& base,
                               const std::string& tip) {
   std::vector<urdf::Joint> joints;
@@ -69,38 +60,15 @@ urdf::Robot hold(const urdf::Robot& robot,
   return std::get<urdf::Robot>(std::move(answer));
 }
 
+// Names of types, in the order of their enumerations.
 const char* kind(const urdf::Joint& joint) {
-  switch (joint.type) {
-    case urdf::JointType::kFixed:
-      return "fixed";
-    case urdf::JointType::kRevolute:
-      return "revolute";
-    case urdf::JointType::kContinuous:
-      return "continuous";
-    case urdf::JointType::kPrismatic:
-      return "prismatic";
-    case urdf::JointType::kPlanar:
-      return "planar";
-    case urdf::JointType::kFloating:
-      return "floating";
-  }
-  return "";
+  constexpr std::array kinds{"fixed", "revolute", "continuous", "prismatic", "planar", "floating"};
+  return kinds[static_cast<std::size_t>(joint.type)];
 }
 
 const char* geometry_kind(const urdf::Geometry& geometry) {
-  switch (geometry.type) {
-    case urdf::GeometryType::kBox:
-      return "box";
-    case urdf::GeometryType::kCylinder:
-      return "cylinder";
-    case urdf::GeometryType::kCapsule:
-      return "capsule";
-    case urdf::GeometryType::kSphere:
-      return "sphere";
-    case urdf::GeometryType::kMesh:
-      return "mesh";
-  }
-  return "";
+  constexpr std::array kinds{"box", "cylinder", "capsule", "sphere", "mesh"};
+  return kinds[static_cast<std::size_t>(geometry.type)];
 }
 
 // A box's edges or a mesh's scale; a radius; a radius and a length.
@@ -175,7 +143,7 @@ std::vector<std::tuple<std::string, std::string, Eigen::Vector3d>> meshes(
 
 }  // namespace
 
-void bind_chain(py::module_& module) {
+void bind_arm(py::module_& module) {
   py::class_<urdf::Mimic>(module, "Mimic")
       .def_readonly("joint", &urdf::Mimic::joint)
       .def_readonly("multiplier", &urdf::Mimic::multiplier)
@@ -208,24 +176,26 @@ void bind_chain(py::module_& module) {
       .def_property_readonly("colour", &colour);
 
   py::class_<urdf::Robot>(module, "Robot")
-      .def(py::init(&parse), py::arg("document"))
+      .def(py::init(&parse), "document"_a)
       .def_readonly("name", &urdf::Robot::name)
-      .def_property_readonly("links", &link_names)
-      .def_property_readonly("joints", &joint_names)
+      .def_property_readonly("links",
+                             [](const urdf::Robot& robot) { return names_of(robot.links); })
+      .def_property_readonly("joints",
+                             [](const urdf::Robot& robot) { return names_of(robot.joints); })
       .def_readonly("tree", &urdf::Robot::joints)
       .def_property_readonly("leaves", &leaf_names)
       .def_property_readonly("collisions", &collisions)
       .def_property_readonly("meshes", &meshes)
       .def_property_readonly("inertias", &inertias)
-      .def("geometry", &geometry_of, py::arg("link"), py::arg("role"))
-      .def("path", &path, py::arg("base"), py::arg("tip"))
-      .def("hold", &hold, py::arg("values"));
+      .def("geometry", &geometry_of, "link"_a, "role"_a)
+      .def("path", &path, "base"_a, "tip"_a)
+      .def("hold", &hold, "values"_a);
 
   py::class_<Chain>(module, "Chain")
       .def(py::init([](const urdf::Robot& robot, const std::string& base, const std::string& tip) {
              return value_or_raise(make_chain(robot, base, tip));
            }),
-           py::arg("robot"), py::arg("base"), py::arg("tip"))
+           "robot"_a, "base"_a, "tip"_a)
       .def_property_readonly("joints", [](const Chain& chain) { return chain.joints(); })
       .def_readonly("joint_names", &Chain::joint_names)
       .def_readonly("lower", &Chain::lower)
@@ -235,26 +205,26 @@ void bind_chain(py::module_& module) {
       .def_property_readonly("middle", &middle)
       .def_readonly("mass", &Chain::mass)
       .def_property_readonly("reach", &reach)
-      .def("with_bounds", &with_bounds, py::arg("lower").noconvert(), py::arg("upper").noconvert())
+      .def("with_bounds", &with_bounds, "lower"_array, "upper"_array)
       .def(
           "with_tool",
           [](const Chain& chain, const Eigen::Vector3d& position,
              const Eigen::Vector4d& orientation) {
             return with_tool(chain, {so3::to_matrix(orientation), position});
           },
-          py::arg("position"), py::arg("orientation"))
+          "position"_a, "orientation"_a)
       .def(
           "with_load",
           [](const Chain& chain, double mass, const Eigen::Vector3d& center,
              const Eigen::Matrix3d& inertia) { return with_load(chain, {mass, center, inertia}); },
-          py::arg("mass"), py::arg("center"), py::arg("inertia"))
+          "mass"_a, "center"_a, "inertia"_a)
       .def(
           "forward_kinematics",
-          [](const Chain& chain, const Eigen::Ref<const Rows>& q) {
+          [](const Chain& chain, const RowsRef& q) {
             Poses poses = without_gil([&] { return forward_kinematics_batch(chain, q); });
             return py::make_tuple(std::move(poses.positions), std::move(poses.orientations));
           },
-          py::arg("q").noconvert())
+          "q"_array)
       .def(
           "pose",
           [](const Chain& chain, const py::object& q) -> py::object {
@@ -265,7 +235,37 @@ void bind_chain(py::module_& module) {
             return py::make_tuple(py::array_t<double>(3, pose.position.data()),
                                   py::array_t<double>(4, orientation.data()));
           },
-          py::arg("q"));
+          "q"_a);
+
+  module.def("jacobian", &jacobian_batch, "chain"_a, "q"_array, Unlocking());
+  module.def(
+      "jacobian_of_one",
+      [](const Chain& chain, const py::object& q) -> py::object {
+        const double* joints = finite_vector(q, chain.joints());
+        if (!joints) return py::none();
+        Kinematics kinematics;
+        forward_kinematics(chain, joints, kinematics);
+        py::array_t<double> matrix({6, chain.joints()});
+        auto entries = matrix.mutable_unchecked<2>();
+        bool finite = true;
+        for (int column = 0; column < chain.joints(); ++column) {
+          const Vector6& twist = kinematics.jacobian[static_cast<std::size_t>(column)];
+          finite = finite && twist.allFinite();
+          for (int row = 0; row < 6; ++row) entries(row, column) = twist[row];
+        }
+        return finite ? py::object(matrix) : py::none();
+      },
+      "chain"_a, "q"_a);
+  module.def("jacobian_derivative", &jacobian_derivative_batch, "chain"_a, "q"_array, "qd"_array,
+             Unlocking());
+  module.def("jacobian_second_derivative", &jacobian_second_derivative_batch, "chain"_a, "q"_array,
+             "qd"_array, "qdd"_array, Unlocking());
+
+  py::class_<Dynamics>(module, "Dynamics")
+      .def(py::init<const Chain&>(), "chain"_a)
+      .def("inverse_dynamics", &Dynamics::torques, "q"_array, "qd"_array, "qdd"_array, "gravity"_a,
+           Unlocking())
+      .def("mass_matrix", &Dynamics::mass_matrices, "q"_array, Unlocking());
 }
 
 }  // namespace leadthrough
