@@ -78,9 +78,7 @@ def checked_query(generate: _Generate) -> _Generate:
         places = [(name, query[name]) for name in ("start", "goal") if query.get(name) is not None]
         via, shapes = query.get("via"), query.get("obstacles")
         pairs = via if isinstance(via, Sequence) else ()
-        places += [
-            ("via", pair[1]) for pair in pairs if isinstance(pair, tuple | list) and pair[1:]
-        ]
+        places += [("via", each[-1]) for each in pairs if isinstance(each, tuple | list) and each]
         if places or (isinstance(shapes, Sequence) and len(shapes) > 0):
             demonstrated = self._own_motion
             for name, place in places:
