@@ -56,6 +56,7 @@ class CheckedQuery:
         if self.duration is not None:
             vars(self)["duration"] = check.number(self.duration, "duration", above=0.0)
         object.__setattr__(self, "obstacles", check_shapes(self.obstacles))
+        check.instance(self.via, "via", Sequence, "a sequence of (phase, point)")
 
     def given(self) -> dict[str, Any]:
         """The parts that differ from the defaults, by name."""
