@@ -67,7 +67,7 @@ _DEGREE = math.pi / 180.0
 _UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "positions": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
-    "joints": {"rad": 1.0, "radians": 1.0, "deg": _DEGREE, "degrees": _DEGREE},
+    "joints": {"mm": 1e-3, "rad": 1.0, "radians": 1.0, "deg": _DEGREE, "degrees": _DEGREE},
 }
 
 

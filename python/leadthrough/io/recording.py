@@ -169,10 +169,13 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
     times = _times(table, chosen.get("time"), request.rate, len(next(iter(data.values()))))
     if "joints" in data:
         refuse_far(chosen["joints"], data["joints"], angles)
+        names = _joint_names(chosen["joints"], data["joints"], request)
+        if angles == "degrees":
+            _back_to_metres(data, chosen["joints"], names, request)
         return Recording(
             times,
             data["joints"],
-            joint_names=_joint_names(chosen["joints"], data["joints"], request),
+            joint_names=names,
             velocities=data.get("velocities"),
             accelerations=data.get("accelerations"),
             events=table.events,
@@ -412,6 +415,18 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
     if request.columns.get("joints") and strangers and len(own) == len(request.joints):
         return tuple(request.joints)  # as the user stated
     return tuple(headers.unit(name, "joints")[0] for name in columns)
+
+
+def _back_to_metres(
+    data: Mapping[str, Float64Array], columns: Columns, names: Sequence[str], request: Request
+) -> None:
+    """Undoes the conversion from degrees of prismatic joints whose columns state no unit."""
+    stated = [headers.unit(name, "joints")[1] is not None for name in columns]
+    of = names or tuple(request.joints)  # joints without names are the arm's, in its order
+    for i, name in enumerate(of[: data["joints"].shape[1]]):
+        if name in request.prismatic and not (names and stated[i]):
+            for rows in data.values():
+                rows[:, i] /= _DEGREE
 
 
 def _order(table: Table, columns: Columns, request: Request) -> str:

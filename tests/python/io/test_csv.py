@@ -282,3 +282,23 @@ def test_times_since_1970_are_read_in_the_unit_of_their_digits(write, unit, begi
     motion = lt.read_motion(write(f"timestamp,x,y\n{rows}\n"))
     np.testing.assert_allclose(np.diff(motion.times), 1.0, rtol=1e-5)
     assert motion.times[0] == pytest.approx(begin)
+
+
+@pytest.mark.parametrize(
+    ("header", "columns"),
+    [
+        ("t,turn,lift,turn_velocity,lift_velocity", None),
+        ("t,turn_deg,lift,turn_velocity,lift_velocity", None),
+        ("t,turn,lift_mm,turn_velocity,lift_velocity", None),
+        ("t,a,b,c,d", {"joints": ["a", "b"]}),
+    ],
+)
+def test_prismatic_joints_stay_in_metres_where_the_others_are_degrees(write, header, columns):
+    lift = 200.0 if "mm" in header else 0.2
+    path = write(f"{header}\n0,90,{lift},180,0.5\n1,180,{lift},180,0.5\n")
+    joints = {"turn": (-4.0, 4.0), "lift": (0.0, 0.3, "m")}
+    motion = lt.read_motion(path, angles="degrees", columns=columns, joints=joints)
+    assert motion.joint_names == ("turn", "lift")
+    np.testing.assert_allclose(motion.positions, [[np.pi / 2, 0.2], [np.pi, 0.2]])
+    if motion.velocities is not None:
+        np.testing.assert_allclose(motion.velocities[0], [np.pi, 0.5])
