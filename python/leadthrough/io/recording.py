@@ -484,7 +484,11 @@ def in_radians(
     if stated is not None:
         return numbers * stated
     if unit == "percent":
-        lower, upper = request.joints[headers.joint(name)]
+        lower, upper = request.joints[joint := headers.joint(name)]
+        if not math.isfinite(upper - lower):
+            raise InvalidInput(
+                f"angles: percent refer to a joint's range, and {joint} has no limits"
+            )
         least = 0.0 if is_gripper(name) else -100.0
         return np.asarray(lower + (numbers - least) / (100.0 - least) * (upper - lower))
     return numbers * (_DEGREE if unit == "degrees" else 1.0)

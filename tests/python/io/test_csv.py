@@ -302,3 +302,8 @@ def test_prismatic_joints_stay_in_metres_where_the_others_are_degrees(write, hea
     np.testing.assert_allclose(motion.positions, [[np.pi / 2, 0.2], [np.pi, 0.2]])
     if motion.velocities is not None:
         np.testing.assert_allclose(motion.velocities[0], [np.pi, 0.5])
+
+
+def test_percent_of_a_joint_without_limits_are_refused(write):
+    path, joints = write("t,turn\n0,9\n1,18\n"), {"turn": (-np.inf, np.inf)}
+    refused("angles: .* turn has no limits", lt.read_motion, path, angles="percent", joints=joints)
