@@ -486,9 +486,7 @@ def in_radians(
     if unit == "percent":
         lower, upper = request.joints[joint := headers.joint(name)]
         if not math.isfinite(upper - lower):
-            raise InvalidInput(
-                f"angles: percent refer to a joint's range, and {joint} has no limits"
-            )
+            raise InvalidInput(f"angles: percent are of a joint's range, and {joint} has no limits")
         least = 0.0 if is_gripper(name) else -100.0
         return np.asarray(lower + (numbers - least) / (100.0 - least) * (upper - lower))
     return numbers * (_DEGREE if unit == "degrees" else 1.0)
