@@ -79,13 +79,10 @@ def _is_path(name: str) -> bool:
 
 def ranges(arm: lt.Arm) -> Ranges:
     """The range of each joint, as `read_demonstrations` takes them."""
-    kinds = {joint.name: joint.kind for joint in arm.robot.tree}
-    return {
-        name: (lower, upper, "m") if kinds[name] == "prismatic" else (lower, upper)
-        for name, lower, upper in zip(
-            arm.joint_names, arm.limits.lower.tolist(), arm.limits.upper.tolist(), strict=True
-        )
-    }
+    sliding = {joint.name for joint in arm.robot.tree if joint.kind == "prismatic"}
+    pairs = zip(arm.limits.lower.tolist(), arm.limits.upper.tolist(), strict=True)
+    named = zip(arm.joint_names, pairs, strict=True)
+    return {name: (*pair, "m") if name in sliding else pair for name, pair in named}
 
 
 def refuse(need: str, **given: object) -> None:

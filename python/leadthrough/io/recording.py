@@ -22,7 +22,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check
+from leadthrough import check, sanity
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.io import headers
 from leadthrough.io.headers import AngleUnit, Columns
@@ -184,6 +184,11 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
     orientations = data.get("orientations")
     if orientations is not None:
         orientations = _quaternions(table, chosen["orientations"], orientations, request)
+    elif not request.columns and (angles_of := headers.rotation_angles(table.names)):
+        sanity.warn(
+            f"columns: {', '.join(angles_of)} are left out; orientations are read as quaternions, "
+            "such as qw, qx, qy, qz"
+        )
     return Recording(
         times,
         data["positions"],
@@ -421,10 +426,10 @@ def _back_to_metres(
     data: Mapping[str, Float64Array], columns: Columns, names: Sequence[str], request: Request
 ) -> None:
     """Undoes the conversion from degrees of prismatic joints whose columns state no unit."""
-    stated = [headers.unit(name, "joints")[1] is not None for name in columns]
     of = names or tuple(request.joints)  # joints without names are the arm's, in its order
-    for i, name in enumerate(of[: data["joints"].shape[1]]):
-        if name in request.prismatic and not (names and stated[i]):
+    for i, joint in enumerate(of[: data["joints"].shape[1]]):
+        column = columns[i if names else 0]
+        if joint in request.prismatic and headers.unit(column, "joints")[1] is None:
             for rows in data.values():
                 rows[:, i] /= _DEGREE
 

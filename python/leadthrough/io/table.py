@@ -77,7 +77,7 @@ class Request:
     topic: str | None = None
     frames: tuple[str, str] | None = None
     joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    prismatic: frozenset[str] = frozenset()  # those of the joints that are in m
+    prismatic: Sequence[str] = ()  # those of the joints that are in m
     part: tuple[int, int] | None = None
 
 
@@ -129,26 +129,22 @@ def _names(value: object, name: str) -> Columns:
     return tuple(names)
 
 
-def _joints(value: object) -> tuple[dict[str, tuple[float, float]], frozenset[str]]:
+def _joints(value: object) -> tuple[dict[str, tuple[float, float]], Sequence[str]]:
     """The limits of joints, and the names of those that are in m."""
     if value is None:
-        return {}, frozenset()
+        return {}, ()
     if not isinstance(value, Mapping) or not all(isinstance(name, str) for name in value):
         raise InvalidInput(f"joints: expected a mapping of names to limits, got {value!r}")
-    metres = frozenset(
-        name for name, each in value.items() if isinstance(each, tuple) and each[2:] == ("m",)
-    )
-    pairs = {
-        name: np.asarray(limits[:2] if name in metres else limits, dtype=float)
-        for name, limits in value.items()
-    }
-    for name, limits in pairs.items():
-        if limits.shape != (2,) or not limits[0] <= limits[1]:
+    ranges: dict[str, tuple[float, float]] = {}
+    metres = [n for n, each in value.items() if isinstance(each, tuple) and each[2:] == ("m",)]
+    for name, limits in value.items():
+        pair = np.asarray(limits[:2] if name in metres else limits, dtype=float)
+        if pair.shape != (2,) or not pair[0] <= pair[1]:
             raise InvalidInput(
-                f"joints[{name!r}]: expected (lower, upper) with lower <= upper, got {value[name]}"
+                f"joints[{name!r}]: expected (lower, upper) with lower <= upper, got {limits}"
             )
-    known = {name: (float(lower), float(upper)) for name, (lower, upper) in pairs.items()}
-    return known, metres
+        ranges[name] = (float(pair[0]), float(pair[1]))
+    return ranges, metres
 
 
 def _frames(value: object) -> tuple[str, str] | None:

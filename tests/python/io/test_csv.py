@@ -5,6 +5,7 @@ from refusals import raised, refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
+from leadthrough.sanity import ImplausibleInputWarning
 
 HEADER = "t,x,y,z,qw,qx,qy,qz,joint_1,joint_2,label"
 JOINTS = {"joints": ["joint_1", "joint_2"]}
@@ -307,3 +308,11 @@ def test_prismatic_joints_stay_in_metres_where_the_others_are_degrees(write, hea
 def test_percent_of_a_joint_without_limits_are_refused(write):
     path, joints = write("t,turn\n0,9\n1,18\n"), {"turn": (-np.inf, np.inf)}
     refused("angles: .* turn has no limits", lt.read_motion, path, angles="percent", joints=joints)
+
+
+@pytest.mark.parametrize("angles", ["rx,ry,rz", "Roll [deg],Pitch [deg],Yaw [deg]", "rot_x,rot_y"])
+def test_orientations_that_are_no_quaternions_are_not_left_out_silently(write, angles):
+    path = write(f"t,x,y,z,{angles}\n" + "0,1,2,3" + ",0" * len(angles.split(",")))
+    with pytest.warns(ImplausibleInputWarning, match="are left out; orientations are read as qua"):
+        lt.read_motion(path)
+    lt.read_motion(path, columns={"positions": ["x", "y", "z"]})
