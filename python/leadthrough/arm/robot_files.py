@@ -358,9 +358,8 @@ def _last(robot: core.Robot, joints: Mapping[int, int]) -> str:
     """The link behind the most joints: the robot's only end, else a tool's before others."""
     most = max(joints.values())
     names = [robot.links[i] for i, count in joints.items() if count == most]
-    if len(robot.leaves) == 1 and robot.leaves[0] in names:
-        return robot.leaves[0]
-    return max(names, key=lambda name: (name.endswith("tool0"), bool(_TOOL.search(name))))
+    only = robot.leaves if len(robot.leaves) == 1 else ()
+    return max(names, key=lambda n: (n in only, n.endswith("tool0"), bool(_TOOL.search(n))))
 
 
 def _is_finger(robot: core.Robot, joint: core.Joint) -> bool:
