@@ -41,7 +41,8 @@ def cleaned(files: Sequence[Path], **how: Any) -> list[lt.Demonstration]:
     recordings = lt.io.read_recordings(files, **how)
     for recording in recordings:
         # Both ends stay: `trimmed` has the options for them.
-        with output.naming(longest_gap="`leadthrough clean --longest-gap`"):
+        words = {"longest_gap": "`leadthrough clean --longest-gap`", "recording": recording.name}
+        with output.naming(**words):
             demonstration, report = lt.preprocess.clean(recording, rest=math.inf)
         print(f"{recording.name}: {report}", file=sys.stderr)
         demonstrations.append(demonstration)
