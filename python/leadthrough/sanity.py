@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array, InvalidInput, numbers_text
 from leadthrough.shapes import Shape
@@ -24,6 +25,8 @@ _STRETCHED = 5.0
 _RETURNS = 0.1  # extents between its ends, at most, of a motion that returns
 # Joints, rad: no query is more than two turns from a demonstrated joint position; degrees are.
 _TURNS = 4.0 * np.pi
+# rad: a step that is a turn but for the first is a leap, where the usual step is below the second.
+_OF_TURN, _USUAL_STEP = 0.6, 0.3
 # rad: an orientation farther than the first from all demonstrated ones, and with its components in
 # another order nearer than the second to the demonstrated end, was given in that order. One
 # rotation in five thousand is as near by chance.
@@ -92,6 +95,15 @@ def joints(given: Float64Array, demonstrated: Float64Array, name: str) -> None:
             f"{name}: number {farthest + 1} is {given[farthest]:.4g} rad, more than two turns "
             "from the demonstrated ones; give joints in radians, not degrees"
         )
+
+
+def whole_turns(positions: Float64Array) -> NDArray[np.bool_]:
+    """The joints (d,) that leap by a whole turn between samples (n, d), as encoders do."""
+    steps = np.abs(np.diff(positions, axis=0))
+    leaps = np.asarray((np.abs(steps - 2.0 * np.pi) < _OF_TURN).any(axis=0))
+    if len(positions) < _RECORDED or not leaps.any():
+        return np.zeros_like(leaps)
+    return leaps & (np.median(steps, axis=0) < _USUAL_STEP)
 
 
 def degrees(outside: float) -> str:

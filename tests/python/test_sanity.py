@@ -34,6 +34,19 @@ def test_a_place_in_millimetres_is_refused(skill, name):
     skill.generate(goal=(3.0 * GOAL, DOWN))  # far, and in m
 
 
+def test_a_point_to_pass_in_millimetres_is_refused():
+    demonstrations = [reach(), reach(GOAL + 0.01)]
+    dmp, promp = lt.DMP().fit(demonstrations), lt.ProMP().fit(demonstrations)
+    middle = 0.5 * (START + GOAL)
+    for passing, name in (
+        (lambda point: dmp.generate(via=[(0.5, point)]), "via"),
+        (lambda point: promp.condition(1.5, point), "position"),
+        (lambda point: promp.corrected(1.5, point), "position"),
+    ):
+        passing(middle + 0.01)
+        refused(rf"{name}: .* \(m, not mm\)", passing, 1000.0 * middle)
+
+
 def test_a_goal_many_extents_away_is_warned_of(skill):
     """Three numbers are a position: nobody knows yet whether an arm reaches it."""
     with pytest.warns(ImplausibleInputWarning, match=r"goal: \(1, 2, 3\) lies 2.6 from a motion"):

@@ -203,9 +203,9 @@ def _load(path: str | PathLike[str]) -> dict[str, Any]:
             content = str(file.read(_MAX_FILE + 1), "utf-8")
     except (OSError, ValueError, TypeError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise InvalidInput(f"limits: cannot read {path!r} ({reason})") from None
+        raise InvalidInput(f"limits: cannot read {path} ({reason})") from None
     if len(content) > _MAX_FILE:
-        raise InvalidInput(f"limits: expected at most {_MAX_FILE:,} bytes, {path!r} has more")
+        raise InvalidInput(f"limits: expected at most {_MAX_FILE:,} bytes, {path} has more")
     try:
         document = tomllib.loads(content)
     except (tomllib.TOMLDecodeError, RecursionError) as error:

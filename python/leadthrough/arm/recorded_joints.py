@@ -115,6 +115,7 @@ def _unwrapped(chain: core.Chain | JointLimits, positions: Float64Array) -> Floa
     """Joints (n, joints) without the leaps of whole turns that encoders make."""
     endless = ~(np.isfinite(chain.lower) & np.isfinite(chain.upper))
     leaps = endless & (np.abs(np.diff(positions, axis=0)) > np.pi).any(axis=0)
+    leaps |= sanity.whole_turns(positions)
     if not leaps.any():
         return positions
     return np.where(leaps, np.unwrap(positions, axis=0), positions)

@@ -344,7 +344,8 @@ def proposed_ends(document: str, recorded: Sequence[str] = ()) -> tuple[str, str
     behind: dict[int, int] = {}  # how many of them are before a link
     for joint in robot.tree:
         is_recorded = joint.name in recorded and not _is_finger(robot, joint)
-        if is_recorded or (joint.kind == "fixed" and joint.parent in behind):
+        follows = joint.kind == "fixed" or (joint.mimic and not _is_finger(robot, joint))
+        if is_recorded or (follows and joint.parent in behind):
             first[joint.child] = first.get(joint.parent, joint.parent)
             behind[joint.child] = behind.get(joint.parent, 0) + is_recorded
     if not behind:
@@ -354,10 +355,11 @@ def proposed_ends(document: str, recorded: Sequence[str] = ()) -> tuple[str, str
 
 
 def _last(robot: core.Robot, joints: Mapping[int, int]) -> str:
-    """The link behind the most joints, a tool's before others."""
+    """The link behind the most joints: the robot's only end, else a tool's before others."""
     most = max(joints.values())
     names = [robot.links[i] for i, count in joints.items() if count == most]
-    return max(names, key=lambda name: (name.endswith("tool0"), bool(_TOOL.search(name))))
+    only = robot.leaves if len(robot.leaves) == 1 else ()
+    return max(names, key=lambda n: (n in only, n.endswith("tool0"), bool(_TOOL.search(n))))
 
 
 def _is_finger(robot: core.Robot, joint: core.Joint) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
@@ -20,7 +20,7 @@ from leadthrough.io.headers import AngleUnit, QuaternionOrder
 from leadthrough.models.registry import MODELS
 
 if TYPE_CHECKING:
-    from leadthrough.io.table import Request
+    from leadthrough.io.table import Ranges, Request
 
 EXAMPLES = ("reach",)
 _ROBOT = typer.Option(
@@ -187,7 +187,7 @@ class ReadOptions:
             "columns": columns
         }
 
-    def request(self, joints: Mapping[str, tuple[float, float]] | None = None) -> Request:
+    def request(self, joints: Ranges | None = None) -> Request:
         """The request that they make, for an arm's joints with their limits."""
         from leadthrough.io.table import as_request
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from leadthrough.cli import output
 from leadthrough.cli.options import RestOptions
 from leadthrough.io import formats, reading as files
 from leadthrough.io.files import replacing
-from leadthrough.io.table import Request, Table
+from leadthrough.io.table import Ranges, Request, Table
 from leadthrough.models import archive
 from leadthrough.motion import Motion
 
@@ -41,7 +41,8 @@ def cleaned(files: Sequence[Path], **how: Any) -> list[lt.Demonstration]:
     recordings = lt.io.read_recordings(files, **how)
     for recording in recordings:
         # Both ends stay: `trimmed` has the options for them.
-        with output.naming(longest_gap="`leadthrough clean --longest-gap`"):
+        words = {"longest_gap": "`leadthrough clean --longest-gap`", "recording": recording.name}
+        with output.naming(**words):
             demonstration, report = lt.preprocess.clean(recording, rest=math.inf)
         print(f"{recording.name}: {report}", file=sys.stderr)
         demonstrations.append(demonstration)
@@ -98,7 +99,7 @@ def _report_rests(recordings: Sequence[lt.Demonstration], kept: Sequence[lt.Demo
         print(line, file=sys.stderr)
 
 
-def one_motion(file: Path, *, joints: Mapping[str, tuple[float, float]] | None = None) -> Motion:
+def one_motion(file: Path, *, joints: Ranges | None = None) -> Motion:
     """The only motion in a file."""
     refuse_skills([file])
     return lt.io.read_motion(file, joints=joints)

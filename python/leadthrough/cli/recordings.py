@@ -205,7 +205,10 @@ def clean(
         results = reading.cleaned_episodes(stream, cleaned, table)
     else:
         recordings = lt.io.read_recordings(reading.listed(files), **layout.arguments())
-        done = [cleaned(each) for each in recordings]
+        done = []
+        for each in recordings:
+            with output.naming(recording=each.name):
+                done.append(cleaned(each))
         results = ((number, *each) for number, each in enumerate(done, start=1))
     several = table is not None or len(done) > 1
     files_written = []

@@ -17,6 +17,7 @@ from leadthrough.arm.inverse_kinematics import AXES
 from leadthrough.arm.robot_files import find_robot
 from leadthrough.cli import output, parse, reading
 from leadthrough.cli.options import ArmDetails
+from leadthrough.io.table import Ranges
 from leadthrough.motion import Motion, joints_with, with_derivatives
 
 # m or rad; the tip is this near to a path that is followed without tolerances.
@@ -76,11 +77,12 @@ def _is_path(name: str) -> bool:
     return "/" in name or name.lower().endswith((".urdf", ".xml", ".xacro"))
 
 
-def ranges(arm: lt.Arm) -> dict[str, tuple[float, float]]:
-    """The lower and upper limit of each joint, rad (m), as `read_demonstrations` takes them."""
-    limits = arm.limits
-    pairs = zip(limits.lower.tolist(), limits.upper.tolist(), strict=True)
-    return dict(zip(arm.joint_names, pairs, strict=True))
+def ranges(arm: lt.Arm) -> Ranges:
+    """The range of each joint, as `read_demonstrations` takes them."""
+    sliding = {joint.name for joint in arm.robot.tree if joint.kind == "prismatic"}
+    pairs = zip(arm.limits.lower.tolist(), arm.limits.upper.tolist(), strict=True)
+    named = zip(arm.joint_names, pairs, strict=True)
+    return {name: (*pair, "m") if name in sliding else pair for name, pair in named}
 
 
 def refuse(need: str, **given: object) -> None:

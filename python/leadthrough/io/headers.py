@@ -63,11 +63,15 @@ _WITH_UNIT = re.compile(
     r"(?P<plain>.+?)(?:[_ ]?\[(?P<a>[a-z]+)\]|[_ ]?\((?P<b>[a-z]+)\)|[_ ](?P<c>[a-z]+))",
     re.IGNORECASE,
 )
+# Rotation vectors and angles, whose convention no name states.
+_ANGLE = re.compile(
+    r"(.*[_.\-/ ])?(r[xyz]|(rot|rotation|rotvec|orientation)[_.][xyz]|roll|pitch|yaw)"
+)
 _DEGREE = math.pi / 180.0
 _UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "positions": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
-    "joints": {"rad": 1.0, "radians": 1.0, "deg": _DEGREE, "degrees": _DEGREE},
+    "joints": {"mm": 1e-3, "rad": 1.0, "radians": 1.0, "deg": _DEGREE, "degrees": _DEGREE},
 }
 
 
@@ -125,6 +129,11 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
         moving = tuple(name for name in names if name + suffix in names)
         found["joints"] += [moving] if moving else []
     return found
+
+
+def rotation_angles(names: Sequence[str]) -> Columns:
+    """The columns of rotation vectors or of angles such as roll, pitch and yaw."""
+    return tuple(name for name in names if _ANGLE.fullmatch(unit(name, "joints")[0].lower()))
 
 
 def derivatives(names: Sequence[str], joints: Columns) -> dict[str, Columns]:

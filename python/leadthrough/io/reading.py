@@ -18,7 +18,7 @@ from leadthrough.io import formats, lerobot, reader_process, robomimic
 from leadthrough.io.files import StrPath
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
 from leadthrough.io.recording import Recording, check_complete, recording
-from leadthrough.io.table import Request, Table, as_request
+from leadthrough.io.table import Ranges, Request, Table, as_request
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.rest import trim
 
@@ -34,7 +34,7 @@ def read_demonstrations(
     quaternions: QuaternionOrder | None = None,
     topic: str | None = None,
     frames: Sequence[str] | None = None,
-    joints: Mapping[str, tuple[float, float]] | None = None,
+    joints: Ranges | None = None,
     rest: float = 0.0,
 ) -> list[Demonstration]:
     """The demonstrations in one or several files, in their order; files with faults are refused.
@@ -63,7 +63,8 @@ def read_demonstrations(
         quaternions: order of four numbers whose names don't state it.
         topic: topic of a bag, where several have motions.
         frames: frame and child frame of a transform in a bag.
-        joints: an arm's joints by name, with their lower and upper limits in rad (m). Columns of
+        joints: an arm's joints by name, with (lower, upper) limits in rad, or (lower, upper, "m")
+            for prismatic ones, which stay in m where `angles` are degrees. Columns of
             these names are its joints, whatever else the file has; as many in `columns` of other
             names are its joints in this order. Percent refer to the limits.
         rest: s of standing still to keep before and after, >= 0; `math.inf` keeps all of it.
@@ -85,7 +86,7 @@ def read_motion(
     quaternions: QuaternionOrder | None = None,
     topic: str | None = None,
     frames: Sequence[str] | None = None,
-    joints: Mapping[str, tuple[float, float]] | None = None,
+    joints: Ranges | None = None,
 ) -> Motion:
     """The only motion in a file, whole, as `write_motion` writes it.
 
@@ -118,7 +119,7 @@ def read_recordings(
     quaternions: QuaternionOrder | None = None,
     topic: str | None = None,
     frames: Sequence[str] | None = None,
-    joints: Mapping[str, tuple[float, float]] | None = None,
+    joints: Ranges | None = None,
 ) -> list[Recording]:
     """The recordings in one or several files, with missing numbers and faulty times as they are.
 
@@ -259,7 +260,7 @@ def stream_recordings(
     quaternions: QuaternionOrder | None = None,
     topic: str | None = None,
     frames: Sequence[str] | None = None,
-    joints: Mapping[str, tuple[float, float]] | None = None,
+    joints: Ranges | None = None,
 ) -> Iterator[Episode]:
     """The recordings in files, one after the other; unreadable ones are skipped.
 

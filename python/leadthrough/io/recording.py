@@ -22,7 +22,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leadthrough import check
+from leadthrough import check, sanity
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.io import headers
 from leadthrough.io.headers import AngleUnit, Columns
@@ -169,10 +169,13 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
     times = _times(table, chosen.get("time"), request.rate, len(next(iter(data.values()))))
     if "joints" in data:
         refuse_far(chosen["joints"], data["joints"], angles)
+        names = _joint_names(chosen["joints"], data["joints"], request)
+        if angles == "degrees":
+            _back_to_metres(data, chosen["joints"], names, request)
         return Recording(
             times,
             data["joints"],
-            joint_names=_joint_names(chosen["joints"], data["joints"], request),
+            joint_names=names,
             velocities=data.get("velocities"),
             accelerations=data.get("accelerations"),
             events=table.events,
@@ -181,6 +184,11 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
     orientations = data.get("orientations")
     if orientations is not None:
         orientations = _quaternions(table, chosen["orientations"], orientations, request)
+    elif not request.columns and (angles_of := headers.rotation_angles(table.names)):
+        sanity.warn(
+            f"columns: {', '.join(angles_of)} are left out; orientations are read as quaternions, "
+            "such as qw, qx, qy, qz"
+        )
     return Recording(
         times,
         data["positions"],
@@ -414,6 +422,18 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
     return tuple(headers.unit(name, "joints")[0] for name in columns)
 
 
+def _back_to_metres(
+    data: Mapping[str, Float64Array], columns: Columns, names: Sequence[str], request: Request
+) -> None:
+    """Undoes the conversion from degrees of prismatic joints whose columns state no unit."""
+    of = names or tuple(request.joints)  # joints without names are the arm's, in its order
+    for i, joint in enumerate(of[: data["joints"].shape[1]]):
+        column = columns[i if names else 0]
+        if joint in request.prismatic and headers.unit(column, "joints")[1] is None:
+            for rows in data.values():
+                rows[:, i] /= _DEGREE
+
+
 def _order(table: Table, columns: Columns, request: Request) -> str:
     order: str | None = headers.quaternion_order(columns) or request.quaternions
     if order is None and len(columns) == 1:
@@ -469,7 +489,9 @@ def in_radians(
     if stated is not None:
         return numbers * stated
     if unit == "percent":
-        lower, upper = request.joints[headers.joint(name)]
+        lower, upper = request.joints[joint := headers.joint(name)]
+        if not math.isfinite(upper - lower):
+            raise InvalidInput(f"angles: percent are of a joint's range, and {joint} has no limits")
         least = 0.0 if is_gripper(name) else -100.0
         return np.asarray(lower + (numbers - least) / (100.0 - least) * (upper - lower))
     return numbers * (_DEGREE if unit == "degrees" else 1.0)

@@ -14,6 +14,8 @@ from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.headers import AngleUnit, Columns, QuaternionOrder
 from leadthrough.motion import Events
 
+# An arm's joints: their lower and upper limits, rad, and "m" behind those of prismatic ones, m.
+Ranges = Mapping[str, tuple[float, float] | tuple[float, float, str]]
 ROLES = ("time", "positions", "orientations", "joints")
 ORDERS: tuple[QuaternionOrder, ...] = get_args(QuaternionOrder)
 ANGLES: tuple[AngleUnit, ...] = get_args(AngleUnit)
@@ -75,6 +77,7 @@ class Request:
     topic: str | None = None
     frames: tuple[str, str] | None = None
     joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    prismatic: Sequence[str] = ()  # those of the joints that are in m
     part: tuple[int, int] | None = None
 
 
@@ -98,7 +101,7 @@ def as_request(
         None if quaternions is None else check.choice(quaternions, "quaternions", ORDERS),
         topic,
         _frames(frames),
-        _joints(joints),
+        *_joints(joints),
     )
 
 
@@ -126,18 +129,22 @@ def _names(value: object, name: str) -> Columns:
     return tuple(names)
 
 
-def _joints(value: object) -> dict[str, tuple[float, float]]:
+def _joints(value: object) -> tuple[dict[str, tuple[float, float]], Sequence[str]]:
+    """The limits of joints, and the names of those that are in m."""
     if value is None:
-        return {}
+        return {}, ()
     if not isinstance(value, Mapping) or not all(isinstance(name, str) for name in value):
         raise InvalidInput(f"joints: expected a mapping of names to limits, got {value!r}")
-    pairs = {name: np.asarray(limits, dtype=float) for name, limits in value.items()}
-    for name, limits in pairs.items():
-        if limits.shape != (2,) or not limits[0] <= limits[1]:
+    ranges: dict[str, tuple[float, float]] = {}
+    metres = [n for n, each in value.items() if isinstance(each, tuple) and each[2:] == ("m",)]
+    for name, limits in value.items():
+        pair = np.asarray(limits[:2] if name in metres else limits, dtype=float)
+        if pair.shape != (2,) or not pair[0] <= pair[1]:
             raise InvalidInput(
-                f"joints[{name!r}]: expected (lower, upper) with lower <= upper, got {value[name]}"
+                f"joints[{name!r}]: expected (lower, upper) with lower <= upper, got {limits}"
             )
-    return {name: (float(lower), float(upper)) for name, (lower, upper) in pairs.items()}
+        ranges[name] = (float(pair[0]), float(pair[1]))
+    return ranges, metres
 
 
 def _frames(value: object) -> tuple[str, str] | None:

@@ -21,7 +21,7 @@ from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.models.archive import Arrays, FittedSkill, archived, from_archived, prefixed
 from leadthrough.models.protocol import Demonstrations, Parameter, Skill
-from leadthrough.models.queries import CheckedQuery, is_free
+from leadthrough.models.queries import CheckedQuery, check_place, is_free
 from leadthrough.motion import (
     JointTrajectory,
     Motion,
@@ -120,6 +120,7 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         when = check.number(at, "at", at_least=0.0, at_most=motion.duration)
         fraction = float(np.interp(when, motion.times - motion.times[0], self._progress(motion)))
         self._check_inside(fraction)
+        check_place(place, motion, "position")
         offset = _offset(motion, when + float(motion.times[0]), place)
         kept = [
             each

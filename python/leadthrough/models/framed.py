@@ -409,8 +409,6 @@ class FramedSkill(SteppedSkill[MotionT_co]):
 
     def _via(self, via: Via) -> Via:
         """Via points seen from the frame."""
-        if not isinstance(via, Sequence):
-            raise InvalidInput(f"via: expected a sequence of (phase, point), got {via!r}")
         if len(via) == 0:
             return ()
         if not all(isinstance(pair, tuple | list) and len(pair) == 2 for pair in via):

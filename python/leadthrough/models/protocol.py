@@ -363,6 +363,11 @@ def _refuse_unfit(motion: Motion, name: str) -> None:
     turns = isinstance(motion, PoseTrajectory) and not _is_still(motion.orientations)
     if _is_still(motion.positions) and not turns:
         raise FitError(f"{name}: does not move; leave it out")
+    if isinstance(motion, JointTrajectory) and sanity.whole_turns(motion.positions).any():
+        raise FitError(
+            f"{name}: a joint leaps by a whole turn between samples; name its arm by --robot; in "
+            "Python, arm.joints_of makes it continuous"
+        )
     if np.abs(motion.positions).max() > MAX_NUMBER:
         raise FitError(f"{name}: has numbers beyond {MAX_NUMBER:.0e}; use another unit")
     if not turns and _extent_is_below(motion.positions, 1.0 / MAX_NUMBER):

@@ -56,6 +56,7 @@ class CheckedQuery:
         if self.duration is not None:
             vars(self)["duration"] = check.number(self.duration, "duration", above=0.0)
         object.__setattr__(self, "obstacles", check_shapes(self.obstacles))
+        check.instance(self.via, "via", Sequence, "a sequence of (phase, point)")
 
     def given(self) -> dict[str, Any]:
         """The parts that differ from the defaults, by name."""
@@ -75,12 +76,14 @@ def checked_query(generate: _Generate) -> _Generate:
 
     @wraps(generate)
     def checked(self: Any, **query: Any) -> Any:
-        ends = {name: query[name] for name in ("start", "goal") if query.get(name) is not None}
-        shapes = query.get("obstacles")
-        if ends or (isinstance(shapes, Sequence) and len(shapes) > 0):
+        places = [(name, query[name]) for name in ("start", "goal") if query.get(name) is not None]
+        via, shapes = query.get("via"), query.get("obstacles")
+        pairs = via if isinstance(via, Sequence) else ()
+        places += [("via", each[-1]) for each in pairs if isinstance(each, tuple | list) and each]
+        if places or (isinstance(shapes, Sequence) and len(shapes) > 0):
             demonstrated = self._own_motion
-            for name, end in ends.items() if demonstrated is not None else ():
-                _check_end(end, demonstrated, name)
+            for name, place in places:
+                check_place(place, demonstrated, name)
             if isinstance(demonstrated, Trajectory | PoseTrajectory):
                 known = [shape for shape in shapes or () if isinstance(shape, Shape)]
                 sanity.obstacles(known, demonstrated.positions)
@@ -89,7 +92,10 @@ def checked_query(generate: _Generate) -> _Generate:
     return checked  # type: ignore[return-value]  # of the same signature, as wraps states
 
 
-def _check_end(end: Any, demonstrated: Motion, name: str) -> None:
+def check_place(end: Any, demonstrated: Motion | None, name: str) -> None:
+    """Refuses a start, goal or via point that is in another unit than a motion, if there is one."""
+    if demonstrated is None:
+        return
     is_pose = isinstance(demonstrated, PoseTrajectory)
     oriented = is_pose and isinstance(end, tuple | list) and len(end) == 2
     if is_pose and _numbers(end, 7) is not None:

@@ -198,6 +198,8 @@ _GAP = 5.0  # median steps without a sample
 _MIN_LENGTH = 0.5  # anything shorter, or longer than its inverse, was never a rotation
 _SPIKE_WINDOW = 7  # samples of the median: up to three in a row may be wrong
 _USUAL_WINDOW = 51  # samples whose distances and steps are the usual ones
+# Changes between runs of rising times, per run, from which on these are recordings of their own.
+_SHUFFLED = 10
 _LARGER = 80  # percentile of the steps that counts; a few spikes stay above it
 _TO_SIGMA = 1.4826  # standard deviation per median absolute deviation of a normal distribution
 _TOGETHER = 1000  # samples whose windows are in memory at a time
@@ -303,7 +305,7 @@ def cut_at_gaps(
     longest = check.number(longest_gap, "longest_gap", above=0.0)
     whole = _as_recording(recording)
     whole = _chosen(whole, np.flatnonzero(np.isfinite(whole.times)))
-    whole = _chosen(whole, np.argsort(whole.times, kind="stable"))
+    whole = _chosen(whole, _in_time(whole.times))
     if len(whole.times) == 0:
         raise InvalidInput("recording: expected samples with times, got none")
     starts = [end for start, end in _gaps(whole.times) if end - start > longest]
@@ -376,7 +378,7 @@ def _without_faults(recording: Recording, factor: float | None) -> tuple[Recordi
     if len(kept.times) == 0:
         raise InvalidInput("recording: expected some samples without missing numbers, got none")
     unordered = int(np.count_nonzero(kept.times < np.maximum.accumulate(kept.times)))
-    kept = _chosen(kept, np.argsort(kept.times, kind="stable"))
+    kept = _chosen(kept, _in_time(kept.times))
     fresh = np.diff(kept.times, prepend=-np.inf) > 0.0
     kept = _chosen(kept, np.flatnonzero(fresh))
     kept, rotation_counts = _with_rotations(kept)
@@ -388,6 +390,20 @@ def _without_faults(recording: Recording, factor: float | None) -> tuple[Recordi
         "spikes": tuple(kept.times[leaps].tolist()),
         **rotation_counts,
     }
+
+
+def _in_time(times: Float64Array) -> NDArray[np.int64]:
+    """The samples in the order of their times. Refuses runs that would be shuffled together."""
+    order = np.argsort(times, kind="stable")
+    back = np.diff(times) < 0.0
+    run = np.cumsum(np.concatenate([[False], back]))
+    if np.count_nonzero(np.diff(run[order])) > _SHUFFLED * np.count_nonzero(back):
+        i = int(np.argmax(back))
+        raise InvalidInput(
+            f"recording: its times start again, with {times[i + 1]:.6g} s behind {times[i]:.6g} s; "
+            "divide it there into two recordings"
+        )
+    return order
 
 
 def _valid(recording: Recording) -> NDArray[np.bool_]:

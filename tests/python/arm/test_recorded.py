@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from refusals import refused
+from refusals import raised, refused
 
 import leadthrough as lt
 from leadthrough.arm import FollowOptions, IkOptions
@@ -74,6 +74,15 @@ def test_joints_without_limits_are_made_continuous():
     np.testing.assert_allclose(found, q, atol=1e-12)
     shown = endless.poses(recorded)
     assert np.abs(np.diff(shown.joints.positions, axis=0)).max() < 0.5
+
+
+def test_leaps_of_whole_turns_are_undone_with_an_arm_and_refused_without():
+    arm = lt.Arm.load("ur3")
+    q = np.linspace([2.9, -1.6, 1.9, -1.9, -1.6, 0.0], [3.5, -1.3, 1.5, -1.7, -1.5, 0.5], 50)
+    leaping = lt.JointTrajectory(np.linspace(0.0, 2.0, 50), (q + np.pi) % (2.0 * np.pi) - np.pi)
+    np.testing.assert_allclose(arm.joints_of(leaping).positions, q, atol=1e-12)
+    assert "leaps by a whole turn" in str(raised(lt.errors.FitError, lt.learn, [leaping]))
+    lt.learn([arm.joints_of(leaping)])
 
 
 def test_poses_of_joints_are_followed_in_the_posture_that_was_shown():

@@ -49,3 +49,12 @@ def test_several_recordings_go_to_numbered_files(tmp_path):
 def test_a_strict_reader_says_what_to_do(faulty):
     with pytest.raises(lt.errors.InvalidInput, match=r"line 52, .* `leadthrough clean`"):
         lt.read_demonstrations(faulty)
+
+
+def test_a_recording_that_cannot_be_cleaned_is_named(tmp_path):
+    for name, times in (("whole", [0.0, 0.1, 0.2, 0.3]), ("torn", [0.0, 0.1, 0.2, 9.0])):
+        rows = [f"{time},{time},0" for time in times]
+        (tmp_path / f"{name}.csv").write_text("\n".join(["t,x,y", *rows]))
+    for words in (("learn", "--clean", "-o", "skill.npz"), ("clean", "-o", "clean.csv")):
+        told = run(words[0], tmp_path, *words[1:-1], tmp_path / words[-1], code=2).stderr
+        assert "torn: no sample from 0.2 to 9 s" in told

@@ -142,3 +142,21 @@ def test_the_arm_that_was_recorded_is_proposed():
     recorded = ["time", "right_a", "right_b"]
     assert robot_files.proposed_ends(document, recorded) == ("right0", "right_tool0")
     assert robot_files.proposed_ends(document, ["time"]) == ("root", "left_tool0")
+
+
+JOINT = """<link name="{1}"/><joint name="{0}" type="{2}"><parent link="{3}"/>
+<child link="{1}"/>{4}</joint>"""
+
+
+def test_the_arm_is_proposed_to_its_only_end_also_behind_a_joint_that_mimics():
+    joints = [
+        ("j1", "upper", "continuous", "base", ""),
+        ("rod", "lower", "continuous", "upper", '<mimic joint="j1" multiplier="-1"/>'),
+        ("j2", "wrist", "continuous", "lower", ""),
+        ("plate", "flange_plate", "fixed", "wrist", ""),
+        ("pin", "needle", "fixed", "flange_plate", ""),
+    ]
+    links = '<link name="base"/>' + "".join(JOINT.format(*each) for each in joints)
+    document = f'<robot name="r">{links}</robot>'
+    assert robot_files.proposed_ends(document, ["j1", "j2"]) == ("base", "needle")
+    assert robot_files.proposed_ends(document) == ("base", "needle")

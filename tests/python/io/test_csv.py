@@ -5,6 +5,7 @@ from refusals import raised, refused
 
 import leadthrough as lt
 from leadthrough.errors import InvalidInput
+from leadthrough.sanity import ImplausibleInputWarning
 
 HEADER = "t,x,y,z,qw,qx,qy,qz,joint_1,joint_2,label"
 JOINTS = {"joints": ["joint_1", "joint_2"]}
@@ -282,3 +283,36 @@ def test_times_since_1970_are_read_in_the_unit_of_their_digits(write, unit, begi
     motion = lt.read_motion(write(f"timestamp,x,y\n{rows}\n"))
     np.testing.assert_allclose(np.diff(motion.times), 1.0, rtol=1e-5)
     assert motion.times[0] == pytest.approx(begin)
+
+
+@pytest.mark.parametrize(
+    ("header", "columns"),
+    [
+        ("t,turn,lift,turn_velocity,lift_velocity", None),
+        ("t,turn_deg,lift,turn_velocity,lift_velocity", None),
+        ("t,turn,lift_mm,turn_velocity,lift_velocity", None),
+        ("t,a,b,c,d", {"joints": ["a", "b"]}),
+    ],
+)
+def test_prismatic_joints_stay_in_metres_where_the_others_are_degrees(write, header, columns):
+    lift = 200.0 if "mm" in header else 0.2
+    path = write(f"{header}\n0,90,{lift},180,0.5\n1,180,{lift},180,0.5\n")
+    joints = {"turn": (-4.0, 4.0), "lift": (0.0, 0.3, "m")}
+    motion = lt.read_motion(path, angles="degrees", columns=columns, joints=joints)
+    assert motion.joint_names == ("turn", "lift")
+    np.testing.assert_allclose(motion.positions, [[np.pi / 2, 0.2], [np.pi, 0.2]])
+    if motion.velocities is not None:
+        np.testing.assert_allclose(motion.velocities[0], [np.pi, 0.5])
+
+
+def test_percent_of_a_joint_without_limits_are_refused(write):
+    path, joints = write("t,turn\n0,9\n1,18\n"), {"turn": (-np.inf, np.inf)}
+    refused("angles: .* turn has no limits", lt.read_motion, path, angles="percent", joints=joints)
+
+
+@pytest.mark.parametrize("angles", ["rx,ry,rz", "Roll [deg],Pitch [deg],Yaw [deg]", "rot_x,rot_y"])
+def test_orientations_that_are_no_quaternions_are_not_left_out_silently(write, angles):
+    path = write(f"t,x,y,z,{angles}\n" + "0,1,2,3" + ",0" * len(angles.split(",")))
+    with pytest.warns(ImplausibleInputWarning, match="are left out; orientations are read as qua"):
+        lt.read_motion(path)
+    lt.read_motion(path, columns={"positions": ["x", "y", "z"]})

@@ -51,6 +51,16 @@ def test_samples_without_a_number_are_left_out():
     assert "3 samples with missing numbers, left out: 40, 41, 99" in str(report)
 
 
+@pytest.mark.parametrize("late", [0.0, 0.003])
+def test_a_clock_that_starts_again_is_refused_and_a_late_block_is_sorted(late):
+    times, line = np.arange(100) * 0.01, np.linspace(0.0, 1.0, 100)[:, None]
+    twice = Recording(np.r_[times, times + late], np.vstack([line, line + 0.3]))
+    refused(f"times start again, with {late:g} s behind 0.99 s", clean, twice)
+    block = np.r_[0:30, 60:100, 30:60]
+    cleaned, _ = clean(Recording(times[block] + late, line[block]))
+    np.testing.assert_array_equal(cleaned.motion.positions, line)
+
+
 def test_samples_out_of_order_are_sorted_and_repeated_ones_stay_once():
     rows = np.array([*range(50), 52, 50, 51, 51, *range(53, 201)])
     shuffled = replace(JOINTS, times=TIMES[rows], positions=SWING[rows])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -93,7 +92,6 @@ def course_through(
     learned: TransformationSystem, direct: core.DmpCourse, ends: Ends, via: Via, *, count: int
 ) -> core.DmpCourse:
     """A course made to pass via points."""
-    check.instance(via, "via", Sequence, "a sequence of (phase, point)")
     if len(via) == 0:
         return direct
     phases, points = _via(via, count)

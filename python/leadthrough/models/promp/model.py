@@ -52,7 +52,7 @@ from leadthrough.models.protocol import (
     motions_of,
     warn_of_misalignment,
 )
-from leadthrough.models.queries import CheckedQuery, checked_threads, even_times
+from leadthrough.models.queries import CheckedQuery, check_place, checked_threads, even_times
 from leadthrough.motion import Motion, MotionT, MotionT_co, Target, normalised_times
 
 Estimator: TypeAlias = Literal["least_squares", "em"]
@@ -343,6 +343,8 @@ class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
             self, phases, values, covariance, columns=chosen, order=order, name="position"
         )
         if covariance is None and order == 0:
+            for place in cast(Sequence[Target], position) if several else [position]:
+                check_place(place, self._own_motion, "position")
             columns_of = self.coordinates.every[: values.shape[1]] if chosen is None else chosen
             conditioning.refuse_too_close(self, skill, phases, values, columns_of)
         return skill

@@ -45,6 +45,7 @@ def test_bad_settings_are_refused_by_name(model, settings):
         ("joints", {"via": [(1.5, (0.0, 0.0, 0.0))]}),
         ("joints", {"via": [0.5]}),
         ("joints", {"via": 3}),
+        ("joints", {"via": np.array([[0.5, 0.0]])}),
         ("joints", {"start_velocity": (np.inf, 0.0, 0.0)}),
         ("joints", {"final_velocity": 1.0}),
         ("joints", {"goal": (1e308, 0.0, 0.0), "start": (-1e308, 0.0, 0.0)}),
