@@ -11,7 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
-from typing import TYPE_CHECKING, Any, Generic, Self, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -325,6 +325,15 @@ def lerp(at: NDArray[Any], places: NDArray[Any], rows: Float64Array) -> Float64A
     return np.column_stack([np.interp(at, places, column) for column in rows.T])
 
 
+def thin(motion: MotionT, rows: int) -> MotionT:
+    """About as many samples of a longer motion, with the last one, to which it leads."""
+    step = -(-len(motion.times) // rows)
+    if step == 1:
+        return motion
+    some = cast(MotionT, motion[(len(motion.times) - 1) % step :: step])
+    return replace(some, events=clipped_events(motion.events, some.times))
+
+
 def joints_with(motion: Motion) -> JointTrajectory | None:
     """The joints that go along with a motion of the tip, if it has any."""
     return None if isinstance(motion, JointTrajectory) else motion.joints
@@ -412,6 +421,9 @@ def _joints(joints: JointTrajectory | None, clock: Float64Array) -> JointTraject
         raise check.refused(
             "joints", f"{len(clock)} samples, one for each of the motion's", len(joints.times)
         )
+    bare = rows_of(joints).keys() == {"positions"} and not joints.events
+    if bare and np.array_equal(joints.times, clock):
+        return joints
     return JointTrajectory(clock, joints.positions, joint_names=joints.joint_names)
 
 

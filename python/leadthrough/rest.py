@@ -154,8 +154,8 @@ def white_noise(values: Float64Array) -> Float64Array:
     """Standard deviations (d,) of the white noise of columns (n, d), of which most is smooth."""
     if len(values) < _FEWEST:
         return np.zeros(values.shape[1])
-    third = np.abs(np.diff(values, 3, axis=0))
-    return np.asarray(_TO_SIGMA * np.median(third, axis=0) / _THIRD_DIFFERENCES)
+    thirds = [np.median(np.abs(np.diff(column, 3))) for column in values.T]
+    return np.asarray(_TO_SIGMA * np.array(thirds) / _THIRD_DIFFERENCES)
 
 
 def _threshold(speeds: Float64Array, noise: Float64Array) -> float:
@@ -177,14 +177,15 @@ def _slopes(
     if len(times) < 2:
         return np.zeros(len(times)), np.zeros(len(times))
     first, after = _windows(times, window)
-    t, x = times - times[0], values - values[0]
+    t = times - times[0]
     count = (after - first).astype(np.float64)
     total_t, total_tt = _sums(t, first, after), _sums(t * t, first, after)
     spread = np.maximum(total_tt - total_t**2 / count, np.finfo(np.float64).tiny)
-    products = _sums(t[:, None] * x, first, after) - total_t[:, None] * (
-        _sums(x, first, after) / count[:, None]
-    )
-    slopes = products / spread[:, None]
+    slopes = np.empty(values.shape)
+    for slope, column in zip(slopes.T, values.T, strict=True):  # in turn, for the memory's sake
+        x = column - column[0]
+        mean = _sums(x, first, after) / count
+        slope[:] = (_sums(t * x, first, after) - total_t * mean) / spread
     extent = float(np.ptp(values, axis=0).max())
     sigma = white_noise(values)
     reach = float(np.linalg.norm(sigma)) + _BEYOND_NOISE * float(sigma.max())
@@ -194,8 +195,7 @@ def _slopes(
 
 def _sums(values: Float64Array, first: NDArray[np.intp], after: NDArray[np.intp]) -> Float64Array:
     """Sums over the samples from `first` to before `after`."""
-    start = np.zeros((1, *values.shape[1:]))
-    running = np.concatenate([start, np.cumsum(values, axis=0)])
+    running = np.concatenate([[0.0], np.cumsum(values)])
     return np.asarray(running[after] - running[first])
 
 
@@ -235,7 +235,9 @@ def trim(
     """
     demonstration = as_demonstration(demonstration, "demonstration")
     motion = demonstration.motion
-    spare = rest if rest == math.inf else check.number(rest, "rest", at_least=0.0)
+    if rest == math.inf:
+        return demonstration
+    spare = check.number(rest, "rest", at_least=0.0)
     # Numbers of a damaged file, whose squares overflow, have no speed: the motion stays whole.
     with np.errstate(over="ignore", invalid="ignore"):
         speeds, _ = _clearest_speeds(motion)

@@ -21,11 +21,9 @@ void distances_to(const Eigen::Ref<const Eigen::RowVectorXd>& point, const Eigen
   part = part.sqrt();
 }
 
-// Cost of the best pairing, where `extend(best, distance)` is the cost of a pairing of cost `best`
-// with one more pair. Only one row of the table is kept, along the shorter curve.
-template <typename Extend>
-double best_pairing(const Eigen::Ref<const Points>& longer, const Eigen::Ref<const Points>& shorter,
-                    Eigen::Index band, Extend extend) {
+// The least sum of distances. Only one row of the table is kept, along the shorter curve.
+double least_sum(const Eigen::Ref<const Points>& longer, const Eigen::Ref<const Points>& shorter,
+                 Eigen::Index band) {
   const Eigen::ArrayXXd columns = shorter;
   const Eigen::Index n = columns.rows(), rows = longer.rows();
   Eigen::ArrayXd distances(n);
@@ -40,8 +38,7 @@ double best_pairing(const Eigen::Ref<const Points>& longer, const Eigen::Ref<con
     double left = kInfinity;
     for (Eigen::Index j = first; j < end; ++j) {
       const double above = cost[j];
-      const double best = std::min({diagonal, above, left});
-      left = extend(best, distances[j]);
+      left = std::min({diagonal, above, left}) + distances[j];
       cost[j] = left;
       diagonal = above;
     }
@@ -50,17 +47,74 @@ double best_pairing(const Eigen::Ref<const Points>& longer, const Eigen::Ref<con
   return cost[n - 1];
 }
 
+// The least largest distance if it is at most `bound`, else infinity. Of each row of the table only
+// the pairs that others within the bound lead to are visited: few, if the curves lie close.
+double least_largest_within(double bound, const Eigen::Ref<const Points>& longer,
+                            const Eigen::ArrayXXd& columns, Eigen::Index band) {
+  constexpr Eigen::Index kAtOnce = 64;  // distances
+  const Eigen::Index n = columns.rows(), rows = longer.rows();
+  Eigen::ArrayXd distances(n);
+  Eigen::ArrayXd cost = Eigen::ArrayXd::Constant(n, kInfinity);
+  // The pairs within the bound of the row before lie between these columns.
+  Eigen::Index first = 0, last = 0;
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    check_interrupt();
+    const Eigen::Index middle = rows > 1 ? i * (n - 1) / (rows - 1) : 0;
+    const Eigen::Index end = n - middle > band ? middle + band + 1 : n;
+    Eigen::Index j = middle > band ? std::max(first, middle - band) : first, known = j;
+    double diagonal = j > 0 ? cost[j - 1] : i > 0 ? kInfinity : 0.0;
+    double left = kInfinity;
+    cost.segment(first, j - first).setConstant(kInfinity);
+    const Eigen::Index before = last;
+    first = n;
+    for (; j < end && (j <= before + 1 || left < kInfinity); ++j) {
+      if (j == known) {
+        const Eigen::Index count = std::min(kAtOnce, n - j);
+        distances_to(longer.row(i), columns, j, count, distances);
+        known += count;
+      }
+      const double above = cost[j];
+      const double largest = std::max(std::min({diagonal, above, left}), distances[j]);
+      left = largest <= bound ? largest : kInfinity;
+      cost[j] = left;
+      diagonal = above;
+      if (left == kInfinity) continue;
+      first = std::min(first, j);
+      last = j;
+    }
+    if (first == n) return kInfinity;
+  }
+  return cost[n - 1];
+}
+
+// As soon as a bound, raised step by step, holds, it does not change the result.
+double least_largest(const Eigen::Ref<const Points>& longer,
+                     const Eigen::Ref<const Points>& shorter, Eigen::Index band) {
+  constexpr double kRaised = 4.0;
+  const Eigen::ArrayXXd columns = shorter;
+  const Eigen::Index n = columns.rows();
+  double bound = std::max((longer.row(0) - shorter.row(0)).norm(),
+                          (longer.bottomRows<1>() - shorter.bottomRows<1>()).norm());
+  if (n > 1)
+    bound += (shorter.bottomRows(n - 1) - shorter.topRows(n - 1)).rowwise().norm().maxCoeff();
+  for (;; bound *= kRaised) {
+    if (!(bound > 0.0)) bound = kInfinity;
+    const double found = least_largest_within(bound, longer, columns, band);
+    if (found < kInfinity || !(bound < kInfinity)) return found;
+  }
+}
+
 void check_curves(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
   check_argument(a.rows() > 0 && b.rows() > 0, "a, b: expected at least one point each");
   check_argument(a.cols() == b.cols(), "b: expected points of the dimension of those of a");
 }
 
-template <typename Extend>
-double best_pairing_of_either(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
-                              Eigen::Index band, Extend extend) {
+template <typename Cost>
+double cost_of_either(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
+                      Eigen::Index band, Cost cost) {
   check_curves(a, b);
   check_argument(band > 0, "band: expected at least one row");
-  return a.rows() < b.rows() ? best_pairing(b, a, band, extend) : best_pairing(a, b, band, extend);
+  return a.rows() < b.rows() ? cost(b, a, band) : cost(a, b, band);
 }
 
 // The step that leads to a pair.
@@ -105,8 +159,7 @@ std::vector<Move> best_moves(const Eigen::Ref<const Points>& a, const Eigen::Ref
 
 double dtw_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
                     Eigen::Index band) {
-  return best_pairing_of_either(a, b, band,
-                                [](double best, double distance) { return best + distance; });
+  return cost_of_either(a, b, band, least_sum);
 }
 
 Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b) {
@@ -129,8 +182,7 @@ Pairs dtw_path(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>
 
 double frechet_distance(const Eigen::Ref<const Points>& a, const Eigen::Ref<const Points>& b,
                         Eigen::Index band) {
-  return best_pairing_of_either(
-      a, b, band, [](double best, double distance) { return std::max(best, distance); });
+  return cost_of_either(a, b, band, least_largest);
 }
 
 }  // namespace leadthrough

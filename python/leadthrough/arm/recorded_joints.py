@@ -53,14 +53,15 @@ def warn_of_another_arm(chain: core.Chain, motion: Motion) -> None:
 
 def _outside(chain: core.Chain | JointLimits, own: JointTrajectory) -> str | None:
     """Message about joints far beyond the arm's limits, if any are."""
+    ends = np.array([own.positions.min(axis=0), own.positions.max(axis=0)])
     with np.errstate(invalid="ignore"):
         allowed = np.maximum(_BEYOND, _BEYOND_RANGE * (chain.upper - chain.lower))
-        beyond = np.maximum(chain.lower - own.positions, own.positions - chain.upper)
+        beyond = np.maximum(chain.lower - ends, ends - chain.upper)
     far = np.where(np.isfinite(allowed), beyond - allowed, -1.0)
-    sample, j = np.unravel_index(int(np.argmax(far)), far.shape)
-    if far[sample, j] <= 0.0:
+    end, j = np.unravel_index(int(np.argmax(far)), far.shape)
+    if far[end, j] <= 0.0:
         return None
-    name, value = chain.joint_names[j], own.positions[sample, j]
+    name, value = chain.joint_names[j], ends[end, j]
     return (
         f"trajectory: {name} goes to {value:.4g} rad (m), and its limits are {chain.lower[j]:.4g} "
         f"to {chain.upper[j]:.4g}; read a recording in degrees with angles='degrees', or name the "

@@ -98,9 +98,8 @@ def learn(
     demonstrations = reading.trimmed(_chosen(demonstrations, number), resting)
     demonstrations = _without(demonstrations, drop or [])
     if arm is not None:
-        recorded = demonstrations
-        demonstrations = [_of_the_arm(arm, each, as_joints=as_joints) for each in recorded]
-        _refuse_too_fast(ctx, arm, recorded)
+        _refuse_too_fast(ctx, arm, demonstrations)
+        demonstrations = [_of_the_arm(arm, each, as_joints=as_joints) for each in demonstrations]
     if align:
         demonstrations = lt.preprocess.align_by_time_warping(demonstrations)
     chosen = _asked_for(model, parameter, demonstrations)
@@ -110,7 +109,8 @@ def learn(
         if "rhythmic" not in repr(chosen).lower():  # a rhythm may be any number of periods long
             _refuse_contradictions(ctx, demonstrations)
         with _reporting_misalignment(ctx, demonstrations):
-            skill = lt.learn(demonstrations) if chosen is None else fit_all(chosen, demonstrations)
+            fit = partial(lt.learn, outliers="keep") if chosen is None else partial(fit_all, chosen)
+            skill = fit(demonstrations)
         near = lt.models.reproduction(skill, demonstrations)
         skill.save(out)
     found: dict[str, Any] = {
@@ -206,10 +206,11 @@ def _streamed(
 ) -> list[lt.Demonstration]:
     """The recordings that can be cleaned, each thinned out as it comes, with a table of faults."""
     from leadthrough.cli import reading
+    from leadthrough.motion import thin
 
     reading.check_suffix(table, reading.TABLE, "--table")
     return [
-        reading.thinned(demonstration, samples)
+        replace(demonstration, motion=thin(demonstration.motion, samples))
         for _, demonstration, _ in reading.cleaned_episodes(
             lt.io.stream_recordings(recordings, **how), lt.preprocess.clean, table
         )
@@ -338,11 +339,11 @@ def _too_fast(arm: lt.Arm, motion: lt.JointTrajectory) -> str:
     if len(t) < 2:
         return ""
     apart = min(max(1, round(_WINDOW / float(np.median(np.diff(t))))), len(t) - 1)
-    speeds = np.abs(q[apart:] - q[:-apart]) / (t[apart:] - t[:-apart])[:, None]
-    limits = np.where(arm.limits.velocity > 0.0, arm.limits.velocity, np.inf)
-    noise = np.array([noise_of(column[:, None]) for column in q.T])
-    speeds -= _SPREAD * noise / np.median(t[apart:] - t[:-apart])
-    factors = np.quantile(speeds, _QUANTILE, axis=0) / limits
+    spans = t[apart:] - t[:-apart]
+    speeds = [np.quantile(np.abs(x[apart:] - x[:-apart]) / spans, _QUANTILE) for x in q.T]
+    noise = np.array([noise_of(x[:, None]) for x in q.T])
+    speeds -= _SPREAD * noise / np.median(spans)
+    factors = speeds / np.where(arm.limits.velocity > 0.0, arm.limits.velocity, np.inf)
     joint = int(np.argmax(factors))
     if factors[joint] <= 1.0:
         return ""

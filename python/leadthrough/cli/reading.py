@@ -6,7 +6,6 @@ import csv
 import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from leadthrough.io.files import replacing
 from leadthrough.io.table import Ranges, Request, Table
 from leadthrough.models import archive
 from leadthrough.motion import Motion
+from leadthrough.rest import rest_at_ends
 
 listed, can_read, blaming = files.listed, files.can_read, files.blaming
 
@@ -82,8 +82,7 @@ def _report_rests(recordings: Sequence[lt.Demonstration], kept: Sequence[lt.Demo
     """Prints on stderr how long each recording stood still; of many, only the longest."""
     rests = []
     for whole, demonstration in zip(recordings, kept, strict=True):
-        before = demonstration.motion.times[0] - whole.motion.times[0]
-        after = whole.motion.times[-1] - demonstration.motion.times[-1]
+        before, after = rest_at_ends(whole.motion, demonstration.motion)
         if max(before, after) > _REPORTED:
             rests.append((whole.name, before, after))
     said = [
@@ -205,15 +204,3 @@ def _row(
         "unnormalised": report.unnormalised,
         "longest_gap_s": round(max((end - start for start, end in report.gaps), default=0.0), 6),
     }
-
-
-def thinned(demonstration: lt.Demonstration, samples: int) -> lt.Demonstration:
-    """The demonstration at no more than a number of evenly spaced times."""
-    motion = demonstration.motion
-    if len(motion) <= samples or motion.duration <= 0.0:
-        return demonstration
-    # A little more than needed, as the last sample comes no later than the old one.
-    rate = (samples - 1) / motion.duration * (1.0 - 1e-12)
-    return replace(
-        demonstration, motion=lt.preprocess.sample_evenly(demonstration, rate=rate).motion
-    )

@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 from leadthrough import check, tasks
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, ShortRepr
 from leadthrough.models import Model, ProMP, Skill, Target, TargetRegion
-from leadthrough.models.learn import thinned
+from leadthrough.models.learn import MAX_ROWS
 from leadthrough.models.protocol import Demonstrations, fit_all, motions_of
-from leadthrough.motion import Motion, lerp, target_of
+from leadthrough.motion import Motion, lerp, target_of, thin
 from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.align import features
 from leadthrough.tasks import Row, Store, Task
@@ -159,7 +159,7 @@ def judge_demonstrations(
     suspicion, faults = suspicions(motions)
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        few = tuple(thinned(motion) for motion in motions)
+        few = tuple(thin(motion, MAX_ROWS) for motion in motions)
         run = LeftOut(Material(learner, few, region), folder, on, task_timeout)
         sound = [i for i, each in enumerate(suspicion) if each < SUSPICIOUS]
         worth = run.worth(len(motions))

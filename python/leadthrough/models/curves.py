@@ -22,12 +22,13 @@ from leadthrough.preprocess.moved_ends import with_ends
 from leadthrough.preprocess.smooth import in_pieces
 
 # Rows of a curve: as few as keep all samples within a fraction of the extent, doubled from the
-# first number up to the last.
-_ROWS, _MAX_ROWS, _DETAIL = 200, 12_800, 1e-3
+# first number up to the second, of many samples to half of these, at most the third.
+_ROWS, MAX_ROWS, _MAX_OF_MANY, _DETAIL = 200, 12_800, 51_200, 1e-3
 # A motion is of as few cubic pieces, doubled from the first number, as leave out no more than a
 # fraction of the extent, each of at least so many rows; of more pieces, all is detail.
 _PIECES, _MAX_PIECES, _ROWS_A_PIECE, _TREMOR = 8, 256, 3, 2.5e-3
-_ALIGNED_ROWS = 200  # to which curves are aligned, as the pairs of rows grow with their square
+# Rows by which curves are aligned, as their pairs grow with the square; every eighth of long ones.
+_ALIGNED_ROWS, _ALIGNED_STEP = 200, 8
 # Fraction of a curve's length that time adds to it, so that phases rise during pauses.
 _PAUSE = 1e-4
 _TANGENT = 0.3  # weight of the unit tangent against the position in units of the extent
@@ -57,13 +58,9 @@ class Curves:
 
     def coarse(self, count: int) -> Curves:
         """The same at some of the phases, about as many as a number."""
-        step = max(1, self.rows.shape[1] // count)
-        return Curves(_thinned(self.rows, step), _thinned(self.times, step))
-
-
-def _thinned(rows: Float64Array, step: int) -> Float64Array:
-    """Every so manieth of the rows (k, n, ...), and the last."""
-    return np.concatenate([rows[:, :-1:step], rows[:, -1:]], axis=1)
+        last = self.rows.shape[1] - 1
+        some = np.append(np.arange(0, last, max(1, (last + 1) // count)), last)
+        return Curves(self.rows.take(some, axis=1), self.times.take(some, axis=1))
 
 
 def even_phases(count: int) -> Float64Array:
@@ -91,8 +88,8 @@ def by_arc(columns: Sequence[Float64Array], times: Sequence[Float64Array]) -> Cu
 
 def _row_count(columns: Sequence[Float64Array], phases: Sequence[Float64Array]) -> int:
     """The number of even rows between which no sample lies far from the line."""
-    count = _ROWS
-    while count < _MAX_ROWS:
+    count, most = _ROWS, min(max(MAX_ROWS, max(map(len, columns)) // 2), _MAX_OF_MANY)
+    while count < most:
         even = even_phases(count)
         missed = [
             np.linalg.norm(each - lerp(u, even, lerp(even, u, each)), axis=1).max()
@@ -125,7 +122,10 @@ def elastic(curves: Curves) -> Curves:
     """Curves by arc length, each aligned to the mean of all."""
     if len(curves.rows) < 2:
         return curves
-    coarse = curves.rows[:, :: max(1, curves.rows.shape[1] // _ALIGNED_ROWS)]
+    count = curves.rows.shape[1]
+    coarse = curves.rows[
+        :, :: _ALIGNED_STEP if count > MAX_ROWS else max(1, count // _ALIGNED_ROWS)
+    ]
     even = even_phases(coarse.shape[1])
     features = [_features(each) for each in _with_mean_ends(coarse)]
     apart = [sum(float(np.abs(a - b).mean()) for b in features) for a in features]

@@ -39,6 +39,7 @@ from leadthrough.motion import (
     in_order,
     lerp,
     target_of,
+    thin,
 )
 from leadthrough.preprocess import arc_length, by_arc_length, frechet_distance
 from leadthrough.preprocess.align import MIN_TURN, TURNING
@@ -48,8 +49,10 @@ _MAX_LEFT_OUT = 8  # demonstrations, evenly chosen
 # Which of several predicts a few left-out demonstrations slightly better than others is chance.
 _BETTER = 0.75
 _STEP = 1e-3  # of the extent, between compared points of a path
-_MAX_ROWS = 4000  # of a demonstration that families are compared by; a long log has 600,000
-_MIN_POINTS, _MAX_POINTS, _POINTS_A_ROW = 200, 4000, 10
+MAX_ROWS = 4000  # of a demonstration that families are compared by; a long log has 600,000
+_MIN_POINTS, _FEW_POINTS, _MAX_POINTS, _POINTS_A_ROW = 200, 4000, 64_000, 10
+_RESOLVED = 4.0  # steps between points: a smaller distance of paths may be that of their points
+_DT = 0.01  # s, at least, between rows that are generated
 _EVEN = 100  # rows, evenly spaced along each motion
 _CHORD = 2.0 * np.sqrt(2.0)  # Frobenius distance of opposite rotation matrices
 
@@ -86,7 +89,7 @@ def learn(
     count = len(motions)
     some = np.linspace(0, count - 1, min(count, _MAX_LEFT_OUT)).round()
     folds = [int(i) for i in some] if count > 1 else []  # demonstrations to leave out
-    few = [thinned(each) for each in motions]
+    few = [thin(each, MAX_ROWS) for each in motions]
     errors = {name: _mean_error(model, few, folds) for name, model in models.items()}
     chosen = _best(errors)
     fitted: Any = fit_all(models[chosen], motions)
@@ -116,12 +119,6 @@ def _models(candidates: Sequence[str | Model], motion: Motion) -> dict[str, Mode
     return found
 
 
-def thinned(motion: Motion) -> Motion:
-    """Every few samples of a long motion, with the last one, to which it leads."""
-    step = -(-len(motion.times) // _MAX_ROWS)
-    return motion[(len(motion.times) - 1) % step :: step]
-
-
 def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> float:
     errors = []
     for i in folds:
@@ -130,7 +127,8 @@ def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> fl
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", MisalignmentWarning)
                 start, goal = (target_of(motions[i], row) for row in (0, -1))
-                made = fit_all(model, rest).generate(start=start, goal=goal)
+                dt = max(_DT, motions[i].duration / MAX_ROWS)
+                made = fit_all(model, rest).generate(start=start, goal=goal, dt=dt)
         except LeadthroughError:
             return float("inf")
         errors.append(_mean_distance(motions[i], made))
@@ -191,7 +189,7 @@ def reproduction(skill: Skill[Any], demonstrations: Demonstrations[Motion]) -> R
         FitError: if there is no demonstration, or one does not move.
         InvalidInput: if they are of another type, size or arm than the skill's motions.
 
-    Source: Eiter and Mannila 1994, the discrete Frechet distance, of up to 4000 points evenly
+    Source: Eiter and Mannila 1994, the discrete Frechet distance, of up to 64,000 points evenly
         spaced along each path.
     """
     check_skill(skill)
@@ -224,7 +222,9 @@ def _distances(skill: Skill[Any], demonstrated: Motion) -> tuple[float, float]:
         asked |= {"start": target_of(demonstrated, 0), "goal": target_of(demonstrated, -1)}
     asked = {name: value for name, value in asked.items() if name in skill.supports}
     try:
-        made = skill.generate(**asked, dt=demonstrated.duration / _MAX_POINTS)
+        count = _point_count(demonstrated.positions)
+        count = _FEW_POINTS if count <= _FEW_POINTS else 3 * count  # parts of long ones are quick
+        made = skill.generate(**asked, dt=demonstrated.duration / count)
     except LeadthroughError:
         return np.inf, np.inf
     apart = _apart(demonstrated.positions, made.positions)
@@ -238,11 +238,20 @@ def _distances(skill: Skill[Any], demonstrated: Motion) -> tuple[float, float]:
 
 def _apart(demonstrated: Float64Array, made: Float64Array) -> float:
     """The Frechet distance of paths (n, d) and (m, d)."""
-    size = float(np.linalg.norm(np.ptp(demonstrated, axis=0)))
-    steps = arc_length(demonstrated)[-1] / (_STEP * size) if size > 0.0 else 0.0
-    most = min(_MAX_POINTS, max(_MIN_POINTS, _POINTS_A_ROW * len(demonstrated)))
-    count = int(np.clip(steps, _MIN_POINTS, most))
-    return frechet_distance(by_arc_length(demonstrated, count), by_arc_length(made, count))
+    most = _point_count(demonstrated)
+    for count in sorted({min(most, _FEW_POINTS), most}):
+        apart = frechet_distance(by_arc_length(demonstrated, count), by_arc_length(made, count))
+        if apart > _RESOLVED * arc_length(demonstrated)[-1] / count:
+            break
+    return apart
+
+
+def _point_count(rows: Float64Array) -> int:
+    """The number of points, evenly spaced along a path (n, d), that it is compared by."""
+    size = float(np.linalg.norm(np.ptp(rows, axis=0)))
+    steps = arc_length(rows)[-1] / (_STEP * size) if size > 0.0 else 0.0
+    most = min(_MAX_POINTS, max(_MIN_POINTS, _POINTS_A_ROW * len(rows)))
+    return int(np.clip(steps, _MIN_POINTS, most))
 
 
 def _mean_distance(demonstrated: Motion, made: Motion) -> float:

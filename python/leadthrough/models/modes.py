@@ -19,7 +19,7 @@ from leadthrough.check import FitError, Float64Array
 from leadthrough.models.archive import FittedSkill
 from leadthrough.models.coordinates import NODES, groups_of, mean_orientations
 from leadthrough.models.curves import Curves, by_arc, elastic, even_phases, features_of, modes_of
-from leadthrough.motion import Motion, MotionT, PoseTrajectory, Trajectory, normalised_times
+from leadthrough.motion import Motion, MotionT, PoseTrajectory, Trajectory, normalised_times, thin
 from leadthrough.preprocess.align import lateness
 from leadthrough.rest import long_rests
 
@@ -29,6 +29,7 @@ _ADVANCING = 1e-3
 # Rests this close, in phases of the common path, are at the same place.
 _NEAR = 0.08
 
+MAX_ROWS = 10_000  # of a demonstration: ten for each of the most weights
 _MIN_COUNT = 3  # motions, of which two can agree
 _AGREEING = 2  # motions that are rotated alike are a mode; a lone one is refused
 
@@ -36,10 +37,10 @@ _Fitted = TypeVar("_Fitted", bound=FittedSkill)
 
 
 def learned_by_mode(
-    fit: Callable[[Sequence[MotionT]], _Fitted], motions: Sequence[MotionT]
+    fit: Callable[[Sequence[MotionT]], _Fitted], motions: Sequence[MotionT], rows: int = MAX_ROWS
 ) -> _Fitted:
     """The skill of the most demonstrated mode, which knows those of the others."""
-    skills = [fit(each) for each in by_mode(motions)]
+    skills = [fit(each) for each in by_mode([thin(each, rows) for each in motions])]
     return skills[0].with_modes(skills)
 
 

@@ -38,7 +38,7 @@ _TREMBLING = 2e-3
 # Samples at which motions are compared; a path of pairs takes a byte for each pair.
 COMPARED = 1000
 _ROUNDS = 3
-_SMOOTHED = 0.021  # fraction of a warp that is averaged
+_SMOOTHED, _MAX_SMOOTHED = 0.021, 21  # fraction of a warp that is averaged, and samples
 # A smaller turn counts as if it were this large: what is left of it is mostly noise.
 MIN_TURN = 0.1  # rad
 TURNING = 0.3  # weight of the orientations' extent against the positions', where both are one
@@ -246,7 +246,7 @@ def warp(middle: Float64Array, curve: Float64Array, *, rigidity: float) -> Float
     timed = [np.column_stack([each, rigidity * even]) for each in (middle, curve)]
     late = _mean_partner(core.dtw_path(*timed)) / (len(even) - 1.0) - even
     # Mirrored through both ends, where it is 0, by as much as two averages take away.
-    window = round(_SMOOTHED * len(even)) | 1
+    window = min(round(_SMOOTHED * len(even)), _MAX_SMOOTHED) | 1
     late = np.concatenate([-late[window - 1 : 0 : -1], late, -late[-2 : -window - 1 : -1]])
     for _ in range(2):
         late = np.convolve(late, np.full(window, 1.0 / window), mode="valid")

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include "leadthrough/learn/alignment.hpp"
 
@@ -78,6 +79,35 @@ TEST(Alignment, OfACurveWithItselfIsZeroEvenWithPauses) {
   for (int i = 0; i < 20; ++i) paused.row(i) = a.row(i / 2);
   EXPECT_EQ(dtw_distance(a, paused), 0.0);
   EXPECT_EQ(frechet_distance(a, paused), 0.0);
+}
+
+TEST(Alignment, FrechetDistanceIsThatOfTheWholeTable) {
+  unsigned seed = 90;
+  for (const auto& [n, m] : {std::pair(150, 200), {200, 70}, {130, 130}}) {
+    for (const double noise : {0.01, 1.0, 30.0}) {
+      const Points walk = random_points(n, 3, ++seed);
+      Points a(n, 3), b(m, 3);
+      a.row(0) = walk.row(0);
+      for (int i = 1; i < n; ++i) a.row(i) = a.row(i - 1) + walk.row(i);
+      for (int j = 0; j < m; ++j) b.row(j) = a.row(j * (n - 1) / (m - 1));
+      b += noise * random_points(m, 3, ++seed);
+      for (const Eigen::Index band : {Eigen::Index{3}, Eigen::Index{20}, kWholeTable}) {
+        const auto& [rows, columns] = n < m ? std::tie(b, a) : std::tie(a, b);
+        const Eigen::Index last = columns.rows() - 1;
+        Eigen::MatrixXd table = Eigen::MatrixXd::Constant(rows.rows() + 1, last + 2, INFINITY);
+        table(0, 0) = 0.0;
+        for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+          const Eigen::Index middle = i * last / (rows.rows() - 1);
+          for (Eigen::Index j = 0; j <= last; ++j) {
+            if (std::abs(j - middle) > band) continue;
+            const double before = std::min({table(i, j), table(i, j + 1), table(i + 1, j)});
+            table(i + 1, j + 1) = std::max(before, distance(rows, columns, i, j));
+          }
+        }
+        EXPECT_NEAR(frechet_distance(a, b, band), table(rows.rows(), last + 1), 1e-12);
+      }
+    }
+  }
 }
 
 }  // namespace leadthrough::alignment_tests

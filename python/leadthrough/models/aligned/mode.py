@@ -23,6 +23,7 @@ from leadthrough.models import phase
 from leadthrough.models.archive import Arrays
 from leadthrough.models.coordinates import NODES, Coordinates, coordinates_of
 from leadthrough.models.curves import (
+    MAX_ROWS,
     Curves,
     arc_phases,
     by_arc,
@@ -403,6 +404,8 @@ def learned(motions: Sequence[MotionT]) -> Mode[MotionT]:
     clocks = clocks_of(motions)
     curves = by_arc([each / scale for each in columns], clocks)
     aligned = elastic(curves)
+    if curves.rows.shape[1] > MAX_ROWS:  # along minutes, tremor makes lengths of arcs differ
+        curves = aligned
     even = even_phases(aligned.rows.shape[1])
     phases = [np.interp(own, at, even) for own, at in zip(clocks, aligned.times, strict=True)]
     coordinates = coordinates_of(

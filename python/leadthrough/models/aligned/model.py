@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 from leadthrough.models.aligned.mode import Mode, learned, restored
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
-from leadthrough.models.modes import learned_by_mode
+from leadthrough.models.modes import MAX_ROWS, learned_by_mode
 from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.motion import MotionT, MotionT_co
@@ -44,6 +44,7 @@ class AlignedMean(Unfitted):
         return learned_by_mode(
             lambda own: AlignedMeanSkill(self, learned(own)),
             motions_of(demonstrations, outliers=outliers),
+            10 * MAX_ROWS,
         )
 
 

@@ -47,7 +47,6 @@ from leadthrough.models.dmp.transformation import (
     Kernels,
     TransformationSystem,
     course,
-    each_alone,
     kernels_of,
     minimum_jerk,
     tabulated,
@@ -192,6 +191,7 @@ _STILL = 1e-6
 # so many standard deviations of the noise, or this fraction of the extent.
 _MIN_WEIGHTS, _NOISE, _DETAIL = 50, 3.0, 1e-3
 _SWUNG_IN = 4.0  # periods
+_TOGETHER = 100  # kernels of which the responses are computed at a time
 _POSITION, _ORIENTATION = slice(3), slice(3, 6)  # channels of poses
 
 
@@ -323,7 +323,7 @@ def _by_replay(target: _Target) -> tuple[Float64Array, Float64Array]:
     known, slope_responses = _without_force(target)
     design: Float64Array = np.hstack([response, slope_responses])
     gram = design.T @ design
-    count, channels = response.shape[1], target.values.shape[1]
+    count, channels = last.shape[1], target.values.shape[1]
     gram[np.diag_indices(len(gram))] += _RIDGE * np.trace(gram[:count, :count]) / count
     wanted = design.T @ ((target.values - known) / target.scale)
     constraints = np.zeros((len(gram), 2))
@@ -348,7 +348,7 @@ def _by_force(target: _Target, regression: str) -> tuple[Float64Array, Float64Ar
     fade = _at(target.kernels.fade[:, None], target.kernels, target.phases)
     force = (force - fade * course(target.form, ends).drive) / target.scale
     if regression == "ridge":
-        solution = _ridge(_at(target.kernels.features, target.kernels, target.phases), force)
+        solution = _ridge(_at(target.kernels.features(), target.kernels, target.phases), force)
     else:
         solution = _locally_weighted(target.kernels, target.phases, force)
     if target.form == "blended":
@@ -364,8 +364,7 @@ def _ridge(design: Float64Array, wanted: Float64Array) -> Float64Array:
 
 
 def _locally_weighted(kernels: Kernels, phases: Float64Array, force: Float64Array) -> Float64Array:
-    values = _at(kernels.values, kernels, phases)
-    regressor = _at(kernels.regressor, kernels, phases)
+    values, regressor = (_at(each, kernels, phases) for each in kernels.tables())
     above = (values * regressor).T @ force
     below = np.einsum("nw,nw->w", values, regressor**2)[:, None]
     return np.asarray(np.divide(above, below, out=np.zeros_like(above), where=below > 0.0))
@@ -381,10 +380,16 @@ def _at(table: Float64Array, kernels: Kernels, phases: Float64Array) -> Float64A
 
 def _responses(kernels: Kernels, phases: Float64Array) -> tuple[Float64Array, Float64Array]:
     """Errors (n, weights) that each function alone makes, and the last value and slope of them."""
-    rest = np.zeros(kernels.values.shape[1])
-    still = course("hoffmann", Ends(rest, rest, rest, rest))
-    values, slopes = core.dmp_rollout(each_alone(kernels), still, rest, rest, phases)
-    return values, np.stack([values[-1], slopes[-1]])
+    values, last = [], []
+    for first in range(0, len(kernels.centres), _TOGETHER):
+        nodes = kernels.features(some=slice(first, first + _TOGETHER))
+        forces = core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
+        rest = np.zeros(nodes.shape[1])
+        still = course("hoffmann", Ends(rest, rest, rest, rest))
+        made, slopes = core.dmp_rollout(forces, still, rest, rest, phases)
+        values.append(made)
+        last.append(np.stack([made[-1], slopes[-1]]))
+    return np.hstack(values), np.hstack(last)
 
 
 def _without_force(target: _Target) -> tuple[Float64Array, Float64Array]:
@@ -395,7 +400,7 @@ def _without_force(target: _Target) -> tuple[Float64Array, Float64Array]:
         powers = phases[:, None] ** np.arange(6.0)
         slopes = minimum_jerk(Ends(nothing, nothing, one, two))
         return powers @ minimum_jerk(ends), powers @ slopes
-    no_weights = np.zeros((target.kernels.values.shape[1], len(ends.start)))
+    no_weights = np.zeros((len(target.kernels.centres), len(ends.start)))
     forces = tabulated(target.kernels, no_weights)
     known, _ = core.dmp_rollout(
         forces, course(target.form, ends), ends.start, ends.start_slope, phases

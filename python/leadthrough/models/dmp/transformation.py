@@ -38,24 +38,53 @@ MAX_WEIGHTS = 1000
 
 # A force is tabulated at this many evenly spaced phases per weight, and is linear between them.
 _INTERVALS_PER_WEIGHT = 20
+_ENTRIES = 3_300_000  # of a table that is made at a time
+_NEIGHBOURS, _UNDERFLOW = 50, 750.0  # kernels; exp(-750) is 0
 # Value of a kernel at its neighbour's centre; 1 at its own.
 OVERLAP = 0.8
+_ALL = slice(None)
 
 
 @dataclass(frozen=True, eq=False)
 class Kernels:
-    """Kernels tabulated at evenly spaced phases from 0 to 1."""
+    """Kernels at evenly spaced phases from 0 to 1; tables of all of them may take gigabytes."""
 
     phases: Float64Array  # (m,)
-    values: Float64Array  # (m, weights), not normalised
-    regressor: Float64Array  # (m, weights), what a weight multiplies where its kernel alone counts
+    centres: Float64Array  # (weights,) canonical states, of rhythms phases
+    sharpness: Float64Array  # (weights,)
     fade: Float64Array  # (m,) canonical state
     rhythmic: bool  # whether they repeat with period 1
 
-    @cached_property
-    def features(self) -> Float64Array:
+    def tables(self, rows: slice = _ALL, some: slice = _ALL) -> tuple[Float64Array, Float64Array]:
+        """Values (m, weights), not normalised, and what a weight multiplies where one counts."""
+        centres, sharpness = self.centres[some], self.sharpness[some]
+        if self.rhythmic:
+            angles = 2.0 * np.pi * (self.phases[rows, None] - centres)
+            values = np.exp(sharpness * (np.cos(angles) - 1.0))
+            return values, np.ones_like(values)
+        x, reach = self.fade[rows, None], np.sqrt(_UNDERFLOW / sharpness)
+        values = np.zeros((len(x), len(centres)))
+        for first in range(0, len(centres), _NEIGHBOURS):
+            own = slice(first, first + _NEIGHBOURS)
+            farthest = (centres + reach)[own].max(), (centres - reach)[own].min()
+            near = slice(*np.searchsorted(-x[:, 0], np.negative(farthest)))
+            values[near, own] = np.exp(-sharpness[own] * (x[near] - centres[own]) ** 2)
+        return values, x / centres
+
+    def features(self, rows: slice = _ALL, some: slice = _ALL) -> Float64Array:
         """Features (m, weights): the force is features @ weights."""
-        return np.asarray(self.values / self.values.sum(axis=1, keepdims=True) * self.regressor)
+        values, regressor = self.tables(rows, some)
+        return np.asarray(values / self._sums[rows, None] * regressor)
+
+    @cached_property
+    def parts(self) -> list[slice]:
+        """Ranges of the phases, with tables of moderate size."""
+        count = _ENTRIES // len(self.centres)
+        return [slice(first, first + count) for first in range(0, len(self.phases), count)]
+
+    @cached_property
+    def _sums(self) -> Float64Array:
+        return np.concatenate([self.tables(rows)[0].sum(axis=1) for rows in self.parts])
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,19 +178,15 @@ def gaussian_kernels(weights: int, overlap: float) -> Kernels:
     gaps = -np.diff(centres)
     inverse_widths = -np.log(overlap) / np.append(gaps, gaps[-1]) ** 2
     phases = _node_phases(weights)
-    x = _canonical_state(phases)
-    kernels = np.exp(-inverse_widths * (x[:, None] - centres) ** 2)
-    return Kernels(phases, kernels, x[:, None] / centres, x, rhythmic=False)
+    return Kernels(phases, centres, inverse_widths, _canonical_state(phases), rhythmic=False)
 
 
 @lru_cache(maxsize=8)
 def von_mises_kernels(weights: int) -> Kernels:
     """Von Mises kernels, evenly spaced, whose regressor is 1."""
-    phases = _node_phases(weights)
+    phases, centres = _node_phases(weights), np.arange(weights) / weights
     width = -np.log(OVERLAP) / (1.0 - np.cos(2.0 * np.pi / weights))
-    angles = 2.0 * np.pi * (phases[:, None] - np.arange(weights) / weights)
-    kernels = np.exp(width * (np.cos(angles) - 1.0))
-    return Kernels(phases, kernels, np.ones_like(kernels), np.zeros_like(phases), rhythmic=True)
+    return Kernels(phases, centres, np.full(weights, width), np.zeros_like(phases), rhythmic=True)
 
 
 def _canonical_state(phases: Float64Array) -> Float64Array:
@@ -174,15 +199,8 @@ def _node_phases(weights: int) -> Float64Array:
 
 def tabulated(kernels: Kernels, weights: Float64Array) -> core.DmpForces:
     """Forces as the compiled core takes them."""
-    nodes = np.ascontiguousarray(kernels.features @ weights)
-    return core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
-
-
-@lru_cache(maxsize=8)
-def each_alone(kernels: Kernels) -> core.DmpForces:
-    """Forces of one channel for each kernel, of which the weight is 1."""
-    nodes = np.ascontiguousarray(kernels.features)
-    return core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
+    nodes = [kernels.features(rows) @ weights for rows in kernels.parts]
+    return core.DmpForces(np.concatenate(nodes), kernels.fade, RATE, kernels.rhythmic)
 
 
 def course(form: str, ends: Ends, *, amplitude: float = 1.0) -> core.DmpCourse:

@@ -201,9 +201,10 @@ def _fit_and_kernel(basis: Basis) -> tuple[Float64Array, Float64Array]:
     u, fit = prior_phases(basis), weights_of_values(basis)
     gaps = u[:, None] - u
     if basis.is_rhythmic:
-        kernel = np.exp(-((np.sin(np.pi * gaps) / (np.pi * _LENGTH)) ** 2) / 2.0)
-    else:
-        kernel = np.exp(-((gaps / _LENGTH) ** 2) / 2.0)
+        gaps = np.sin(np.pi * gaps) / np.pi
+    gaps *= gaps / (-2.0 * _LENGTH**2)
+    kernel = np.exp(gaps, out=gaps)
+    if not basis.is_rhythmic:
         known = kernel[:, [0, -1]]  # a deviation in between is zero at both ends
         kernel -= product(known, np.linalg.solve(known[[0, -1]], known.T))
         # Neither may its curve deviate there, although the functions cannot follow it everywhere.

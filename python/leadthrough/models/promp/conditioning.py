@@ -320,14 +320,14 @@ def asked(coordinates: Coordinates, start: Target | None, goal: Target | None) -
 
 def moved(skill: PrimitiveT, asked: Sequence[Asked]) -> PrimitiveT:
     """The skill whose mean motion has the ends asked for."""
+    size = skill.coordinates.width
+    offsets = _offsets(skill, asked)
+    shift = _shift(skill, asked, offsets)
     conditioned = skill
     for each in asked:
         conditioned = of_values(
             conditioned, np.array([each.phase]), each.values[None], name=each.name
         )
-    size = skill.coordinates.width
-    offsets = _offsets(skill, asked)
-    shift = _shift(skill, asked, offsets)
     learned = (conditioned.free.mean - skill.free.mean).reshape(size, -1) - shift
     known = min(1.0, _MAX_DEVIATIONS / max(novelty(skill, asked), _MAX_DEVIATIONS))
     rows = skill.basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * skill.basis.count + 1))

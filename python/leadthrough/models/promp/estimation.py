@@ -88,12 +88,6 @@ class Fit:
     history: tuple[float, ...] = ()
 
 
-def least_squares(basis: Basis, samples: Samples, regularization: float) -> Fit:
-    """The distribution of the weights of curves fitted to each motion."""
-    stacked, noise = fitted_curves(basis, samples, regularization)
-    return Fit(shrunk(stacked, basis, samples.scale), noise, stacked)
-
-
 def fitted_curves(
     basis: Basis, samples: Samples, regularization: float
 ) -> tuple[Float64Array, Float64Array]:

@@ -49,9 +49,10 @@ class Gaussian(ShortRepr):
     @cached_property
     def certain(self) -> Float64Array:
         """An orthonormal basis (n, m) of the directions that do not vary."""
-        floor = _VARYING * np.trace(self.covariance)
+        less = self.covariance.copy()
+        less[np.diag_indices(len(less))] -= _VARYING * np.trace(less)
         try:  # far quicker than eigenvalues
-            np.linalg.cholesky(self.covariance - floor * np.eye(len(self.mean)))
+            np.linalg.cholesky(less)
             return np.empty((len(self.mean), 0))
         except np.linalg.LinAlgError:
             pass
@@ -96,7 +97,8 @@ class Gaussian(ShortRepr):
         whitened = (axes / np.sqrt(variances)).T * units
         step = whitened @ spread
         mean = self.mean + ((whitened * scale) @ surprise) @ step
-        return Gaussian(mean, self.covariance - step.T @ step)
+        covariance = step.T @ step
+        return Gaussian(mean, np.subtract(self.covariance, covariance, out=covariance))
 
 
 def _refuse_contradiction(missed: Float64Array, name: str) -> None:

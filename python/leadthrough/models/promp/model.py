@@ -39,8 +39,8 @@ from leadthrough.models.promp.estimation import (
     checked_phases,
     expectation_maximisation,
     fitted_curves,
-    least_squares,
     refuse_parts,
+    shrunk,
 )
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.limits import Truncated
@@ -191,10 +191,10 @@ class ProMP(Unfitted):
         most = min(_MAX_FOLLOWING, min(map(len, samples.phases)) // _SAMPLES_A_WEIGHT)
         while True:
             basis = _basis_of(model)
-            fit = least_squares(basis, samples, self.regularization)
-            is_near = float(np.sqrt(fit.noise[:size].sum())) <= missed or missed == 0.0
+            curves, noise = fitted_curves(basis, samples, self.regularization)
+            is_near = float(np.sqrt(noise[:size].sum())) <= missed or missed == 0.0
             if self.weights is not None or is_near or 2 * basis.count > most:
-                return basis, fit
+                return basis, Fit(shrunk(curves, basis, samples.scale), noise, curves)
             model = replace(self, weights=2 * basis.count)
 
 

@@ -4,7 +4,8 @@ import motions
 import numpy as np
 import pytest
 from refusals import refused
-from scipy.spatial import procrustes
+from scipy.interpolate import PchipInterpolator
+from scipy.spatial import cKDTree, procrustes
 
 import leadthrough as lt
 from leadthrough.errors import FitError, NoPath
@@ -24,6 +25,28 @@ def stroke(start=(0.0, 0.0), goal=(1.0, 0.0), height=0.3, fade=None):
 
 def apart(a, b):
     return frechet_distance(by_arc_length(a.positions, 200), by_arc_length(b.positions, 200))
+
+
+def ten_minutes(seed):
+    """A tip led to and fro for ten minutes, with a tremor, by places and a timing of its own."""
+    own, common = np.random.default_rng(seed), np.random.default_rng(0)
+    spans = common.uniform(2.0, 6.0, 150) + own.normal(0.0, 0.05, 150)
+    places = common.uniform(-0.3, 0.3, (151, 3)) + own.normal(0.0, 1e-3, (151, 3))
+    knots = np.concatenate([[0.0], np.cumsum(spans)])
+    times = np.linspace(0.0, knots[-1], 150_000)
+    path = PchipInterpolator(knots, places)(times)
+    return lt.Trajectory(times, path + 1e-4 * np.sin(50.0 * times + seed)[:, None])
+
+
+def test_logs_of_ten_minutes_are_reproduced_within_millimetres():
+    """Too few rows kept their corners, and too few points told the distance of paths so long."""
+    one, other = ten_minutes(1), ten_minutes(2)
+    skill = lt.AlignedMean().fit([one])
+    assert lt.models.reproduction(skill, [one]).position < 2e-3
+    made = skill.generate(start=one.positions[0], goal=one.positions[-1])
+    assert cKDTree(made.positions).query(one.positions[::10])[0].max() < 2e-3
+    both = lt.models.reproduction(lt.AlignedMean().fit([one, other]), [one, other])
+    assert both.position < 6e-3
 
 
 def test_one_demonstration_is_reproduced():

@@ -140,10 +140,11 @@ def test_steps_lead_where_generate_does(form):
 def springs_of_the_paper(skill, phases, *, drive, gain):
     """The literature's equation, by SciPy: y'' = alpha (beta (g - y) - y') + force."""
     ends, kernels = skill.system.ends, skill.system.kernels
+    features = kernels.features().T
 
     def rates(u, y):
         x = np.exp(-DECAY * u)
-        row = [np.interp(u, kernels.phases, f) for f in kernels.features.T]
+        row = [np.interp(u, kernels.phases, f) for f in features]
         force = gain * (row @ skill.system.weights) + drive * x
         return [*y[3:], *(2 * RATE * (0.5 * RATE * (ends.goal - y[:3]) - y[3:]) + force)]
 

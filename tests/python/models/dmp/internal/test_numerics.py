@@ -31,8 +31,22 @@ def test_running_means_have_the_bits_of_scipys(size, mode):
 
 def test_kernels_sum_to_their_regressor():
     for basis in (gaussian_kernels(12, 0.8), von_mises_kernels(12)):
-        share = basis.values / basis.values.sum(axis=1, keepdims=True)
+        share = basis.features() / basis.tables()[1]
         np.testing.assert_allclose(share.sum(axis=1), 1.0, atol=1e-12)
-    np.testing.assert_allclose(
-        von_mises_kernels(7).features[0], von_mises_kernels(7).features[-1], atol=1e-12
+    rhythm = von_mises_kernels(7).features()
+    np.testing.assert_allclose(rhythm[0], rhythm[-1], atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [2, 50, 420])
+def test_kernels_are_gaussian_to_the_bit_in_whichever_parts(count):
+    basis = gaussian_kernels(count, 0.8)
+    values = np.exp(-basis.sharpness * (basis.fade[:, None] - basis.centres) ** 2)
+    assert basis.tables()[0].tobytes() == values.tobytes()
+    features = values / values.sum(axis=1, keepdims=True) * (basis.fade[:, None] / basis.centres)
+    assert np.concatenate([basis.features(part) for part in basis.parts]).tobytes() == (
+        features.tobytes()
     )
+    halves = np.hstack(
+        [basis.features(some=part) for part in (slice(count // 2), slice(count // 2, None))]
+    )
+    assert halves.tobytes() == features.tobytes()
