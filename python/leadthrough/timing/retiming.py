@@ -34,7 +34,7 @@ from leadthrough.timing.limits_report import (
     report_of,
 )
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed, TipTolerance
-from leadthrough.timing.section_law import AT_REST, Samples, time_lines, time_section
+from leadthrough.timing.section_law import Samples, time_lines, time_section
 from leadthrough.timing.sections import Lines, Path, Section, Sections, path_of
 from leadthrough.trajectories import Curve
 
@@ -89,7 +89,8 @@ def retime(
     Returns:
         Samples at `rate`, with the velocities and accelerations of the time law, so that the
         quintics between them satisfy the limits as `check_limits` judges them. A trajectory's
-        events stay where they are on the path.
+        events stay where they are on the path. Its clock goes on from the path's first time; from 0
+        where that, as a time since 1970, is too large to tell the samples apart exactly.
 
     Raises:
         LimitsInfeasible: if a position lies outside its limits, a joint moves whose limit is 0, a
@@ -273,9 +274,7 @@ def _timed(
 
 def _nearest_limit(used: Extremes, limits: JointLimits, times: Float64Array) -> tuple[Kind, Peak]:
     """The limit of which a motion with these extremes uses the largest fraction."""
-    still = np.ptp(used.positions, axis=0) <= AT_REST  # those may have a limit of 0
-    own: dict[str, Any] = {k: np.where(still, np.inf, getattr(limits, k)) for k in KINDS}
-    report = report_of(used, replace(limits, **own), times)
+    report = report_of(used, limits, times)
     peaks: dict[Kind, Peak] = {kind: getattr(report, kind) for kind in KINDS}
     return max(peaks.items(), key=lambda item: item[1].ratio)
 
@@ -305,6 +304,8 @@ def _trajectory(
     if not isinstance(path, JointTrajectory):
         return computed_joints(motion.times, *states, joint_names=names)
     times = path.times[0] + motion.times
+    if np.spacing(abs(times[-1])) > ROUNDING * np.diff(motion.times).min(initial=np.inf):
+        times = motion.times  # times since 1970 would round the steps
     given = np.interp(motion.rows, np.arange(len(path.times)), path.times)
     moved = moved_events(path.events, given, times)
     return computed_joints(times, *states, joint_names=names, events=moved)

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough import check, rotations
+from leadthrough import check, rotations, sanity
 from leadthrough.check import FitError, Float64Array, InvalidInput
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import (
@@ -74,6 +74,8 @@ from leadthrough.noise import noise_of
 # A period whose last samples are missing, up to this fraction of it, counts as whole.
 _SLACK = 0.02
 _MIN_SAMPLES = 4  # of a period
+# Of a rhythm: from its end to its start, in its extent; of single periods from their mean, in RMS.
+_OPEN, _UNLIKE = 0.25, 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +123,7 @@ def mean_cycle(demonstrations: Demonstrations[Motion], period: float | None) -> 
         cycles = [part for motion in cycles for part in _periods(motion, period)]
     warn_of_misalignment(cycles)
     mean = mean_motion(cycles, [normalised_times(motion.times) for motion in cycles])
+    _warn_of_no_rhythm(mean, cycles)
     gap = mean.positions[-1] - mean.positions[0]
     positions = mean.positions - np.outer(mean.phases, gap)
     q = mean.orientations
@@ -128,6 +131,24 @@ def mean_cycle(demonstrations: Demonstrations[Motion], period: float | None) -> 
         off = rotations.log(rotations.compose(q[:1], rotations.inverse(q[-1:])))
         q = rotations.compose(rotations.exp(np.outer(mean.phases, off[0])), q)
     return replace(mean, positions=positions, orientations=q)
+
+
+def _warn_of_no_rhythm(mean: MeanMotion, cycles: Sequence[Motion]) -> None:
+    """Warns where one mean period, closed, is unlike the demonstrations."""
+    apart = float(np.linalg.norm(mean.positions[-1] - mean.positions[0]))
+    if apart > _OPEN * mean.size:
+        sanity.warn(
+            f"demonstrations: end {apart:.3g} from where they begin, of an extent of "
+            f"{mean.size:.3g}, and are bent to close; give whole periods, or period"
+        )
+    clocks = [normalised_times(each.times) for each in cycles]
+    rows = [lerp(mean.phases, u, each.positions) for u, each in zip(clocks, cycles, strict=True)]
+    about = np.array([each - each.mean(axis=0) for each in rows])
+    if np.std(about - about.mean(axis=0)) > _UNLIKE * np.std(about):
+        sanity.warn(
+            f"demonstrations: periods of {mean.duration:.4g} s are unlike each other, and their mean "
+            "blurs them; check period, and begin each demonstration at the same phase"
+        )
 
 
 def _mean_orientations(
