@@ -18,8 +18,10 @@ from pathlib import Path
 from typing import TypeGuard
 from urllib.parse import unquote, urlparse
 
+import numpy as np
+
 import leadthrough._core as core
-from leadthrough import check
+from leadthrough import check, sanity
 from leadthrough.arm.convex_decomposition import convex_parts
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
@@ -29,6 +31,7 @@ _MAX_FILE = 2**25
 _PACKAGES = "example-robot-data or robot_descriptions"
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _XACRO_PREFIX = re.compile(r"""xmlns:([\w.-]+)\s*=\s*["'][^"']*xacro/?["']""")
+_IN_DEGREES = 720.0  # the largest limit of a joint in degrees; more stands for none
 _MAX_MESHES = 256  # read last, some kB each
 _NOT_OF_AN_ARM = ("fixed", "planar", "floating")
 # Links of tools, and joints of fingers, by how arms' makers name them.
@@ -98,6 +101,12 @@ def ends_and_limits(
     chain = core.Chain(robot.hold(list(locked.items())), base, tip)
     names = tuple(chain.joint_names)
     stated = JointLimits(names, chain.lower, chain.upper, chain.velocity, effort=chain.effort)
+    bounds = np.maximum(np.abs(stated.lower), np.abs(stated.upper))
+    known = bounds[np.isfinite(bounds)]
+    if len(known) > 1 and known.max() <= _IN_DEGREES and sanity.degrees(float(known.min())):
+        sanity.warn(
+            f"limits: the URDF lets all joints turn {known.min():.4g} rad or more; degrees?"
+        )
     if limits is None:
         return base, tip, stated
     if isinstance(limits, JointLimits):

@@ -210,12 +210,11 @@ def table_of_rows(path: Path, request: Request) -> ArrayTable:
 
 
 def _refuse_clock(columns: Mapping[str, NDArray[Any]], rate: float) -> None:
-    """Refuses columns that rise as time does at a rate, which must not be taken for joints."""
-    for name, values in columns.items():
-        steps = np.diff(values) * rate
+    """Refuses a column that rises as time does at a rate, which must not be taken for a joint."""
+    for name, steps in ((name, np.diff(column) * rate) for name, column in columns.items()):
         if len(steps) > 1 and steps.min() > 0.0 and np.median(np.abs(steps - 1.0)) < _JITTER:
             raise InvalidInput(
-                f"rate: column {name} rises as time does at {rate:g} Hz; give columns['time']={name} "
+                f"rate: column {name} is the time at {rate:g} Hz; give columns['time']={name} "
                 "instead, or columns['joints'] or columns['positions'] if it is one of them"
             )
 

@@ -135,19 +135,15 @@ def mean_cycle(demonstrations: Demonstrations[Motion], period: float | None) -> 
 
 def _warn_of_no_rhythm(mean: MeanMotion, cycles: Sequence[Motion]) -> None:
     """Warns where one mean period, closed, is unlike the demonstrations."""
-    apart = float(np.linalg.norm(mean.positions[-1] - mean.positions[0]))
-    if apart > _OPEN * mean.size:
-        sanity.warn(
-            f"demonstrations: end {apart:.3g} from where they begin, of an extent of "
-            f"{mean.size:.3g}, and are bent to close; give whole periods, or period"
-        )
-    clocks = [normalised_times(each.times) for each in cycles]
-    rows = [lerp(mean.phases, u, each.positions) for u, each in zip(clocks, cycles, strict=True)]
+    rows = [lerp(mean.phases, normalised_times(each.times), each.positions) for each in cycles]
     about = np.array([each - each.mean(axis=0) for each in rows])
-    if np.std(about - about.mean(axis=0)) > _UNLIKE * np.std(about):
+    gap = np.linalg.norm(mean.positions[-1] - mean.positions[0])
+    unlike = np.std(about - about.mean(axis=0))
+    if gap > _OPEN * mean.size or unlike > _UNLIKE * np.std(about):
         sanity.warn(
-            f"demonstrations: periods of {mean.duration:.4g} s are unlike each other, and their mean "
-            "blurs them; check period, and begin each demonstration at the same phase"
+            f"demonstrations: periods of {mean.duration:.4g} s end {gap:.3g} from where they begin "
+            f"and differ by {unlike:.3g}, and their mean is closed; give whole periods from the "
+            "same phase on, or the right period"
         )
 
 
