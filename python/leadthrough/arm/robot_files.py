@@ -13,12 +13,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module, metadata
 from importlib.util import find_spec
+from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import TypeGuard
 from urllib.parse import unquote, urlparse
-
-import numpy as np
 
 import leadthrough._core as core
 from leadthrough import check, sanity
@@ -101,12 +100,9 @@ def ends_and_limits(
     chain = core.Chain(robot.hold(list(locked.items())), base, tip)
     names = tuple(chain.joint_names)
     stated = JointLimits(names, chain.lower, chain.upper, chain.velocity, effort=chain.effort)
-    bounds = np.maximum(np.abs(stated.lower), np.abs(stated.upper))
-    known = bounds[np.isfinite(bounds)]
-    if len(known) > 1 and known.max() <= _IN_DEGREES and sanity.degrees(float(known.min())):
-        sanity.warn(
-            f"limits: the URDF lets all joints turn {known.min():.4g} rad or more; degrees?"
-        )
+    known = sorted(bound for bound in map(max, -stated.lower, stated.upper) if bound < inf)
+    if len(known) > 1 and known[-1] <= _IN_DEGREES and sanity.degrees(known[0]):
+        sanity.warn(f"limits: the URDF lets all joints turn by {known[0]:.4g} rad; degrees?")
     if limits is None:
         return base, tip, stated
     if isinstance(limits, JointLimits):

@@ -230,9 +230,8 @@ def test_what_has_a_velocity_is_a_joint_where_no_name_tells_more(tmp_path, names
     assert np.array_equal(found.velocities, 0.0 * joints)
 
 
-@pytest.mark.parametrize("names", [("lift", "joint_1"), ("x", "y", "z")])
-def test_joints_that_would_not_all_be_read_back_are_warned_of(tmp_path, names):
-    motion = lt.JointTrajectory([0.0, 0.1], np.zeros((2, len(names))), joint_names=names)
+def test_joints_that_would_not_all_be_read_back_are_warned_of(tmp_path):
+    motion = lt.JointTrajectory([0.0, 0.1], np.zeros((2, 2)), joint_names=("lift", "joint_1"))
     with pytest.warns(ImplausibleInputWarning, match="motion: not all joints"):
         lt.write_motion(motion, tmp_path / "motion.csv")
 
