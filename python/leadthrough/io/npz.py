@@ -203,20 +203,17 @@ def table_of_rows(path: Path, request: Request) -> ArrayTable:
     moved = [name for name in numbered if name not in request.columns.get("time", ())]
     if not set(request.columns) - {"time"} and len(moved) == _OF_POSE != arm:
         _refuse_pose(numbered, moved)
-    if not request.columns and request.rate is not None:
-        _refuse_clock(numbered, request.rate)
+    if count and not request.columns and request.rate is not None:
+        _refuse_clock(rows[:, 0], request.rate)
     role = "positions" if len(moved) in _OF_POINT and len(moved) != arm else "joints"
     return ArrayTable(numbered | {role: rows[:, [int(name) - 1 for name in moved]]})
 
 
-def _refuse_clock(columns: Mapping[str, NDArray[Any]], rate: float) -> None:
-    """Refuses a column that rises as time does at a rate, which must not be taken for a joint."""
-    for name, steps in ((name, np.diff(column) * rate) for name, column in columns.items()):
-        if len(steps) > 1 and steps.min() > 0.0 and np.median(np.abs(steps - 1.0)) < _JITTER:
-            raise InvalidInput(
-                f"rate: column {name} is the time at {rate:g} Hz; give columns['time']={name} "
-                "instead, or columns['joints'] or columns['positions'] if it is one of them"
-            )
+def _refuse_clock(column: NDArray[Any], rate: float) -> None:
+    """Refuses a first column that rises as time does at a rate, and would be taken for a joint."""
+    steps = np.diff(column) * rate
+    if len(steps) > 1 and steps.min() > 0.0 and np.median(np.abs(steps - 1.0)) < _JITTER:
+        raise InvalidInput(f"rate: column 1 is time at {rate:g} Hz; give columns['time']=1 for it")
 
 
 def _refuse_pose(columns: Mapping[str, NDArray[Any]], names: Sequence[str]) -> None:

@@ -255,7 +255,7 @@ def _nearest_in_steps(
         limit = getattr(limits, kind)
         if limit is None:
             continue
-        ratios = np.where(still, 0.0, _ratios(used, limit))
+        ratios = _ratios(used, limit, still)
         worst = ratios.max(axis=1)
         nearer = worst > most
         nearest[nearer] = first * used.shape[1] + ratios[nearer].argmax(axis=1)
@@ -331,7 +331,7 @@ def report_of(used: Extremes, limits: JointLimits, times: Float64Array) -> Limit
         limit, row = getattr(limits, kind), _RATES[kind]
         if limit is None:
             return None
-        ratios = np.where(still, 0.0, _ratios(used.values[row], limit))
+        ratios = _ratios(used.values[row], limit, still)
         return _peak(ratios, used.times[row], used.steps[row], limits, times)
 
     velocity = peak("velocity")
@@ -353,10 +353,10 @@ def _peak(
     return Peak(ratios, limits.joint_names[joint], float(np.clip(when[joint], times[0], times[-1])))
 
 
-def _ratios(values: Float64Array, limit: Float64Array) -> Float64Array:
+def _ratios(values: Float64Array, limit: Float64Array, still: NDArray[np.bool_]) -> Float64Array:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # 0 / 0 is a joint at rest that must rest; anything else not a number overflowed.
-        ratios = np.where(values == 0.0, 0.0, values / limit)
+        ratios = np.where((values == 0.0) | still & (limit == 0.0), 0.0, values / limit)
     return np.where(np.isnan(ratios), np.inf, ratios)
 
 

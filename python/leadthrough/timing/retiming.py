@@ -25,9 +25,6 @@ from leadthrough.timing import request as checks
 from leadthrough.timing.limits_report import (
     KINDS,
     ROUNDING,
-    Extremes,
-    Kind,
-    Peak,
     check_positions,
     extremes,
     positions_outside,
@@ -259,7 +256,8 @@ def _timed(
             request = request.inside(_INSIDE * outside)
             sections = route.sections(request)
             continue
-        kind, peak = _nearest_limit(used, limits, timed.times)
+        report = report_of(used, limits, timed.times)
+        kind, peak = max(((k, getattr(report, k)) for k in KINDS), key=lambda each: each[1].ratio)
         if peak.ratio <= 1.0 + ROUNDING:
             return timed
         limit = getattr(inner, kind) * (_TIGHTER / peak.ratio)
@@ -270,13 +268,6 @@ def _timed(
         f"{peak.ratio:.6g} times its {kind} limit at {peak.time:.6g} s; please report this path",
         joint=peak.joint,
     )
-
-
-def _nearest_limit(used: Extremes, limits: JointLimits, times: Float64Array) -> tuple[Kind, Peak]:
-    """The limit of which a motion with these extremes uses the largest fraction."""
-    report = report_of(used, limits, times)
-    peaks: dict[Kind, Peak] = {kind: getattr(report, kind) for kind in KINDS}
-    return max(peaks.items(), key=lambda item: item[1].ratio)
 
 
 def _joined(

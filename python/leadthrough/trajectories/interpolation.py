@@ -179,9 +179,7 @@ def passing(spline: BSpline, times: Float64Array, points: Float64Array) -> Splin
         made = of_bspline(spline, times)
         if np.abs(made.evaluate(times) - points).max() <= _ROUNDING * np.abs(points).max():
             return made
-    raise InvalidInput(
-        "times: expected steps of similar length; with these no spline can be solved for"
-    )
+    raise InvalidInput("times: expected steps of similar length; no spline passes these points")
 
 
 def of_bspline(spline: BSpline, breaks: Float64Array) -> Spline:

@@ -77,7 +77,7 @@ def test_rows_of_an_npy_are_joints_at_a_rate_or_beside_the_column_of_times(tmp_p
         motion = lt.read_motion(path, **stated)
         np.testing.assert_allclose(motion.times, ROWS[:, 0])
         np.testing.assert_array_equal(motion.positions, ROWS[:, 1:])
-    refused("column 1 is the time at 10 Hz", lt.read_motion, path, rate=10.0)
+    refused("column 1 is time at 10 Hz", lt.read_motion, path, rate=10.0)
     some = lt.read_motion(path, columns={"time": "1", "positions": ["2", "4", "3"]})
     np.testing.assert_array_equal(some.positions, ROWS[:, [1, 3, 2]])
 
