@@ -22,13 +22,7 @@ import numpy as np
 
 from leadthrough import check, rotations
 from leadthrough.arm import Arm
-from leadthrough.check import (
-    Float64Array,
-    InvalidInput,
-    LeadthroughError,
-    MissingDependency,
-    ShortRepr,
-)
+from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, ShortRepr
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene, Shape
 from leadthrough.show.animation import Layer
@@ -346,7 +340,7 @@ class PageServer:
         try:
             import websockets  # noqa: F401, PLC0415
         except ImportError:
-            raise MissingDependency("websockets", extra="view") from None
+            raise check.MissingDependency("websockets", extra="view") from None
         self._document, self._session, self._period = document, session, period
         self._token = secrets.token_urlsafe(_TOKEN_BYTES)
         self._ready, self._closing = threading.Event(), threading.Event()

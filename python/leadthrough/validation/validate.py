@@ -24,14 +24,7 @@ from scipy.special import betaincinv, betaln, xlog1py, xlogy
 
 from leadthrough import check, motion_planning, simulation
 from leadthrough.arm import Arm, check_arm
-from leadthrough.check import (
-    Float64Array,
-    IkFailure,
-    InvalidInput,
-    LimitsInfeasible,
-    NoPath,
-    ShortRepr,
-)
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath, ShortRepr
 from leadthrough.models import (
     Certificate,
     ConfidenceInterval,
@@ -511,7 +504,7 @@ def attempt(
         timed = timing(joints, setup)
     except NoPath as error:
         return None, f"no path: {error.reason}", str(error)
-    except IkFailure as error:
+    except check.IkFailure as error:
         return None, f"follow: {error.status}", str(error)
     except LimitsInfeasible as error:
         return None, f"limits: {error.joint}", str(error)

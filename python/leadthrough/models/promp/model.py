@@ -22,7 +22,7 @@ from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of, scales
 from leadthrough.models.modes import common_phases, learned_by_mode
-from leadthrough.models.promp import conditioning, limits
+from leadthrough.models.promp import conditioning, estimation, limits
 from leadthrough.models.promp.basis import (
     KINDS,
     MIN_FUNCTIONS,
@@ -32,16 +32,7 @@ from leadthrough.models.promp.basis import (
     phases_at,
 )
 from leadthrough.models.promp.conditioning import Primitive, TaskMap
-from leadthrough.models.promp.estimation import (
-    Experience,
-    Fit,
-    Samples,
-    checked_phases,
-    expectation_maximisation,
-    fitted_curves,
-    refuse_parts,
-    shrunk,
-)
+from leadthrough.models.promp.estimation import Experience, Fit, Samples, checked_phases
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.limits import Truncated
 from leadthrough.models.protocol import (
@@ -153,9 +144,9 @@ class ProMP(Unfitted):
         samples = _samples_of(coordinates, motions, at)
         if self.estimator == "em":
             basis = _basis_of(self)
-            fit = expectation_maximisation(basis, samples)
+            fit = estimation.expectation_maximisation(basis, samples)
         else:
-            refuse_parts(at)
+            estimation.refuse_parts(at)
             basis, fit = self._least_squares(samples, coordinates.size)
         whole = [m.duration / float(u[-1] - u[0]) for m, u in zip(motions, at, strict=True)]
         duration = float(np.median(whole))
@@ -169,7 +160,7 @@ class ProMP(Unfitted):
             curves = fit.curves
             if self.estimator == "least_squares" and not all(map(np.array_equal, own, at)):
                 timed = _samples_of(coordinates, motions, own)
-                curves, _ = fitted_curves(basis, timed, self.regularization)
+                curves, _ = estimation.fitted_curves(basis, timed, self.regularization)
             paces = np.log(np.divide(whole, duration))
             experience = Experience(basis, curves, paces, fit.noise, samples.scale)
         return ProMPSkill(
@@ -191,10 +182,10 @@ class ProMP(Unfitted):
         most = min(_MAX_FOLLOWING, min(map(len, samples.phases)) // _SAMPLES_A_WEIGHT)
         while True:
             basis = _basis_of(model)
-            curves, noise = fitted_curves(basis, samples, self.regularization)
+            curves, noise = estimation.fitted_curves(basis, samples, self.regularization)
             is_near = float(np.sqrt(noise[:size].sum())) <= missed or missed == 0.0
             if self.weights is not None or is_near or 2 * basis.count > most:
-                return basis, Fit(shrunk(curves, basis, samples.scale), noise, curves)
+                return basis, Fit(estimation.shrunk(curves, basis, samples.scale), noise, curves)
             model = replace(self, weights=2 * basis.count)
 
 
