@@ -51,7 +51,6 @@ _JOINTS = "sensor_msgs/msg/JointState"
 _TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 _POSE = "geometry_msgs/msg/PoseStamped"
 _TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
-_TEXT = "std_msgs/msg/String"
 # Source: the MCAP specification: magic, then records of a kind, a length and a content; that of a
 # chunk begins with two times and its size when inflated.
 _MCAP_MAGIC = 8
@@ -170,7 +169,7 @@ def _messages(bag: Any, topic: str) -> Messages:
 def _events(bag: Any, start: int, table: ArrayTable) -> Events:
     """The events on the table's clock; its first sample came at `start`, ns on the bag's clock."""
     info = bag.topics.get(EVENTS_TOPIC)
-    if info is None or info.msgtype != _TEXT:
+    if info is None or info.msgtype != "std_msgs/msg/String":
         return ()
     first = float(table.numbers(table.roles["time"][0])[0])
     return tuple(

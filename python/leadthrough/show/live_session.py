@@ -314,7 +314,6 @@ def _is_from_here(request: Request, port: int) -> bool:
 
 # Longer messages of a browser are refused, bytes.
 _MAX_MESSAGE = 65536
-_SOCKET = "/live"
 
 
 class Session(Protocol):
@@ -400,7 +399,7 @@ class PageServer:
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         path = request.path.partition("?")[0]
-        if path == _SOCKET:
+        if path == "/live":
             return None
         if path != "/":
             return connection.respond(HTTPStatus.NOT_FOUND, "There is one page, at /.\n")
