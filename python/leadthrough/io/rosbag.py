@@ -22,15 +22,8 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.io import joint_trajectory
-from leadthrough.io.files import (
-    ReadLimits,
-    StrPath,
-    checked_path,
-    making_folder,
-    refusing_damage,
-    replacing,
-)
+from leadthrough.io import files, joint_trajectory
+from leadthrough.io.files import ReadLimits, StrPath, checked_path, refusing_damage, replacing
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
 from leadthrough.io.joint_trajectory import (
     NANOSECONDS,
@@ -469,7 +462,7 @@ def _bag(path: StrPath) -> Iterator[_Bag]:
 def _folder_or_file(path: StrPath, suffix: str) -> Iterator[Path]:
     """A folder to write the bag to; it, or the one file in it, becomes what the path names."""
     if suffix not in (".mcap", ".db3"):
-        with making_folder(path) as folder:
+        with files.making_folder(path) as folder:
             yield folder
         return
     with replacing(path) as temporary:

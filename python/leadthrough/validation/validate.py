@@ -22,18 +22,10 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import betaincinv, betaln, xlog1py, xlogy
 
-from leadthrough import check, motion_planning, simulation
+from leadthrough import check, models, motion_planning, simulation
 from leadthrough.arm import Arm, check_arm
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath, ShortRepr
-from leadthrough.models import (
-    Certificate,
-    ConfidenceInterval,
-    Skill,
-    Target,
-    TargetRegion,
-    ValidatedScene,
-    load_skill,
-)
+from leadthrough.models import Certificate, Skill, Target, TargetRegion, ValidatedScene
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.tasks import Execution, Outcome, Row, Store, Task, pickled
@@ -334,7 +326,7 @@ def _certificate(setup: Setup, plan: SamplingPlan, findings: Findings) -> Certif
         ValidatedScene.of(setup.scene, name_of(setup.arm)),
         findings.runs,
         dict(findings.causes.most_common()),
-        ConfidenceInterval(
+        models.ConfidenceInterval(
             *(findings.sequence if stopped_early else findings.interval),
             plan.confidence,
             "confidence sequence" if stopped_early else "Clopper and Pearson",
@@ -464,7 +456,7 @@ def draw_query(setup: Setup, seed: int, number: int) -> tuple[motion_planning.Qu
 
 def answers(*, first: int, count: int, seed: int, skill: Path, setup: Path) -> list[Row]:
     """A row for each of some queries: start, end, and the reason if the motion fails."""
-    learned = load_skill(skill)
+    learned = models.load_skill(skill)
     common: Setup = pickle.loads(setup.read_bytes())
     rows = []
     with warnings.catch_warnings():

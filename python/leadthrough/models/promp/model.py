@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
+from leadthrough.models import protocol
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of, scales
 from leadthrough.models.modes import common_phases, learned_by_mode
@@ -35,14 +36,7 @@ from leadthrough.models.promp.conditioning import Primitive, TaskMap
 from leadthrough.models.promp.estimation import Experience, Fit, Samples, checked_phases
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.limits import Truncated
-from leadthrough.models.protocol import (
-    Demonstrations,
-    Outliers,
-    Unfitted,
-    fit_all,
-    motions_of,
-    warn_of_misalignment,
-)
+from leadthrough.models.protocol import Demonstrations, Outliers, fit_all, motions_of
 from leadthrough.models.queries import CheckedQuery, check_place, checked_threads, even_times
 from leadthrough.motion import Motion, MotionT, MotionT_co, Target, normalised_times
 
@@ -60,7 +54,7 @@ _KEPT = ("model", "basis", "coordinates", "noise", "scale", "duration", "bounds"
 
 
 @dataclass(frozen=True)
-class ProMP(Unfitted):
+class ProMP(protocol.Unfitted):
     """A probabilistic movement primitive of points, joints or poses.
 
     Attributes:
@@ -132,7 +126,7 @@ class ProMP(Unfitted):
         if phases is not None:
             return self._fitted(motions, checked_phases(phases, motions, rhythmic=rhythmic))
         if rhythmic:
-            warn_of_misalignment(motions)
+            protocol.warn_of_misalignment(motions)
             return self._fitted(motions, [normalised_times(motion.times) for motion in motions])
         return learned_by_mode(lambda own: self._fitted(own, common_phases(own)), motions)
 
