@@ -98,8 +98,9 @@ def learn(
     demonstrations = reading.trimmed(_chosen(demonstrations, number), resting)
     demonstrations = _without(demonstrations, drop or [])
     if arm is not None:
-        _refuse_too_fast(ctx, arm, demonstrations)
-        demonstrations = [_of_the_arm(arm, each, as_joints=as_joints) for each in demonstrations]
+        recorded = demonstrations
+        demonstrations = [_of_the_arm(arm, each, as_joints=as_joints) for each in recorded]
+        _refuse_too_fast(ctx, arm, recorded)
     if align:
         demonstrations = lt.preprocess.align_by_time_warping(demonstrations)
     chosen = _asked_for(model, parameter, demonstrations)

@@ -9,9 +9,11 @@ from leadthrough.motion import normalised_times
 from leadthrough.preprocess.resample import arc_length
 
 SAMPLES = 1001  # of progress, at evenly spaced normalised times
-# Fraction of the duration over which the speed is averaged twice: the acceleration becomes
-# continuous, and recorded speeds lose their noise.
-_SMOOTHING = 0.035
+# Samples over which the speed is averaged twice: the acceleration becomes continuous, and recorded
+# speeds lose their noise.
+_SMOOTHED = 35
+# Samples of long motions are so many s apart, or averages would take their rests away.
+_MAX_STEP, _MAX_SAMPLES = 0.015, 1_000_000
 
 
 def progress_of(times: Float64Array, path: Float64Array) -> Float64Array:
@@ -19,6 +21,11 @@ def progress_of(times: Float64Array, path: Float64Array) -> Float64Array:
     covered = arc_length(path)
     fraction = covered / covered[-1] if covered[-1] > 0 else np.linspace(0.0, 1.0, len(path))
     return np.interp(np.linspace(0, 1, SAMPLES), normalised_times(times), fraction)
+
+
+def sample_count(duration: float) -> int:
+    """The number of samples of the progress of a motion, in s."""
+    return max(SAMPLES, int(min(duration / _MAX_STEP, _MAX_SAMPLES)))
 
 
 def uniform_progress() -> Float64Array:
@@ -39,15 +46,14 @@ def speed_of(progress: Float64Array) -> Float64Array:
 
     speed = np.gradient(progress)
     for _ in range(2):
-        speed = uniform_filter1d(speed, int(_SMOOTHING * SAMPLES), mode="nearest")
+        speed = uniform_filter1d(speed, _SMOOTHED, mode="nearest")
     return np.asarray(speed)
 
 
 def smoothed(progress: Float64Array) -> Float64Array:
-    """The progress (1001,), smoothed, with its own speeds at the start and at the end."""
-    even = uniform_progress()
+    """The progress (m,), smoothed, with its own speeds at the start and at the end."""
+    even, width = np.linspace(0.0, 1.0, len(progress)), _SMOOTHED
     ahead = progress - even
-    width = int(_SMOOTHING * SAMPLES) | 1
     # Mirrored through both ends, where it is 0, by as much as two averages take away.
     ahead = np.concatenate([-ahead[width - 1 : 0 : -1], ahead, -ahead[-2 : -width - 1 : -1]])
     for _ in range(2):

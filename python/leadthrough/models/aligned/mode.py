@@ -337,7 +337,7 @@ class Mode(check.Frozen, Generic[MotionT_co]):
             rows, phases, clock = self._around(query, rows, phases, clock)
             even = even_phases(len(rows))
         times = even_times(query.end(float(clock[-1])), query.dt)
-        at = np.linspace(0.0, clock[-1], phase.SAMPLES)
+        at = np.linspace(0.0, clock[-1], phase.sample_count(clock[-1]))
         rising = np.concatenate([[True], np.diff(clock) > 0.0])
         progress = phase.smoothed(np.interp(at, clock[rising], even[rising]))
         covered = np.interp(times / times[-1], even_phases(len(progress)), progress)

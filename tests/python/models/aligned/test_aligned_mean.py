@@ -49,6 +49,17 @@ def test_logs_of_ten_minutes_are_reproduced_within_millimetres():
     assert both.position < 6e-3
 
 
+def test_a_minute_keeps_its_rests():
+    """A rest of two seconds along a circle, and one of a second."""
+    times = np.linspace(0.0, 60.0, 6001)
+    moving = ~(((times > 18.0) & (times < 20.0)) | ((times > 36.0) & (times < 37.0)))
+    angles = 0.2 * np.concatenate([[0.0], np.cumsum(0.5 * (moving[1:] + 1.0 * moving[:-1]) * 0.01)])
+    shown = lt.Trajectory(times, 0.3 * np.column_stack([np.cos(angles), np.sin(angles)]))
+    made = lt.learn([shown]).generate(dt=0.01)
+    speeds = np.linalg.norm(np.diff(made.positions, axis=0), axis=1) / 0.01
+    assert 0.01 * np.count_nonzero(speeds < 0.2 * np.median(speeds)) > 1.0
+
+
 def test_one_demonstration_is_reproduced():
     shown = stroke()
     made = lt.AlignedMean().fit([shown]).generate()
