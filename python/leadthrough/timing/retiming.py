@@ -21,18 +21,8 @@ from leadthrough import check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.motion import JointTrajectory, computed_joints, in_order, moved_events
-from leadthrough.timing import request as checks
-from leadthrough.timing.limits_report import (
-    KINDS,
-    ROUNDING,
-    Extremes,
-    Kind,
-    Peak,
-    check_positions,
-    extremes,
-    positions_outside,
-    report_of,
-)
+from leadthrough.timing import limits_report, request as checks
+from leadthrough.timing.limits_report import KINDS, Extremes, Kind, Peak
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed, TipTolerance
 from leadthrough.timing.section_law import AT_REST, Samples, time_lines, time_section
 from leadthrough.timing.sections import Lines, Path, Section, Sections, path_of
@@ -252,18 +242,18 @@ def _timed(
     for _ in range(_MAX_ATTEMPTS):
         motion = _joined(sections, inner, request, start=route.start)
         timed = _trajectory(motion, path, limits.joint_names)
-        used = extremes(timed, request.rests_at_ends)
-        outside = positions_outside(used, limits)
+        used = limits_report.extremes(timed, request.rests_at_ends)
+        outside = limits_report.positions_outside(used, limits)
         if outside.any():  # between samples, or a smooth path near them
             request = request.inside(_INSIDE * outside)
             sections = route.sections(request)
             continue
         kind, peak = _nearest_limit(used, limits, timed.times)
-        if peak.ratio <= 1.0 + ROUNDING:
+        if peak.ratio <= 1.0 + limits_report.ROUNDING:
             return timed
         limit = getattr(inner, kind) * (_TIGHTER / peak.ratio)
         inner = replace(inner, **{kind: limit})
-    check_positions(used.positions, limits)
+    limits_report.check_positions(used.positions, limits)
     raise LimitsInfeasible(
         f"no motion was found that satisfies the limits: {peak.joint} would reach "
         f"{peak.ratio:.6g} times its {kind} limit at {peak.time:.6g} s; please report this path",
@@ -275,7 +265,7 @@ def _nearest_limit(used: Extremes, limits: JointLimits, times: Float64Array) -> 
     """The limit of which a motion with these extremes uses the largest fraction."""
     still = np.ptp(used.positions, axis=0) <= AT_REST  # those may have a limit of 0
     own: dict[str, Any] = {k: np.where(still, np.inf, getattr(limits, k)) for k in KINDS}
-    report = report_of(used, replace(limits, **own), times)
+    report = limits_report.report_of(used, replace(limits, **own), times)
     peaks: dict[Kind, Peak] = {kind: getattr(report, kind) for kind in KINDS}
     return max(peaks.items(), key=lambda item: item[1].ratio)
 
