@@ -22,7 +22,6 @@ _MAX_GAP = 0.002  # m, from a part to the surface in it, in the mean over the pa
 _MIN_GAIN = 0.02  # of a hull's volume, which a cut takes away
 _PLACES = np.arange(1, 8) / 8  # of planes, in the part's extent
 _TRIED = 2000  # triangles by which planes are compared
-_SIDES = (-1.0, 1.0)
 _Plane = tuple[int, float]  # the axis that is normal to it, and its place along that
 
 
@@ -40,7 +39,7 @@ def _parts(triangles: Float64Array, hull: Any, axes: frozenset[int], cuts: int =
     if cuts == _MAX_CUTS or _gap(triangles, hull, min({0, 1, 2} - axes)) < _MAX_GAP:
         return [hull]
     plane = _best_plane(triangles, axes if len(axes) == 2 else {0, 1, 2})
-    sides = [_clipped(triangles, plane, side) for side in _SIDES]
+    sides = [_clipped(triangles, plane, side) for side in (-1.0, 1.0)]
     hulls = [_hull(side) for side in sides]
     if _volume(hulls) > (1.0 - _MIN_GAIN) * hull.volume:
         return [hull]

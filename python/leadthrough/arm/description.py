@@ -217,7 +217,6 @@ jerk = "{jerk}"
 
 [joints]
 """
-_GIVEN = "as given"
 _ASSUMED = {
     "acceleration": f"assumed: full speed after {_START} s, at most {_HIGHEST:g} rad/s^2 "
     f"({_HIGHEST_PRISMATIC:g} m/s^2); the URDF states none",
@@ -265,7 +264,7 @@ def _velocity_source(assumed: Sequence[str]) -> str:
 
 
 def _source(known: Float64Array | None, quantity: str) -> str:
-    return _ASSUMED[quantity] if known is None else _GIVEN
+    return _ASSUMED[quantity] if known is None else "as given"
 
 
 def _quoted(text: str) -> str:

@@ -24,14 +24,7 @@ from leadthrough.arm.following import FollowOptions, checked_options, positive_e
 from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult
 from leadthrough.arm.limits import COLUMNS, JointLimits
 from leadthrough.arm.rigid_transforms import Pose, Transforms, checked_grasps
-from leadthrough.check import (
-    Float64Array,
-    IkFailure,
-    InvalidInput,
-    ShortRepr,
-    numbers_text,
-    one_line,
-)
+from leadthrough.check import Float64Array, IkFailure, InvalidInput, ShortRepr, one_line
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,
@@ -93,7 +86,7 @@ class DualArm(CollisionQueries, ShortRepr):
         names = f"{len(self.joint_names)} joints {self.joint_names[0]} ... {self.joint_names[-1]}"
         parts = [f"left={one_line(self.left)}", f"right={one_line(self.right)}", names]
         if self.base is not None:
-            parts.append(f"right base at {numbers_text(self.base[0])} m")
+            parts.append(f"right base at {check.numbers_text(self.base[0])} m")
         return [*parts, "one shared object"] if self.shared_object else parts
 
     @cached_property

@@ -18,23 +18,14 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check
+from leadthrough.arm import tracking
 from leadthrough.arm.ik_failure import failure, require_reachable, with_reason
 from leadthrough.arm.inverse_kinematics import Axis, free_axes, tolerance
 from leadthrough.arm.limits import JointLimits, known_acceleration
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.recorded_joints import demonstrated_joints, reach_ends
 from leadthrough.arm.tip_path import CollisionTest, TipPath, Track, tube_around
-from leadthrough.arm.tracking import (
-    Start,
-    Tracker,
-    as_demonstrated,
-    axes_to_try,
-    best_track,
-    branch_track,
-    least_rotated,
-    off_branch,
-    starts,
-)
+from leadthrough.arm.tracking import Start, Tracker, best_track, off_branch, starts
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 from leadthrough.motion import (
     JointTrajectory,
@@ -173,14 +164,14 @@ def follow(
     tracker = Tracker(chain, path, arm.limits, options.tolerances, options.max_step)
     check.choice(on_rate_limit, "on_rate_limit", get_args(OnRateLimit))
     in_time = on_rate_limit in _IN_TIME
-    freedoms = axes_to_try(path, options.free, joints=chain.joints, in_time=in_time)
+    freedoms = tracking.axes_to_try(path, options.free, joints=chain.joints, in_time=in_time)
     allowed = _deviation(deviation if around is None else None, on_rate_limit, options.tolerances)
     default = _RATE if joints is None else _DEMONSTRATED_RATE
     rate = default if options.nullspace_gain is None else options.nullspace_gain
     branch = None
     exact = freedoms == [()] and len(path.orientations) > 0 and path.dimension <= chain.joints
     if near is not None and near is not q0 and exact and not in_time:
-        branch = branch_track(tracker, near, rate, options.branch_tolerances)
+        branch = tracking.branch_track(tracker, near, rate, options.branch_tolerances)
     track, free = branch, freedoms[0]
     if track is None or track.reached < len(path):
         others = joints is not None and q0 is None
@@ -191,7 +182,7 @@ def follow(
             allowed,
         )
     if joints is not None and q0 is None and options.free is None and not in_time:
-        track = as_demonstrated(
+        track = tracking.as_demonstrated(
             tracker, track, leaving=options.shown_tolerances, ending=options.branch_tolerances
         )
     q = track.q
@@ -222,7 +213,7 @@ def _furthest(
         tracks.append(best_track(tracker, starts_of(tracker), track_function(tracker), allowed))
         if tracks[-1].reached == len(tracker.path) and not tracker.path.free:
             break
-    track = least_rotated(trackers[0].chain, trackers[0].path, tracks)
+    track = tracking.least_rotated(trackers[0].chain, trackers[0].path, tracks)
     return track, trackers[tracks.index(track)].path.free
 
 

@@ -20,7 +20,6 @@ from leadthrough.io.table import Request
 from leadthrough.models import archive
 from leadthrough.preprocess.clean import RecordingSummary, summarize
 
-_ROBOTS = (".urdf", ".xml", ".xacro")
 _WRAPPED: dict[str, Any] = {
     "width": 80,
     "subsequent_indent": "  ",
@@ -76,7 +75,7 @@ def describe(
 ) -> FileInfo:
     """A summary of what a file contains, as far as it can be read."""
     where = checked_path(path)
-    if where.suffix.lower() in _ROBOTS and where.is_file():
+    if where.suffix.lower() in (".urdf", ".xml", ".xacro") and where.is_file():
         robot = core.Robot(robot_files.read(where))
         if tip is None and (len(robot.leaves) > 1 or not moves(robot)):
             return _branched(where, robot)

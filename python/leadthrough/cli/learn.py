@@ -90,7 +90,7 @@ def learn(
         demonstrations = read(recordings, **how)
     else:
         most = check.integer(samples, "samples", at_least=10)
-        demonstrations = _streamed(recordings, how, table, most)
+        demonstrations = reading.streamed(recordings, how, table, most)
     if cut:
         demonstrations = reading.cut(demonstrations, resting, pause=pause)
     else:
@@ -98,8 +98,9 @@ def learn(
     demonstrations = reading.trimmed(_chosen(demonstrations, number), resting)
     demonstrations = _without(demonstrations, drop or [])
     if arm is not None:
-        _refuse_too_fast(ctx, arm, demonstrations)
-        demonstrations = [_of_the_arm(arm, each, as_joints=as_joints) for each in demonstrations]
+        recorded = demonstrations
+        demonstrations = [_of_the_arm(arm, each, as_joints=as_joints) for each in recorded]
+        _refuse_too_fast(ctx, arm, recorded)
     if align:
         demonstrations = lt.preprocess.align_by_time_warping(demonstrations)
     chosen = _asked_for(model, parameter, demonstrations)
@@ -199,22 +200,6 @@ def _hint(ctx: typer.Context, near: lt.models.Reproduction, model: str | None) -
     if len(near.positions) < _JUDGED:
         words = output.repeated(ctx, "model", "parameter", changed=())
     output.advise(output.line(ctx, *words))
-
-
-def _streamed(
-    recordings: list[Path], how: dict[str, Any], table: Path, samples: int
-) -> list[lt.Demonstration]:
-    """The recordings that can be cleaned, each thinned out as it comes, with a table of faults."""
-    from leadthrough.cli import reading
-    from leadthrough.motion import thin
-
-    reading.check_suffix(table, reading.TABLE, "--table")
-    return [
-        replace(demonstration, motion=thin(demonstration.motion, samples))
-        for _, demonstration, _ in reading.cleaned_episodes(
-            lt.io.stream_recordings(recordings, **how), lt.preprocess.clean, table
-        )
-    ]
 
 
 def model_of(name: str, parameters: dict[str, Any]) -> lt.models.Model:

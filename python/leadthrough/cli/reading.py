@@ -6,17 +6,18 @@ import csv
 import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import leadthrough as lt
 from leadthrough.cli import output
 from leadthrough.cli.options import RestOptions
-from leadthrough.io import formats, reading as files
+from leadthrough.io import reading as files
 from leadthrough.io.files import replacing
 from leadthrough.io.table import Ranges, Request, Table
 from leadthrough.models import archive
-from leadthrough.motion import Motion
+from leadthrough.motion import Motion, thin
 from leadthrough.rest import rest_at_ends
 
 listed, can_read, blaming = files.listed, files.can_read, files.blaming
@@ -107,7 +108,7 @@ def one_motion(file: Path, *, joints: Ranges | None = None) -> Motion:
 def first_table(file: Path, request: Request) -> Table:
     """The columns of the first recording in a file."""
     with blaming(file):
-        return formats.of_file(file).tables(file, request)[0]
+        return lt.io.formats.of_file(file).tables(file, request)[0]
 
 
 def saved_skill(file: Path) -> lt.models.Skill:
@@ -157,6 +158,18 @@ def write_motion(motion: Motion, out: Path, format: str | None) -> None:
     """Writes a motion to the file of --out."""
     with output.naming(path="--out", trajectory=f"--out {out}", motion=f"--out {out}"):
         lt.io.write_motion(motion, out, format=format)
+
+
+def streamed(
+    recordings: Sequence[Path], how: dict[str, Any], table: Path, samples: int
+) -> list[lt.Demonstration]:
+    """The recordings that can be cleaned, each thinned out as it comes, with a table of faults."""
+    check_suffix(table, TABLE, "--table")
+    episodes = lt.io.stream_recordings(recordings, **how)
+    return [
+        replace(demonstration, motion=thin(demonstration.motion, samples))
+        for _, demonstration, _ in cleaned_episodes(episodes, lt.preprocess.clean, table)
+    ]
 
 
 def cleaned_episodes(

@@ -7,13 +7,12 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 import leadthrough as lt
 from leadthrough import check
-from leadthrough.arm.inverse_kinematics import AXES
 from leadthrough.arm.robot_files import find_robot
 from leadthrough.cli import output, parse, reading
 from leadthrough.cli.options import ArmDetails
@@ -202,7 +201,7 @@ def options_of(
             position_tolerance=position, orientation_tolerance=orientation
         )
     if free_axes is not None:
-        free = [check.choice(axis, "--free-axis", AXES) for axis in free_axes]
+        free = [check.choice(axis, "--free-axis", get_args(lt.arm.Axis)) for axis in free_axes]
         options = replace(options, free=free)
     if posture is None:
         return {"q0": None, "options": options}

@@ -261,8 +261,7 @@ class Chunks(ShortRepr):
         self._again = np.inf if done else now + 0.5 * self._period * self._rows
 
     def _target(self, curve: ChunkCurve, last: float) -> Float64Array:
-        """The states of the curve from the last command on; where they lead to its end, with a stop
-        on their path, and a rest after it."""
+        """States of the curve from the last command on; at its end a stop on its path, and rest."""
         count = min(self._rows, int((curve.end - last) / self._period + 1e-9))
         since = self._period * np.arange(max(0, count) + 1, dtype=np.float64)
         states = curve.states(np.minimum(last + since, curve.end))
@@ -333,11 +332,9 @@ class ChunkCurve:
 
 
 def needed_jerk(away: Float64Array, duration: float) -> Float64Array:
-    """A jerk (joints,) by which a difference of states (1, 3 joints) ends in a duration, s.
-
-    The sum of those by which a distance, a velocity and an acceleration end alone, by the fastest
-    motion that only the jerk limits.
-    """
+    """A jerk (joints,) by which a difference of states (1, 3 joints) ends in a duration, s."""
+    # The sum of those by which a distance, a velocity and an acceleration end alone, by the fastest
+    # motion that only the jerk limits.
     e, ed, edd = np.abs(away.reshape(3, -1))
     return np.asarray(32.0 * e / duration**3 + 27.0 * ed / duration**2 + 5.0 * edd / duration)
 

@@ -15,7 +15,6 @@ from leadthrough.io.rosbag import humble_types
 from leadthrough.motion import JointTrajectory
 
 _MESSAGE = "trajectory_msgs/msg/JointTrajectory"
-_NANOSECONDS = NANOSECONDS
 
 
 # Any: messages are of rosbags' types, which are made when it loads, or of rclpy's with the same
@@ -45,7 +44,7 @@ def trajectory_of(message: Any) -> JointTrajectory:
     if not points:
         raise InvalidInput("message: expected at least one point, got none")
     due = [point.time_from_start for point in points]
-    times = [stamp_nanoseconds(each.sec, each.nanosec) / _NANOSECONDS for each in due]
+    times = [stamp_nanoseconds(each.sec, each.nanosec) / NANOSECONDS for each in due]
     return JointTrajectory(
         times,
         np.array([point.positions for point in points], dtype=np.float64),
@@ -85,7 +84,7 @@ def message_of(trajectory: JointTrajectory, *, header: Any = None) -> Any:
             accelerations=qdd,
             effort=none,
             time_from_start=types["builtin_interfaces/msg/Duration"](
-                **to_stamp(round(time * _NANOSECONDS))
+                **to_stamp(round(time * NANOSECONDS))
             ),
         )
         for time, q, qd, qdd in zip(

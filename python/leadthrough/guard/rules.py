@@ -24,7 +24,6 @@ ALL_WORK = sys.maxsize
 _WORK_OF_STOP = 4000  # pairs of shapes that are looked at along a stop
 _PACES = (0.5, 0.25, 0.125, 0.0625)  # at which a motion is tried that comes too near something
 _LOOK_AHEAD = 16  # rows of it
-_RATES = ("velocity", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +207,7 @@ def row_of(state: CommandedState | ArrayLike, joints: int) -> Float64Array:
 
 def step_limits(limits: JointLimits, period: float) -> core.StepLimits:
     """Limits at a rate."""
-    for name in _RATES:
+    for name in ("velocity", "acceleration", "jerk"):
         value = getattr(limits, name)
         if value is None or not (np.isfinite(value) & (value > 0.0)).all():
             raise InvalidInput(

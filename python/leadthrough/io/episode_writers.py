@@ -75,7 +75,6 @@ def following(rows: Float64Array) -> Float64Array:
     return np.concatenate([rows[1:], rows[-1:]])
 
 
-_VERSION = "v3.0"
 _FILES = 1000  # of a folder
 _FRAMES = 50_000  # of a file, and of memory
 _EPISODES = 1000  # of a file about episodes
@@ -225,7 +224,7 @@ class LeRobotWriter:
         scalars = {"timestamp": "float32", **dict.fromkeys(_INDICES, "int64")}
         rate = layout.rate
         return {
-            "codebase_version": _VERSION,
+            "codebase_version": "v3.0",
             "robot_type": layout.robot,
             "total_episodes": self._episodes,
             "total_frames": self._total,
@@ -358,9 +357,6 @@ def _observed(episode: Episode) -> dict[str, Any]:
     return rows
 
 
-_HDF5 = (".hdf5", ".h5")
-
-
 class EpisodeWriter(Protocol):
     """Writes episodes in their order, with memory for some of them."""
 
@@ -373,7 +369,7 @@ class EpisodeWriter(Protocol):
 
 def writes_hdf5(path: StrPath) -> bool:
     """Whether episodes at a path are written as HDF5; else as a LeRobot data set."""
-    return checked_path(path).suffix.lower() in _HDF5
+    return checked_path(path).suffix.lower() in (".hdf5", ".h5")
 
 
 @contextmanager

@@ -9,18 +9,9 @@ from typing import Any
 
 from leadthrough import check
 from leadthrough.check import InvalidInput
-from leadthrough.io import (
-    csv,
-    joint_trajectory,
-    lerobot,
-    mat,
-    npz,
-    reader_process,
-    robomimic,
-    rosbag,
-)
-from leadthrough.io.csv import read_table
+from leadthrough.io import csv, joint_trajectory, lerobot, mat, npz, robomimic, rosbag
 from leadthrough.io.files import StrPath, checked_path
+from leadthrough.io.reader_process import require, tables
 from leadthrough.io.robot_programs import write_franka, write_urscript
 from leadthrough.io.table import ArrayTable, Request, Table
 from leadthrough.motion import Motion, checked_motion
@@ -60,15 +51,15 @@ def _in_reader_process(
 ) -> Read:
     """A reader in the reader process; `asked` if it also takes the request."""
 
-    def tables(path: Path, request: Request) -> Sequence[Table]:
-        reader_process.require(module, extra=extra)
-        return reader_process.tables(read, path, request if asked else None)
+    def found(path: Path, request: Request) -> Sequence[Table]:
+        require(module, extra=extra)
+        return tables(read, path, request if asked else None)
 
-    return tables
+    return found
 
 
 FORMATS = (
-    Format("csv", "text table", (".csv", ".tsv", ".txt"), _one(read_table), csv.write),
+    Format("csv", "text table", (".csv", ".tsv", ".txt"), _one(csv.read_table), csv.write),
     Format("npz", "NumPy archive", (".npz",), _one(npz.table), npz.write),
     Format("npy", "NumPy array", (".npy",), lambda path, asked: [npz.table_of_rows(path, asked)]),
     Format("mat", "MATLAB 5 to 7.2", (".mat",), _all(mat.tables)),

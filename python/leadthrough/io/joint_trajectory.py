@@ -21,16 +21,8 @@ import numpy as np
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.io.files import (
-    ReadLimits,
-    StrPath,
-    load_yaml,
-    parsed_yaml,
-    read_text,
-    refusing_damage,
-    replacing,
-    written_blocks,
-)
+from leadthrough.io import files
+from leadthrough.io.files import ReadLimits, StrPath
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
 from leadthrough.io.table import ArrayTable
 from leadthrough.motion import Event, JointTrajectory
@@ -104,7 +96,7 @@ class _Form:
             groups.append(trajectory.accelerations)
         rows = np.column_stack([*groups, due // NANOSECONDS, due % NANOSECONDS])
         layout = self.layout(len(groups), trajectory.positions.shape[1])
-        blocks = written_blocks(rows, layout)
+        blocks = files.written_blocks(rows, layout)
         yield self.begin + next(blocks).removeprefix(self.between)
         yield from blocks
         yield self.end
@@ -168,7 +160,7 @@ _YAML = _Form(
     ),
     "",
     "",
-    parsed_yaml,
+    files.parsed_yaml,
 )
 
 
@@ -212,18 +204,18 @@ def write_yaml(trajectory: JointTrajectory, path: StrPath) -> None:
 def table_of_json(path: Path) -> ArrayTable:
     """The trajectory in a JSON file, timed from the controller's time 0 on."""
     limits = ReadLimits()
-    with refusing_damage(_FORMAT, damage=_DAMAGE):
+    with files.refusing_damage(_FORMAT, damage=_DAMAGE):
         if found := _JSON.read(path, limits):
             return found
-        text = read_text(path, limits)
+        text = files.read_text(path, limits)
         limits.items(sum(map(text.count, "[{:,")), "the values")
         return table(json.loads(text))
 
 
 def table_of_yaml(path: Path) -> ArrayTable:
     """The trajectory in a YAML file, timed from the controller's time 0 on."""
-    with refusing_damage(_FORMAT, damage=_DAMAGE):
-        return _YAML.read(path, ReadLimits()) or table(load_yaml(path))
+    with files.refusing_damage(_FORMAT, damage=_DAMAGE):
+        return _YAML.read(path, ReadLimits()) or table(files.load_yaml(path))
 
 
 def table(content: Any) -> ArrayTable:  # Any: whatever a file holds; reading it is the check
@@ -262,7 +254,7 @@ def _columns(content: Any, values: Mapping[str, Float64Array], times: Float64Arr
 
 
 def _write(parts: Iterable[str], path: StrPath) -> None:
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
+    with files.replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         file.writelines(parts)
 
 

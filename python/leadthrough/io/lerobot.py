@@ -26,8 +26,6 @@ from leadthrough.io.table import ArrayTable
 from leadthrough.motion import Event
 
 _STATE = "observation.state"
-_INFO = Path("meta", "info.json")
-_STATS = Path("meta", "stats.json")
 _MOTOR = ".pos"
 _MIN_OPENING = 10.0  # degrees or percent; a gripper that moves less neither opens nor closes
 
@@ -119,16 +117,14 @@ def _extents(tables: Sequence[ArrayTable], names: Sequence[str]) -> dict[str, Ex
     joined = {name: np.concatenate([table.numbers(name) for table in tables]) for name in names}
     finite = {name: column[np.isfinite(column)] for name, column in joined.items()}
     return {
-        name: (float(column.min(initial=np.inf)), float(column.max(initial=-np.inf)))
-        if len(column)
-        else (0.0, 0.0)
+        name: (float(column.min()), float(column.max())) if len(column) else (0.0, 0.0)
         for name, column in finite.items()
     }
 
 
 def _stated_extents(path: Path, names: Columns) -> dict[str, Extent]:
     """The least and greatest number of each column that `meta/stats.json` states, or none."""
-    file = _meta(path, _STATS)
+    file = _meta(path, "stats.json")
     try:
         stats = json.loads(read_text(file, ReadLimits()))[_STATE] if file else {}
         pairs = np.array([stats["min"], stats["max"]], dtype=float)
@@ -182,14 +178,15 @@ def _array(column: Any, name: str, limits: ReadLimits) -> Float64Array | None:
 
 def _state_names(path: Path) -> Columns:
     """The names of a state's numbers, or none."""
-    file = _meta(path, _INFO)
+    file = _meta(path, "info.json")
     return _names_in(file) if file else ()
 
 
-def _meta(path: Path, name: Path) -> Path | None:
+def _meta(path: Path, name: str) -> Path | None:
     """A file of the data set that a folder or a file belongs to."""
     folders = [path] if path.is_dir() else [*path.absolute().parents][:4]
-    return next((folder / name for folder in folders if (folder / name).is_file()), None)
+    files = (folder / "meta" / name for folder in folders)
+    return next((file for file in files if file.is_file()), None)
 
 
 def _names_in(info: Path) -> Columns:

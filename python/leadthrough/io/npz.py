@@ -32,7 +32,6 @@ from leadthrough.io.recording import demonstrated_columns
 from leadthrough.io.table import ArrayTable, Request
 from leadthrough.motion import (
     Event,
-    Events,
     JointTrajectory,
     Motion,
     PoseTrajectory,
@@ -150,7 +149,7 @@ def _named(found: Mapping[str, NDArray[Any]], names: Columns) -> ArrayTable:
     )
 
 
-def _events(found: Mapping[str, NDArray[Any]]) -> Events:
+def _events(found: Mapping[str, NDArray[Any]]) -> tuple[Event, ...]:
     if "event_times" not in found or "event_names" not in found:
         return ()
     times = check.array(found["event_times"], "event_times", shape=("n",))

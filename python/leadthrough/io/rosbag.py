@@ -22,15 +22,8 @@ import numpy as np
 
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.io import joint_trajectory
-from leadthrough.io.files import (
-    ReadLimits,
-    StrPath,
-    checked_path,
-    making_folder,
-    refusing_damage,
-    replacing,
-)
+from leadthrough.io import files, joint_trajectory
+from leadthrough.io.files import ReadLimits, StrPath, checked_path, refusing_damage, replacing
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
 from leadthrough.io.joint_trajectory import (
     NANOSECONDS,
@@ -51,7 +44,6 @@ _JOINTS = "sensor_msgs/msg/JointState"
 _TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 _POSE = "geometry_msgs/msg/PoseStamped"
 _TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
-_TEXT = "std_msgs/msg/String"
 # Source: the MCAP specification: magic, then records of a kind, a length and a content; that of a
 # chunk begins with two times and its size when inflated.
 _MCAP_MAGIC = 8
@@ -170,7 +162,7 @@ def _messages(bag: Any, topic: str) -> Messages:
 def _events(bag: Any, start: int, table: ArrayTable) -> Events:
     """The events on the table's clock; its first sample came at `start`, ns on the bag's clock."""
     info = bag.topics.get(EVENTS_TOPIC)
-    if info is None or info.msgtype != _TEXT:
+    if info is None or info.msgtype != "std_msgs/msg/String":
         return ()
     first = float(table.numbers(table.roles["time"][0])[0])
     return tuple(
@@ -470,7 +462,7 @@ def _bag(path: StrPath) -> Iterator[_Bag]:
 def _folder_or_file(path: StrPath, suffix: str) -> Iterator[Path]:
     """A folder to write the bag to; it, or the one file in it, becomes what the path names."""
     if suffix not in (".mcap", ".db3"):
-        with making_folder(path) as folder:
+        with files.making_folder(path) as folder:
             yield folder
         return
     with replacing(path) as temporary:

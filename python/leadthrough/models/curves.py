@@ -193,11 +193,6 @@ def features_of(motions: Sequence[Motion]) -> list[Float64Array]:
     return [each / scale for each in columns]
 
 
-def clocks_of(motions: Sequence[Motion]) -> list[Float64Array]:
-    """The times (n,) of each motion from 0 on, s."""
-    return [each.times - each.times[0] for each in motions]
-
-
 def scale_of(columns: Sequence[Float64Array], size: int) -> Float64Array:
     """The extent (width,) of positions, and that of orientations for their weight."""
     width = columns[0].shape[1]

@@ -17,18 +17,9 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check, rotations
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr, UnsupportedQuery
+from leadthrough.models import protocol
 from leadthrough.models.archive import Arrays, SteppedSkill, archived, from_archived, prefixed
-from leadthrough.models.protocol import (
-    Conditioned,
-    Demonstrations,
-    Guided,
-    Model,
-    Outliers,
-    Skill,
-    Unfitted,
-    fit_all,
-    motions_of,
-)
+from leadthrough.models.protocol import Demonstrations, Model, Outliers, Skill, motions_of
 from leadthrough.models.queries import CheckedQuery, Via, checked_limits
 from leadthrough.motion import JointTrajectory, Motion, MotionT, MotionT_co, PoseTrajectory, Target
 from leadthrough.shapes import Shape, check_shapes
@@ -159,7 +150,7 @@ _ALIGNED = 1e-9
 
 
 @dataclass(frozen=True)
-class Framed(Unfitted):
+class Framed(protocol.Unfitted):
     """A model that learns in the frame of the task.
 
     Attributes:
@@ -197,7 +188,8 @@ class Framed(Unfitted):
         back = [Frame(-frame.origin @ frame.axes, frame.axes.T) for frame in given]
         seen = [frame.base(motion) for frame, motion in zip(back, motions, strict=True)]
         seen = motions_of(seen, outliers=outliers)
-        learned = cast(Skill[MotionT], fit_all(self.model, seen))  # of the demonstrated type
+        # Of the demonstrated type.
+        learned = cast(Skill[MotionT], protocol.fit_all(self.model, seen))
         return FramedSkill(Framed(learned.model), learned, given[0], poses)
 
 
@@ -272,7 +264,7 @@ class FramedSkill(SteppedSkill[MotionT_co]):
             UnsupportedQuery: for a skill that does not go on step by step, for an argument that it
                 does not take, and for limits as in `generate`.
         """
-        if isinstance(self.skill, Guided):
+        if isinstance(self.skill, protocol.Guided):
             return self._led(
                 state,
                 dt,
@@ -319,7 +311,7 @@ class FramedSkill(SteppedSkill[MotionT_co]):
             InvalidInput: as the skill inside.
             UnsupportedQuery: for a skill that cannot be conditioned, and a covariance of poses.
         """
-        if not isinstance(self.skill, Conditioned):
+        if not isinstance(self.skill, protocol.Conditioned):
             raise UnsupportedQuery(
                 f"condition: a skill of kind {self.skill.kind!r} cannot be conditioned; give via "
                 "points where the skill takes them; in Python, fit Framed(ProMP())"
@@ -348,7 +340,7 @@ class FramedSkill(SteppedSkill[MotionT_co]):
             UnsupportedQuery: for a skill without a policy.
             NoPath: far outside the demonstrations.
         """
-        if not isinstance(self.skill, Guided):
+        if not isinstance(self.skill, protocol.Guided):
             raise UnsupportedQuery(
                 f"policy: a skill of kind {self.skill.kind!r} has none; in Python, fit "
                 "Framed(FastMarching())"

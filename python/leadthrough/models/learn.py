@@ -9,27 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from leadthrough import rotations
+from leadthrough import check, rotations
 from leadthrough.blas_threads import one_blas_thread
-from leadthrough.check import (
-    Float64Array,
-    InvalidInput,
-    LeadthroughError,
-    NoPath,
-    ShortRepr,
-    refused,
-)
-from leadthrough.models.protocol import (
-    Choice,
-    Demonstrations,
-    MisalignmentWarning,
-    Model,
-    Outliers,
-    Skill,
-    check_skill,
-    fit_all,
-    motions_of,
-)
+from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, NoPath, ShortRepr
+from leadthrough.models import protocol
+from leadthrough.models.protocol import Demonstrations, Model, Outliers, Skill, motions_of
 from leadthrough.models.registry import model_entry
 from leadthrough.motion import (
     JointTrajectory,
@@ -92,8 +76,8 @@ def learn(
     few = [thin(each, MAX_ROWS) for each in motions]
     errors = {name: _mean_error(model, few, folds) for name, model in models.items()}
     chosen = _best(errors)
-    fitted: Any = fit_all(models[chosen], motions)
-    skill: Skill[MotionT] = fitted.with_choice(Choice(chosen, errors, len(folds)))
+    fitted: Any = protocol.fit_all(models[chosen], motions)
+    skill: Skill[MotionT] = fitted.with_choice(protocol.Choice(chosen, errors, len(folds)))
     return skill
 
 
@@ -125,10 +109,10 @@ def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> fl
         rest = [each for j, each in enumerate(motions) if j != i]
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore", MisalignmentWarning)
+                warnings.simplefilter("ignore", protocol.MisalignmentWarning)
                 start, goal = (target_of(motions[i], row) for row in (0, -1))
                 dt = max(_DT, motions[i].duration / MAX_ROWS)
-                made = fit_all(model, rest).generate(start=start, goal=goal, dt=dt)
+                made = protocol.fit_all(model, rest).generate(start=start, goal=goal, dt=dt)
         except LeadthroughError:
             return float("inf")
         errors.append(_mean_distance(motions[i], made))
@@ -192,7 +176,7 @@ def reproduction(skill: Skill[Any], demonstrations: Demonstrations[Motion]) -> R
     Source: Eiter and Mannila 1994, the discrete Frechet distance, of up to 64,000 points evenly
         spaced along each path.
     """
-    check_skill(skill)
+    protocol.check_skill(skill)
     motions = _of_skill(skill, motions_of(demonstrations))
     pairs = np.array([_distances(skill, each) for each in motions])
     posed = isinstance(motions[0], PoseTrajectory)
@@ -208,7 +192,7 @@ def _of_skill(skill: Skill[Any], motions: list[Motion]) -> list[Motion]:
         return motions
     one, other = (f"{type(m).__name__} of {m.positions.shape[1]}" for m in (nominal, motions[0]))
     if one != other:
-        raise refused("demonstrations", f"motions as the skill's, {one} columns", other)
+        raise check.refused("demonstrations", f"motions as the skill's, {one} columns", other)
     if not isinstance(nominal, JointTrajectory):
         return motions
     names = nominal.joint_names

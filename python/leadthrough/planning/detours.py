@@ -10,18 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array, NoPath
+from leadthrough.planning import maps
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.maps import (
-    CELLS_PER_KNOT,
-    Scales,
-    grid_over,
-    min_distance,
-    quickest_in_tube,
-    scales_of,
-    slowed_at,
-    smooth_between_walls,
-    tube_field,
-)
+from leadthrough.planning.maps import Scales, slowed_at
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape
 
@@ -49,7 +40,7 @@ def around(
         if is_free(path, obstacles):
             return None
         raise NoPath(f"start: {path[0]} lies in an obstacle", reason="start_in_wall")
-    grid, scales = grid_over([path], obstacles, scales_of(length))
+    grid, scales = maps.grid_over([path], obstacles, maps.scales_of(length))
     parts = _parts(path, grid, obstacles, scales)
     if len(parts) == 1 and parts[0][0] is path:
         return None
@@ -61,9 +52,9 @@ def around(
         points.append(part[1:])
         fractions.append(first + (last - first) * along[1:])
     joined = np.concatenate(points)
-    field = tube_field(path, grid, obstacles, scales)
-    knots = max(CELLS_PER_KNOT * float(grid.spacing.max()), length / pieces)
-    smooth = smooth_between_walls(joined, field, knots)
+    field = maps.tube_field(path, grid, obstacles, scales)
+    knots = max(maps.CELLS_PER_KNOT * float(grid.spacing.max()), length / pieces)
+    smooth = maps.smooth_between_walls(joined, field, knots)
     before, after = arc_length(joined), arc_length(smooth)
     at = np.interp(after / after[-1], before / before[-1], np.concatenate(fractions))
     return smooth, at, float(after[-1]) / length
@@ -71,7 +62,7 @@ def around(
 
 def is_free(path: Float64Array, obstacles: Sequence[Shape]) -> bool:
     """Whether the points of a path (n, d) lie outside all obstacles."""
-    return min_distance(path, obstacles) > 0.0
+    return maps.min_distance(path, obstacles) > 0.0
 
 
 def _parts(
@@ -92,7 +83,7 @@ def _parts(
         ]
     except NoPath:
         # An end of a detour may be enclosed although start and goal are not.
-        return [(quickest_in_tube(path, grid, obstacles, scales), whole)]
+        return [(maps.quickest_in_tube(path, grid, obstacles, scales), whole)]
 
 
 def _detour(
@@ -101,7 +92,7 @@ def _detour(
     """The quickest path from end to end of a stretch."""
     # As wide a tube as the detour may become: it leaves and rejoins the path gently.
     wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
-    return quickest_in_tube(stretch, grid, obstacles, wide)
+    return maps.quickest_in_tube(stretch, grid, obstacles, wide)
 
 
 def _stretches(influenced: NDArray[np.bool_]) -> list[tuple[int, int, bool]]:

@@ -10,23 +10,9 @@ from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.planning import speed_map
 from leadthrough.planning.grid import Grid
-from leadthrough.planning.speed_map import (
-    DetourField,
-    FreeField,
-    ObstacleField,
-    SaturatedField,
-    SpeedField,
-    Speeds,
-    TubeField,
-    Walls,
-    add_obstacles,
-    add_passable_obstacles,
-    add_saturated_obstacles,
-    experience_map,
-    quickest,
-    speeds_at,
-)
+from leadthrough.planning.speed_map import FreeField, SpeedField, Speeds, TubeField, Walls, quickest
 from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.smooth import smooth_path
 from leadthrough.shapes import Shape
@@ -95,7 +81,7 @@ def map_of(paths: Sequence[Float64Array], scales: Scales) -> tuple[Grid, Float64
 
 def speeds_along(paths: Sequence[Float64Array], grid: Grid, scales: Scales) -> Float64Array:
     """Speeds of a grid: 1 deepest in the tube around paths, the saturation outside it."""
-    return experience_map(
+    return speed_map.experience_map(
         grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
     )
 
@@ -137,21 +123,23 @@ def covered_ends(
 def with_obstacles(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
     """A map of tubes with obstacles, as `FastMarching.obstacle_map` says."""
     if scales.obstacle_map == "minimum":
-        return add_saturated_obstacles(
+        return speed_map.add_saturated_obstacles(
             speed,
             grid,
             obstacles,
             area_of_influence=scales.clearance,
             saturation=scales.saturation,
         )
-    return add_obstacles(speed, grid, obstacles, area_of_influence=_BAND * scales.clearance)
+    return speed_map.add_obstacles(
+        speed, grid, obstacles, area_of_influence=_BAND * scales.clearance
+    )
 
 
 def with_detours(speed: Speeds, grid: Grid, obstacles: Sequence[Shape], scales: Scales) -> Speeds:
     """The map of `with_obstacles` to plan in: the product has detours around obstacles."""
     if scales.obstacle_map == "minimum":
         return with_obstacles(speed, grid, obstacles, scales)
-    return add_passable_obstacles(
+    return speed_map.add_passable_obstacles(
         speed,
         grid,
         obstacles,
@@ -169,17 +157,17 @@ def obstacle_field(
         return free
     walls = Walls(free.grid, obstacles)
     if scales.obstacle_map == "minimum":
-        return SaturatedField(
+        return speed_map.SaturatedField(
             free, walls, area_of_influence=scales.clearance, saturation=scales.saturation
         )
-    return ObstacleField(free, walls, area_of_influence=band * scales.clearance)
+    return speed_map.ObstacleField(free, walls, area_of_influence=band * scales.clearance)
 
 
 def detour_field(free: FreeField, obstacles: Sequence[Shape], scales: Scales) -> SpeedField:
     """The speeds of `with_detours`, computed on demand."""
     if not obstacles or scales.obstacle_map == "minimum":
         return obstacle_field(free, obstacles, scales)
-    return DetourField(
+    return speed_map.DetourField(
         free,
         Walls(free.grid, obstacles),
         band=_BAND * scales.clearance,
@@ -241,7 +229,7 @@ def smooth_between_walls(
 
     def is_free(points: Float64Array) -> bool:
         cells = grid.cells_of(points[grid.contains(points)])
-        return bool(speeds_at(field, cells).all())
+        return bool(speed_map.speeds_at(field, cells).all())
 
     if inside[0]:
         return smooth_path(path, knot_spacing=knot_spacing, accept=is_free)

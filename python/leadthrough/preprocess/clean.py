@@ -19,13 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough import check, rotations
-from leadthrough.check import (
-    MAX_NUMBER,
-    UNIT_LENGTH_TOLERANCE,
-    Float64Array,
-    InvalidInput,
-    ShortRepr,
-)
+from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array, InvalidInput, ShortRepr
 from leadthrough.drawing import Drawn, Panel, spans_over_time
 from leadthrough.io.recording import Recording, recording_of
 from leadthrough.motion import (
@@ -408,7 +402,7 @@ def _in_time(times: Float64Array) -> NDArray[np.int64]:
 
 def _valid(recording: Recording) -> NDArray[np.bool_]:
     numbers = np.column_stack([recording.times, *rows_of(recording).values()])
-    valid = np.asarray((np.abs(numbers) < MAX_NUMBER).all(axis=1))  # false for NaN
+    valid = np.asarray((np.abs(numbers) < check.MAX_NUMBER).all(axis=1))  # false for NaN
     if recording.orientations is not None:
         lengths = np.linalg.norm(np.where(valid[:, None], recording.orientations, 0.0), axis=1)
         valid &= (lengths > _MIN_LENGTH) & (lengths < 1.0 / _MIN_LENGTH)

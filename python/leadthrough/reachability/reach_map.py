@@ -239,7 +239,6 @@ def reach_rows(*, first: int, count: int, seed: int, workspace: Path) -> list[Ro
     ]
 
 
-_PHI = np.sqrt(2.0)
 _PSI = 1.533751168755204288118041  # root of x^4 = x + 4
 
 
@@ -253,7 +252,7 @@ def spread_orientations(count: int) -> Float64Array:
     at = np.arange(number) + 0.5
     fraction = at / number
     near, far = np.sqrt(fraction), np.sqrt(1.0 - fraction)
-    alpha, beta = 2.0 * np.pi * at / _PHI, 2.0 * np.pi * at / _PSI
+    alpha, beta = 2.0 * np.pi * at / np.sqrt(2.0), 2.0 * np.pi * at / _PSI
     parts = (far * np.cos(beta), near * np.sin(alpha), near * np.cos(alpha), far * np.sin(beta))
     return np.column_stack(parts)
 

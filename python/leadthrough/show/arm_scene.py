@@ -16,24 +16,14 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.arm import Arm, link_geometry
 from leadthrough.arm.collision import nearest_pairs
-from leadthrough.arm.link_geometry import LinkSurface
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot, MissingDependency
 from leadthrough.drawing import palette
-from leadthrough.drawing.palette import Colour
 from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
 from leadthrough.shapes import SceneLike, Shape, as_scene, check_shapes
 from leadthrough.shapes.surface import Surface, merged, sphere
-from leadthrough.show.animation import (
-    Animation,
-    Item,
-    Layer,
-    link_motion,
-    sampled,
-    thinned,
-    tube,
-    uncertainty_tube,
-)
+from leadthrough.show import animation
+from leadthrough.show.animation import Animation, Item, Layer, sampled, thinned, tube
 
 # Radius of the tubes around paths, m: thin enough that drawings of a hand's size stay legible.
 _PATH_RADIUS = 0.004
@@ -79,7 +69,7 @@ def arm_scene(
 def arm_motion(arm: Arm, joints: JointTrajectory | None) -> Animation:
     """The motion of the links, without surfaces."""
     frames = sampled(arm, joints)
-    links, positions, orientations = link_motion(arm, frames.positions)
+    links, positions, orientations = animation.link_motion(arm, frames.positions)
     times = frames.times - frames.times[0]
     tip = links.index(arm.tip) if arm.tip in links else None
     return Animation(links, times, positions, orientations, (), tip=tip)
@@ -96,13 +86,13 @@ def tip_path(arm: Arm, motion: Motion) -> Float64Array:
 
 
 def arm_items(
-    arm: Arm, links: Sequence[str], parts: Mapping[str, Sequence[LinkSurface]]
+    arm: Arm, links: Sequence[str], parts: Mapping[str, Sequence[link_geometry.LinkSurface]]
 ) -> Iterator[Item]:
     """The arm's surfaces; links without a colour of their own get one of two in turn."""
     parts = parts or _rods(arm)
     colours = cycle((palette.rgb(palette.SHELL), palette.rgb(palette.JOINT)))
     for (link, own), default in zip(parts.items(), colours, strict=False):
-        by_colour: dict[Colour, list[Surface]] = {}
+        by_colour: dict[palette.Colour, list[Surface]] = {}
         for part in own:
             by_colour.setdefault(part.colour or default, []).append(part.surface)
         for i, (colour, meshes) in enumerate(by_colour.items()):
@@ -135,7 +125,7 @@ def spread_items(arm: Arm, skill: Skill | None) -> Iterator[Item]:
     """The tube of two standard deviations about a skill's mean path, if it has one."""
     distribution = distribution_of(arm, skill)
     if distribution is not None:
-        mesh = uncertainty_tube(*distribution)
+        mesh = animation.uncertainty_tube(*distribution)
         yield Item(
             "two standard deviations", Layer.SPREAD, mesh, palette.rgb(palette.SKY), opacity=0.35
         )
@@ -190,15 +180,15 @@ def _radius(path: Float64Array) -> float:
     return min(_PATH_RADIUS, _PATH_FRACTION * extent) or _PATH_RADIUS
 
 
-def _rods(arm: Arm) -> dict[str, list[LinkSurface]]:
+def _rods(arm: Arm) -> dict[str, list[link_geometry.LinkSurface]]:
     """A capsule from each link's frame to its children's."""
-    rods: dict[str, list[LinkSurface]] = {}
+    rods: dict[str, list[link_geometry.LinkSurface]] = {}
     for joint in arm.robot.tree:
         length = float(np.linalg.norm(joint.position))
         mesh = sphere(1.5 * _ROD_RADIUS)
         if length > 0.0:
             mesh = tube(np.linspace(0.0, 1.0, 2)[:, None] * joint.position, _ROD_RADIUS)
-        rods.setdefault(arm.robot.links[joint.parent], []).append(LinkSurface(mesh))
+        rods.setdefault(arm.robot.links[joint.parent], []).append(link_geometry.LinkSurface(mesh))
     return rods
 
 

@@ -15,21 +15,9 @@ from leadthrough.check import Float64Array
 from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene
-from leadthrough.show import page
+from leadthrough.show import arm_scene as scenes, page
 from leadthrough.show.animation import Animation, Item, Layer
-from leadthrough.show.arm_scene import (
-    arm_motion,
-    arm_scene,
-    demonstration_items,
-    goal_item,
-    mode_items,
-    obstacle_item,
-    path_item,
-    readouts,
-    spread_items,
-    start_item,
-    via_items,
-)
+from leadthrough.show.arm_scene import goal_item, path_item, start_item
 
 _MOTIONLESS = Animation((), np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 4)), ())
 _MARKS = {Layer.PATH: path_item, Layer.START: start_item, Layer.GOAL: goal_item}
@@ -64,31 +52,31 @@ class LiveScene:
     ) -> str:
         """Surfaces of some layers, and the motion from now on if it `moves`."""
         items = tuple(item for name in layers for item in self._items(name))
-        motion = arm_motion(self.arm, self.motion) if moves else _MOTIONLESS
+        motion = scenes.arm_motion(self.arm, self.motion) if moves else _MOTIONLESS
         drawn = replace(motion, items=items)
         told = self._readouts() if detailed else None
         data = page.packed(drawn, level=1, layers=list(layers), readouts=told)
         return json.dumps({"kind": "scene", "data": data, "moves": moves})
 
     def _whole(self) -> Animation:
-        drawn = arm_scene(self.arm, self.motion)
+        drawn = scenes.arm_scene(self.arm, self.motion)
         items = [item for item in drawn.items if item.layer not in LAYERS]
         items += [item for name in LAYERS for item in self._items(name)]
         return replace(drawn, items=tuple(items), readouts=self._readouts())
 
     def _readouts(self) -> dict[str, Any] | None:
-        return readouts(self.arm, self.motion, self.scene, self.wanted)
+        return scenes.readouts(self.arm, self.motion, self.scene, self.wanted)
 
     def _items(self, layer: str) -> Iterable[Item]:
         if layer == Layer.DEMONSTRATIONS:
-            return demonstration_items(self.arm, self.demonstrations)
+            return scenes.demonstration_items(self.arm, self.demonstrations)
         if layer == Layer.OBSTACLES:
-            return [obstacle_item(shape, i) for i, shape in enumerate(self.scene.shapes)]
+            return [scenes.obstacle_item(shape, i) for i, shape in enumerate(self.scene.shapes)]
         if layer == Layer.SPREAD:
-            return spread_items(self.arm, self.skill)
+            return scenes.spread_items(self.arm, self.skill)
         if layer == Layer.VIA:
-            return via_items(self.via)
+            return scenes.via_items(self.via)
         if layer == Layer.MODES:
-            return mode_items(self.others)
+            return scenes.mode_items(self.others)
         marked = self.goal if layer == Layer.GOAL else self.path
         return [] if marked is None else [_MARKS[Layer(layer)](marked)]

@@ -22,13 +22,7 @@ import numpy as np
 
 from leadthrough import check, rotations
 from leadthrough.arm import Arm
-from leadthrough.check import (
-    Float64Array,
-    InvalidInput,
-    LeadthroughError,
-    MissingDependency,
-    ShortRepr,
-)
+from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, ShortRepr
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene, Shape
 from leadthrough.show.animation import Layer
@@ -320,7 +314,6 @@ def _is_from_here(request: Request, port: int) -> bool:
 
 # Longer messages of a browser are refused, bytes.
 _MAX_MESSAGE = 65536
-_SOCKET = "/live"
 
 
 class Session(Protocol):
@@ -346,7 +339,7 @@ class PageServer:
         try:
             import websockets  # noqa: F401, PLC0415
         except ImportError:
-            raise MissingDependency("websockets", extra="view") from None
+            raise check.MissingDependency("websockets", extra="view") from None
         self._document, self._session, self._period = document, session, period
         self._token = secrets.token_urlsafe(_TOKEN_BYTES)
         self._ready, self._closing = threading.Event(), threading.Event()
@@ -406,7 +399,7 @@ class PageServer:
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         path = request.path.partition("?")[0]
-        if path == _SOCKET:
+        if path == "/live":
             return None
         if path != "/":
             return connection.respond(HTTPStatus.NOT_FOUND, "There is one page, at /.\n")

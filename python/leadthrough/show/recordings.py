@@ -26,7 +26,6 @@ _STILL = 1e-4  # rad or m; joints that differ by less at a recording's ends rest
 _MIN_SAMPLES = 10
 _MIN_PATH, _MIN_TURN = 0.01, 0.1  # m and rad, of the tip in a demonstration
 _ROUNDING = 1e-5  # s, of times on the page
-_NAME = "demonstration-{}"
 _NAMES = re.compile(r"\w([\w .+()-]{0,78}[\w+()-])?")  # that files can have everywhere
 
 
@@ -166,7 +165,7 @@ class Recordings:
         numbers = (
             int(found[1]) for name in self._taken() if (found := re.fullmatch(r".*-(\d+)", name))
         )
-        return _NAME.format(max(numbers, default=0) + 1)
+        return f"demonstration-{max(numbers, default=0) + 1}"
 
 
 def _of_arm(arm: Arm, given: object, index: int) -> Demonstration[JointTrajectory]:

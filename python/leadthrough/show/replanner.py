@@ -37,7 +37,6 @@ _PREVIEW_STEP = 0.04
 _STEP = 0.01
 # A detour around obstacles is searched at this distance first, m: it serves some more moves.
 _AMPLE = 0.03
-_NOT_SEARCHED = "an obstacle blocks the arm; release it to search for a detour"
 # How strongly a preview stays next to the answer before, 1/s: at any larger rate it is the same.
 _PULL = 100.0
 
@@ -315,7 +314,7 @@ class Replanner:
         if not self.obstacles or self._first is None:
             return self._from_any_posture(motion)
         if not self._may_search:
-            raise LeadthroughError(_NOT_SEARCHED)
+            raise LeadthroughError("an obstacle blocks the arm; release it to search for a detour")
         self._may_search = False
         return self._from_the_same_posture(motion, self._first)
 

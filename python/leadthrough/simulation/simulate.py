@@ -18,16 +18,10 @@ from leadthrough.guard.admission import CommandedState, chunk_of
 from leadthrough.guard.connect import connect
 from leadthrough.motion import Event, JointTrajectory, in_order, lerp
 from leadthrough.shapes import SceneLike, as_scene
+from leadthrough.simulation import report
 from leadthrough.simulation.controllers import Controller, Motion
 from leadthrough.simulation.drives import Disturbances
-from leadthrough.simulation.report import (
-    Kind,
-    Plan,
-    Run,
-    SimulationReport,
-    findings,
-    summed_contacts,
-)
+from leadthrough.simulation.report import Plan, Run, SimulationReport, findings
 from leadthrough.simulation.simulated_arm import SimulatedArm, Touch
 
 _SETTLING = 0.2  # s that the arm is held after the end
@@ -84,7 +78,7 @@ def simulate(
     check_arm(arm)
     period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
     around = as_scene(scene)
-    tolerances: dict[Kind, float] = {"margin": around.margin} if around.shapes else {}
+    tolerances: dict[report.Kind, float] = {"margin": around.margin} if around.shapes else {}
     if tip_tolerance is not None:
         tolerances["tip"] = check.number(tip_tolerance, "tip_tolerance", above=0.0)
     plan = _plan(arm, trajectory, state, period)
@@ -102,7 +96,7 @@ def simulate(
     expected, smooth, dry = expected_errors(real, plan)
     allowed = allowed_errors(smooth, dry, encoder=real.drives.encoder)
     tip_errors, tip_turns = _tip_errors(arm, plan.q, run.q)
-    contacts = summed_contacts(run.touches, period)
+    contacts = report.summed_contacts(run.touches, period)
     times = period * np.arange(len(run.q))
 
     planned, simulated = (

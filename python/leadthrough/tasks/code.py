@@ -25,7 +25,6 @@ _WITHOUT_INFLUENCE = (
 )
 # The module that reads the robots' descriptions.
 _READS_ROBOTS = "leadthrough.arm.robot_files"
-_LIBRARIES = ("numpy", "scipy")
 _CORE = "_core"
 # Fields of statements inside a statement; expressions, most of a source, import nothing.
 _BLOCKS = ("body", "handlers", "orelse", "finalbody", "cases")
@@ -41,7 +40,7 @@ def digest(module: str) -> str:
     Args:
         module: full name of the module.
     """
-    versions = " ".join(f"{name} {_version(name)}" for name in _LIBRARIES)
+    versions = " ".join(f"{name} {_version(name)}" for name in ("numpy", "scipy"))
     total = hashlib.sha256(f"{platform.python_version()} {versions}".encode())
     for name, path in sorted(sources(module).items()):
         total.update(name.encode())

@@ -21,15 +21,8 @@ from leadthrough import check
 from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.motion import JointTrajectory, computed_joints, in_order, moved_events
-from leadthrough.timing import request as checks
-from leadthrough.timing.limits_report import (
-    KINDS,
-    ROUNDING,
-    check_positions,
-    extremes,
-    positions_outside,
-    report_of,
-)
+from leadthrough.timing import limits_report, request as checks
+from leadthrough.timing.limits_report import KINDS
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed, TipTolerance
 from leadthrough.timing.section_law import Samples, time_lines, time_section
 from leadthrough.timing.sections import Lines, Path, Section, Sections, path_of
@@ -44,6 +37,7 @@ _MIN_RATE = 1e-3  # 1/s; the law is computed a thousand times a second, or more
 _LONG, _WINDOWS, _WINDOW, _WORTH = 20_000, 4, 1000, 0.98
 # A path that leaves the position limits by so much is bounded by this much more inside them.
 _INSIDE = 1.5
+_EXACT = 1e-6  # of a step between samples, by which their times may round
 PathT = TypeVar("PathT")
 
 
@@ -250,19 +244,19 @@ def _timed(
     for _ in range(_MAX_ATTEMPTS):
         motion = _joined(sections, inner, request, start=route.start)
         timed = _trajectory(motion, path, limits.joint_names)
-        used = extremes(timed, request.rests_at_ends)
-        outside = positions_outside(used, limits)
+        used = limits_report.extremes(timed, request.rests_at_ends)
+        outside = limits_report.positions_outside(used, limits)
         if outside.any():  # between samples, or a smooth path near them
             request = request.inside(_INSIDE * outside)
             sections = route.sections(request)
             continue
-        report = report_of(used, limits, timed.times)
+        report = limits_report.report_of(used, limits, timed.times)
         kind, peak = max(((k, getattr(report, k)) for k in KINDS), key=lambda each: each[1].ratio)
-        if peak.ratio <= 1.0 + ROUNDING:
+        if peak.ratio <= 1.0 + limits_report.ROUNDING:
             return timed
         limit = getattr(inner, kind) * (_TIGHTER / peak.ratio)
         inner = replace(inner, **{kind: limit})
-    check_positions(used.positions, limits)
+    limits_report.check_positions(used.positions, limits)
     raise LimitsInfeasible(
         f"no motion was found that satisfies the limits: {peak.joint} would reach "
         f"{peak.ratio:.6g} times its {kind} limit at {peak.time:.6g} s; please report this path",
@@ -295,7 +289,7 @@ def _trajectory(
     if not isinstance(path, JointTrajectory):
         return computed_joints(motion.times, *states, joint_names=names)
     times = path.times[0] + motion.times
-    if np.spacing(abs(times[-1])) > ROUNDING * np.diff(motion.times).min(initial=np.inf):
+    if np.spacing(abs(times[-1])) > _EXACT * np.diff(motion.times).min(initial=np.inf):
         times = motion.times  # times since 1970 would round the steps
     given = np.interp(motion.rows, np.arange(len(path.times)), path.times)
     moved = moved_events(path.events, given, times)

@@ -256,7 +256,6 @@ def limit_for(limit: Float64Array, name: str, x: Float64Array) -> Float64Array:
     return np.broadcast_to(limit, x.shape)
 
 
-_RATES = ("velocity", "acceleration", "jerk")
 # Beyond this, sums of cubes lose all digits.
 _MAX_NUMBER = 1e12
 
@@ -301,7 +300,7 @@ class JerkFilter(ShortRepr):
     ) -> None:
         limits = {}
         for name, up, down in zip(
-            _RATES,
+            ("velocity", "acceleration", "jerk"),
             (velocity, acceleration, jerk),
             (velocity_down, acceleration_down, jerk_down),
             strict=True,

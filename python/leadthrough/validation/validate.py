@@ -22,25 +22,10 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import betaincinv, betaln, xlog1py, xlogy
 
-from leadthrough import check, motion_planning, simulation
+from leadthrough import check, models, motion_planning, simulation
 from leadthrough.arm import Arm, check_arm
-from leadthrough.check import (
-    Float64Array,
-    IkFailure,
-    InvalidInput,
-    LimitsInfeasible,
-    NoPath,
-    ShortRepr,
-)
-from leadthrough.models import (
-    Certificate,
-    ConfidenceInterval,
-    Skill,
-    Target,
-    TargetRegion,
-    ValidatedScene,
-    load_skill,
-)
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath, ShortRepr
+from leadthrough.models import Certificate, Skill, Target, TargetRegion, ValidatedScene
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.tasks import Execution, Outcome, Row, Store, Task, pickled
@@ -341,7 +326,7 @@ def _certificate(setup: Setup, plan: SamplingPlan, findings: Findings) -> Certif
         ValidatedScene.of(setup.scene, name_of(setup.arm)),
         findings.runs,
         dict(findings.causes.most_common()),
-        ConfidenceInterval(
+        models.ConfidenceInterval(
             *(findings.sequence if stopped_early else findings.interval),
             plan.confidence,
             "confidence sequence" if stopped_early else "Clopper and Pearson",
@@ -471,7 +456,7 @@ def draw_query(setup: Setup, seed: int, number: int) -> tuple[motion_planning.Qu
 
 def answers(*, first: int, count: int, seed: int, skill: Path, setup: Path) -> list[Row]:
     """A row for each of some queries: start, end, and the reason if the motion fails."""
-    learned = load_skill(skill)
+    learned = models.load_skill(skill)
     common: Setup = pickle.loads(setup.read_bytes())
     rows = []
     with warnings.catch_warnings():
@@ -511,7 +496,7 @@ def attempt(
         timed = timing(joints, setup)
     except NoPath as error:
         return None, f"no path: {error.reason}", str(error)
-    except IkFailure as error:
+    except check.IkFailure as error:
         return None, f"follow: {error.status}", str(error)
     except LimitsInfeasible as error:
         return None, f"limits: {error.joint}", str(error)

@@ -27,7 +27,6 @@ from leadthrough.models.curves import (
     Curves,
     arc_phases,
     by_arc,
-    clocks_of,
     columns_of,
     elastic,
     even_phases,
@@ -401,7 +400,7 @@ def learned(motions: Sequence[MotionT]) -> Mode[MotionT]:
     """The mode of demonstrations alike."""
     columns, reference = columns_of(motions)
     scale = scale_of(columns, motions[0].positions.shape[1])
-    clocks = clocks_of(motions)
+    clocks = [each.times - each.times[0] for each in motions]
     curves = by_arc([each / scale for each in columns], clocks)
     aligned = elastic(curves)
     if curves.rows.shape[1] > MAX_ROWS:  # along minutes, tremor makes lengths of arcs differ

@@ -20,12 +20,7 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.models.archive import Arrays, SteppedSkill
 from leadthrough.models.dmp.channels import PointChannels, PoseChannels
-from leadthrough.models.dmp.learning import (
-    Primitive,
-    check_choices,
-    learn_motion,
-    take_parts,
-)
+from leadthrough.models.dmp.learning import Primitive, check_choices, learn_motion, take_parts
 from leadthrough.models.dmp.query import check_final_velocity, check_state, check_step
 from leadthrough.models.dmp.transformation import MAX_WEIGHTS, RATE
 from leadthrough.models.modes import learned_by_mode

@@ -30,6 +30,7 @@ from leadthrough.models.coordinates import (
     mean_orientations,
     settings_of,
 )
+from leadthrough.models.dmp import transformation
 from leadthrough.models.dmp.channels import PoseChannels
 from leadthrough.models.dmp.orientation import (
     REPRESENTATIONS,
@@ -37,20 +38,7 @@ from leadthrough.models.dmp.orientation import (
     learn,
     learn_closed,
 )
-from leadthrough.models.dmp.transformation import (
-    FORMS,
-    MAX_WEIGHTS,
-    OVERLAP,
-    RATE,
-    RHYTHMIC,
-    Ends,
-    Kernels,
-    TransformationSystem,
-    course,
-    kernels_of,
-    minimum_jerk,
-    tabulated,
-)
+from leadthrough.models.dmp.transformation import RATE, Ends, Kernels, TransformationSystem, course
 from leadthrough.models.modes import common_phases
 from leadthrough.models.protocol import Demonstrations, motions_of, warn_of_misalignment
 from leadthrough.motion import (
@@ -259,8 +247,10 @@ def fit(
     """A system that moves through values at phases."""
     rest = np.zeros(values.shape[1])
     ends = Ends(values[0].copy(), values[-1].copy(), rest, rest)
-    overlap = _ALONE if regression == "lwr" else OVERLAP
-    target = _Target(form, phases, values, kernels_of(form, weights, overlap), ends, groups)
+    overlap = _ALONE if regression == "lwr" else transformation.OVERLAP
+    target = _Target(
+        form, phases, values, transformation.kernels_of(form, weights, overlap), ends, groups
+    )
     target.check_scale()
     with np.errstate(all="ignore"):  # values that are not finite are refused below
         solution, slopes = (
@@ -280,9 +270,9 @@ def fit_with_enough(
     weights = _MIN_WEIGHTS
     while True:
         system = fit(phases, values, groups, weights=weights, **settings)
-        if weights == MAX_WEIGHTS or _replays(system, phases, values, groups):
+        if weights == transformation.MAX_WEIGHTS or _replays(system, phases, values, groups):
             return system
-        weights = min(2 * weights, MAX_WEIGHTS)
+        weights = min(2 * weights, transformation.MAX_WEIGHTS)
 
 
 def _replays(
@@ -311,7 +301,7 @@ def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> T
 
     with np.errstate(all="ignore"):  # values that are not finite are refused below
         centre = trapezoid(values, phases, axis=0)
-        kernels = kernels_of(RHYTHMIC, weights)
+        kernels = transformation.kernels_of(transformation.RHYTHMIC, weights)
         # The springs have swung in after this many periods, to 16 digits.
         response, _ = _responses(kernels, np.concatenate([[0.0], _SWUNG_IN + phases]))
         solution = _ridge(response[1:], values - centre)
@@ -319,9 +309,9 @@ def fit_rhythm(phases: Float64Array, values: Float64Array, *, weights: int) -> T
         raise FitError("demonstrations: numbers too large to fit; use another unit")
     rest = np.zeros(values.shape[1])
     ends = Ends(centre, centre, rest, rest)
-    system = TransformationSystem(RHYTHMIC, np.ascontiguousarray(solution), ends)
+    system = TransformationSystem(transformation.RHYTHMIC, np.ascontiguousarray(solution), ends)
     swung_in = np.array([0.0, _SWUNG_IN])
-    asked = course(RHYTHMIC, system.ends)
+    asked = course(transformation.RHYTHMIC, system.ends)
     y, slopes = core.dmp_rollout(system.forces, asked, centre, rest, swung_in)
     return replace(system, ends=Ends(y[-1].copy(), centre, slopes[-1].copy(), rest))
 
@@ -407,10 +397,10 @@ def _without_force(target: _Target) -> tuple[Float64Array, Float64Array]:
     if target.form == "blended":
         nothing, one, two = np.zeros(2), np.array([1.0, 0.0]), np.array([0.0, 1.0])
         powers = phases[:, None] ** np.arange(6.0)
-        slopes = minimum_jerk(Ends(nothing, nothing, one, two))
-        return powers @ minimum_jerk(ends), powers @ slopes
+        slopes = transformation.minimum_jerk(Ends(nothing, nothing, one, two))
+        return powers @ transformation.minimum_jerk(ends), powers @ slopes
     no_weights = np.zeros((len(target.kernels.centres), len(ends.start)))
-    forces = tabulated(target.kernels, no_weights)
+    forces = transformation.tabulated(target.kernels, no_weights)
     known, _ = core.dmp_rollout(
         forces, course(target.form, ends), ends.start, ends.start_slope, phases
     )
@@ -424,7 +414,7 @@ def _reference(
         nothing = np.zeros((1, len(ends.goal)))
         return ends.goal[None], nothing, nothing
     polynomial: Any = np.polynomial.polynomial
-    coefficients = minimum_jerk(ends)
+    coefficients = transformation.minimum_jerk(ends)
     r, rates, bends = (
         polynomial.polyval(phases, polynomial.polyder(coefficients, order)).T for order in range(3)
     )
@@ -476,7 +466,7 @@ def take_parts(
     names = settings.pop("joint_names", None)
     orientation = None
     if "controls" in arrays:
-        rhythmic = form == RHYTHMIC
+        rhythmic = form == transformation.RHYTHMIC
         orientation = OrientationCoordinates.from_arrays(representation, arrays, rhythmic=rhythmic)
     return Parts(
         system=TransformationSystem.from_arrays(form, weights, arrays),
@@ -489,7 +479,7 @@ def take_parts(
 
 def check_choices(form: str, regression: str, orientation: str) -> None:
     """Refuses a form, a regression or an orientation that there is not."""
-    check.choice(form, "form", FORMS)
+    check.choice(form, "form", transformation.FORMS)
     check.choice(regression, "regression", REGRESSIONS)
     check.choice(orientation, "orientation", REPRESENTATIONS)
 

@@ -27,14 +27,8 @@ from numpy.typing import NDArray
 
 from leadthrough import check
 from leadthrough.check import Float64Array, ShortRepr
+from leadthrough.models.dynamical import lyapunov
 from leadthrough.models.dynamical.linear_mixture import GaussianGates, velocity_mixture
-from leadthrough.models.dynamical.lyapunov import (
-    AsymmetricQuadratics,
-    Corrected,
-    Descent,
-    fitted_quadratics,
-    trusted,
-)
 from leadthrough.models.dynamical.model import DynamicalModel, Samples
 
 _NEAR = 0.05  # sizes of the motion
@@ -60,7 +54,7 @@ class MixtureRegression(ShortRepr):
         return np.asarray((self.gates.weights(x)[:, :, None] * each).sum(axis=1))
 
     def trust(self, x: Float64Array) -> Float64Array:
-        return trusted(np.exp(-0.5 * self._wide.squared(x)))
+        return lyapunov.trusted(np.exp(-0.5 * self._wide.squared(x)))
 
     def arrays(self) -> Mapping[str, NDArray[Any]]:
         return {"gains": self.gains, "constants": self.constants, **self.gates.arrays()}
@@ -81,11 +75,11 @@ class MixtureRegression(ShortRepr):
 
 
 @dataclass(frozen=True, eq=False)
-class CorrectedMixture(Corrected):
+class CorrectedMixture(lyapunov.Corrected):
     """A mixture's regression, corrected so that a sum of asymmetric quadratics decreases."""
 
     regressions: ClassVar[Any] = MixtureRegression
-    energies: ClassVar[Any] = AsymmetricQuadratics
+    energies: ClassVar[Any] = lyapunov.AsymmetricQuadratics
 
 
 @dataclass(frozen=True)
@@ -115,9 +109,9 @@ class CLFDM(DynamicalModel):
 
     def learn(self, samples: Samples) -> CorrectedMixture:
         x, v = samples.x, samples.v
-        energy = fitted_quadratics(x, v, self.quadratics, seed=self.seed)
+        energy = lyapunov.fitted_quadratics(x, v, self.quadratics, seed=self.seed)
         regression = mixture_regression(x, v, self.components, seed=self.seed)
-        return CorrectedMixture(regression, energy, Descent(self.slowest, _NEAR))
+        return CorrectedMixture(regression, energy, lyapunov.Descent(self.slowest, _NEAR))
 
 
 def mixture_regression(

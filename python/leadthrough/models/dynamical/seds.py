@@ -22,11 +22,8 @@ from scipy.special import logsumexp, softmax
 
 from leadthrough import check
 from leadthrough.check import Float64Array, ShortRepr
-from leadthrough.models.dynamical.linear_mixture import (
-    GaussianGates,
-    LinearMixture,
-    velocity_mixture,
-)
+from leadthrough.models.dynamical import linear_mixture
+from leadthrough.models.dynamical.linear_mixture import GaussianGates, LinearMixture
 from leadthrough.models.dynamical.model import DynamicalModel, Samples
 
 OBJECTIVES = ("likelihood", "mse")
@@ -80,7 +77,7 @@ def _first_guess(samples: Samples, components: int, *, seed: int) -> StableGMR:
     """The most likely mixture of positions and velocities, each component made stable."""
     x, v = samples.x, samples.v
     d = x.shape[1]
-    mixture, spread, gains = velocity_mixture(x, v, components, seed=seed)
+    mixture, spread, gains = linear_mixture.velocity_mixture(x, v, components, seed=seed)
     matrices = stable(gains)
     residuals = v[None] - x @ matrices.transpose(0, 2, 1)
     shares = mixture.responsibilities(np.hstack([x, v])).T

@@ -18,13 +18,8 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
-from leadthrough.models.marching.experience import (
-    Experience,
-    experience_like,
-    experience_of,
-    orientations_along,
-    refuse_opposed,
-)
+from leadthrough.models.marching import experience
+from leadthrough.models.marching.experience import Experience, experience_of, orientations_along
 from leadthrough.models.marching.planner import planned
 from leadthrough.models.marching.policy import Policy, policy_to
 from leadthrough.models.marching.route import LiveMap, Query, Route, query_of, split
@@ -40,16 +35,7 @@ from leadthrough.motion import (
     Trajectory,
     plain_events,
 )
-from leadthrough.planning import Grid
-from leadthrough.planning.maps import (
-    GROWTH,
-    MAP_RADIUS,
-    OBSTACLE_MAPS,
-    Scales,
-    map_of,
-    mean_speed,
-    with_obstacles,
-)
+from leadthrough.planning import Grid, maps
 from leadthrough.shapes import Shape, check_shapes
 
 METHODS = ("auto", "map", "start", "mean_path")
@@ -114,7 +100,7 @@ class FastMarching(Unfitted):
                 check.number(getattr(self, name), name, above=0.0)
         check.choice(self.method, "method", METHODS)
         check.choice(self.timing, "timing", TIMINGS)
-        check.choice(self.obstacle_map, "obstacle_map", OBSTACLE_MAPS)
+        check.choice(self.obstacle_map, "obstacle_map", maps.OBSTACLE_MAPS)
 
     def fit(
         self, demonstrations: Demonstrations[MotionT], *, outliers: Outliers = "refuse"
@@ -134,7 +120,7 @@ class FastMarching(Unfitted):
         """
         demonstrated = experience_of(demonstrations, outliers=outliers)
         if len(demonstrated) > 1:
-            refuse_opposed(demonstrated)
+            experience.refuse_opposed(demonstrated)
         return FastMarchingSkill(self, demonstrated)
 
 
@@ -186,7 +172,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
             obstacles: shapes in the demonstrations' frame.
         """
         grid, speed = self._map
-        return with_obstacles(speed, grid, check_shapes(obstacles), self._map_scales)
+        return maps.with_obstacles(speed, grid, check_shapes(obstacles), self._map_scales)
 
     def kappa(self, path: ArrayLike) -> float:
         """Mean of the velocity map along a path: 1 deep in the experience.
@@ -202,7 +188,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         given = check.array(path, "path", shape=("n", self._dimensions()))
         if len(given) == 0:
             raise InvalidInput("path: expected at least one point, got none")
-        return mean_speed(given, self.grid, self.velocity_map, self.model.saturation)
+        return maps.mean_speed(given, self.grid, self.velocity_map, self.model.saturation)
 
     def with_experience(
         self, path: ArrayLike, *, duration: float | None = None
@@ -223,7 +209,7 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
         orientations = None
         if self._has_orientations:
             orientations = orientations_along(self._all, np.ones(len(self._all)), path=points)
-        new = experience_like(self._all, points, orientations, duration=duration)
+        new = experience.experience_like(self._all, points, orientations, duration=duration)
         return replace(self, learned=(*self.learned, new))
 
     def auto_learn(
@@ -455,25 +441,25 @@ class FastMarchingSkill(FittedSkill[MotionT_co]):
     @cached_property
     def _map(self) -> tuple[Grid, Float64Array]:
         self._dimensions()
-        grid, speed, _ = map_of([each.denoised for each in self._all], self._map_scales)
+        grid, speed, _ = maps.map_of([each.denoised for each in self._all], self._map_scales)
         return grid, check.freeze(speed)
 
     @property
-    def _map_scales(self) -> Scales:
+    def _map_scales(self) -> maps.Scales:
         self._dimensions()
-        return self._scales(MAP_RADIUS, None)
+        return self._scales(maps.MAP_RADIUS, None)
 
-    def _scales(self, fraction: float, query: Query | None) -> Scales:
+    def _scales(self, fraction: float, query: Query | None) -> maps.Scales:
         lengths = [each.length for each in self.demonstrated]
         if not lengths and query is not None:
             lengths = [float(np.linalg.norm(query.goal - query.start)) or 1.0]
         given, length = self.model.area_of_influence, float(np.mean(lengths))
-        return Scales(
+        return maps.Scales(
             radius=given or fraction * length,
-            clearance=given or MAP_RADIUS * length,
+            clearance=given or maps.MAP_RADIUS * length,
             saturation=self.model.saturation,
             resolution=self.model.resolution,
-            growth=1.0 if given else GROWTH,
+            growth=1.0 if given else maps.GROWTH,
             workspace=self.model.workspace,
             obstacle_map=self.model.obstacle_map,
         )

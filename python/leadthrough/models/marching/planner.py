@@ -23,16 +23,9 @@ import leadthrough._core as core
 from leadthrough.check import Float64Array, NoPath
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.route import Query, Route, from_start, route_along, through_map
+from leadthrough.planning import maps
 from leadthrough.planning.detours import detoured
-from leadthrough.planning.maps import (
-    CELLS_PER_KNOT,
-    MAP_RADIUS,
-    TUBE_RADIUS,
-    Scales,
-    grid_over,
-    min_distance,
-    tube_field,
-)
+from leadthrough.planning.maps import Scales
 from leadthrough.preprocess import arc_length, by_arc_length, frechet_distance
 from leadthrough.preprocess.moved_ends import MAX_GAIN, Chords, bounded, with_ends
 
@@ -49,7 +42,7 @@ def along_mean(demonstrations: Sequence[Experience], query: Query, scales: Scale
     """The demonstrations' mean path, with the quickest detours around obstacles."""
     blocked = []
     for mean in branches(demonstrations, query.start, query.goal):
-        if min_distance(mean.path, query.obstacles) > 0.0:
+        if maps.min_distance(mean.path, query.obstacles) > 0.0:
             return _through(mean, demonstrations, query, scales)
         blocked.append(mean)
     routes, failures = [], []
@@ -174,16 +167,16 @@ def _through(
         )  # start and goal decide whether that is an error
         nominal[[0, -1]] = query.ends
     knot_spacing = _KNOTS * scales.radius
-    grid, scales = grid_over([nominal], query.obstacles, scales)
+    grid, scales = maps.grid_over([nominal], query.obstacles, scales)
     path = detoured(nominal, grid, query.obstacles, scales)
     if path is not nominal:
-        knot_spacing = CELLS_PER_KNOT * float(grid.spacing.max())
+        knot_spacing = maps.CELLS_PER_KNOT * float(grid.spacing.max())
     chosen = mean.weights > 0.0
     used = tuple(each for each, wanted in zip(demonstrations, chosen, strict=True) if wanted)
     weights = np.ones(len(used))  # whose start is nearest says nothing about the pace
     return route_along(
         path,
-        tube_field(nominal, grid, query.obstacles, scales),
+        maps.tube_field(nominal, grid, query.obstacles, scales),
         knot_spacing=knot_spacing,
         used=used,
         weights=weights,
@@ -236,7 +229,7 @@ def planned(
     bounded = route.method == "mean_path" and len(route.used) == len(known)
     if nominal is None or (bounded and not query.obstacles):
         return route
-    return _near_nominal(route, nominal(), known, query, scales(MAP_RADIUS))
+    return _near_nominal(route, nominal(), known, query, scales(maps.MAP_RADIUS))
 
 
 def directed(known: Sequence[Experience], query: Query) -> list[Experience]:
@@ -280,7 +273,7 @@ def _planned_anew(
 ) -> Route:
     """The route of a method, regardless of the nominal one."""
     if not known or method == "map":
-        return through_map(known, query, scales(MAP_RADIUS))
+        return through_map(known, query, scales(maps.MAP_RADIUS))
     demonstrations = directed(known, query)
     # A prediction would lead a reach away from its start and back again.
     stands_still = bool((query.start == query.goal).all())
@@ -289,10 +282,10 @@ def _planned_anew(
         and _predicts([each.denoised for each in demonstrations], query).any()
     )
     if (method == "auto" or stands_still) and not predicted:
-        return _through_relevant(known, query, scales(MAP_RADIUS))
+        return _through_relevant(known, query, scales(maps.MAP_RADIUS))
     if method == "start":
-        return from_start(known, query, scales(TUBE_RADIUS))
-    return along_mean(demonstrations, query, scales(TUBE_RADIUS))
+        return from_start(known, query, scales(maps.TUBE_RADIUS))
+    return along_mean(demonstrations, query, scales(maps.TUBE_RADIUS))
 
 
 def _through_relevant(known: Sequence[Experience], query: Query, scales: Scales) -> Route:
@@ -413,7 +406,7 @@ def _near_nominal(
     path = with_ends(nominal.path, query.start, query.goal)
     if scales.workspace is not None:
         path = np.clip(path, *scales.workspace)
-    blocked = min_distance(path, query.obstacles) < scales.clearance
+    blocked = maps.min_distance(path, query.obstacles) < scales.clearance
     if blocked or _asks_for_one(known, query, moved, scales):
         return replace(route, leaves_nominal_route=True)
     return replace(nominal, path=path)

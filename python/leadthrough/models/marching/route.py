@@ -19,30 +19,9 @@ from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
 from leadthrough.models.marching.experience import Experience
 from leadthrough.motion import Target
-from leadthrough.planning import Grid, arrival_times, descend
-from leadthrough.planning.maps import (
-    CELLS_PER_KNOT,
-    MAX_CELLS_FROM_AFAR,
-    Scales,
-    clear_outside,
-    covered_ends,
-    detour_field,
-    grid_over,
-    map_of,
-    obstacle_field,
-    smooth_between_walls,
-    with_detours,
-    with_obstacles,
-)
-from leadthrough.planning.speed_map import (
-    ExperienceField,
-    FreeField,
-    MapField,
-    SpeedField,
-    TubeField,
-    quickest,
-    speeds_at,
-)
+from leadthrough.planning import Grid, arrival_times, descend, maps, speed_map
+from leadthrough.planning.maps import Scales, with_obstacles
+from leadthrough.planning.speed_map import FreeField, MapField, SpeedField, quickest
 from leadthrough.preprocess.resample import arc_length
 from leadthrough.shapes import Shape, check_shapes
 
@@ -123,7 +102,7 @@ def through_map(
     paths = [each.denoised for each in mapped]
 
     def free(grid: Grid, scales: Scales) -> FreeField:
-        return ExperienceField(
+        return speed_map.ExperienceField(
             grid, paths, area_of_influence=scales.radius, saturation=scales.saturation
         )
 
@@ -139,7 +118,7 @@ def from_start(known: Sequence[Experience], query: Query, scales: Scales) -> Rou
     paths = [each.denoised for each in used]
 
     def free(grid: Grid, scales: Scales) -> FreeField:
-        return TubeField(
+        return speed_map.TubeField(
             grid, paths, weights, area_of_influence=scales.radius, saturation=scales.saturation
         )
 
@@ -158,8 +137,8 @@ def route_along(
     region: tuple[Float64Array, Float64Array] | None = None,
 ) -> Route:
     """A path made smooth where obstacles allow, with the map's speed along it."""
-    spacing = knot_spacing or CELLS_PER_KNOT * float(field.grid.spacing.max())
-    smoothed = smooth_between_walls(path, field, spacing)
+    spacing = knot_spacing or maps.CELLS_PER_KNOT * float(field.grid.spacing.max())
+    smoothed = maps.smooth_between_walls(path, field, spacing)
     if region is not None:
         smoothed = np.clip(smoothed, *region)
     return Route(smoothed, _between_cells(field, smoothed), used, weights, method)
@@ -171,7 +150,7 @@ class LiveMap:
     def __init__(self, known: Sequence[Experience], scales: Scales) -> None:
         paths = [each.denoised for each in known]
         self._known = tuple(known)
-        self._grid, speed, self._scales = map_of(paths, scales)
+        self._grid, speed, self._scales = maps.map_of(paths, scales)
         self._free = speed.astype(np.float32)
 
     @property
@@ -189,7 +168,7 @@ class LiveMap:
             if not self._grid.contains(end[None])[0]:
                 raise InvalidInput(f"{name}: expected a point inside the workspace, got {end}")
         shapes = check_shapes(obstacles)
-        around = with_detours(self._free, self._grid, shapes, self._scales)
+        around = maps.with_detours(self._free, self._grid, shapes, self._scales)
         path = _quickest(self._grid, around, *ends)
         speed = MapField(self._grid, with_obstacles(self._free, self._grid, shapes, self._scales))
         used = tuple(each.towards(ends[0], ends[1]) for each in self._known)
@@ -203,26 +182,26 @@ def _through(
     scales: Scales,
 ) -> tuple[Float64Array, SpeedField]:
     """The quickest path (n, d) of a query, and the map with its obstacles."""
-    *near, everything = covered_ends(paths, query.ends, scales)
+    *near, everything = maps.covered_ends(paths, query.ends, scales)
     for ends in near:
-        grid, own = grid_over(
-            [*paths, ends], query.obstacles, scales, max_cells=MAX_CELLS_FROM_AFAR
+        grid, own = maps.grid_over(
+            [*paths, ends], query.obstacles, scales, max_cells=maps.MAX_CELLS_FROM_AFAR
         )
         try:
             path, field = _quickest_on(free(grid, own), query, own)
         except NoPath:  # beyond the grid there may be a path
             break
-        if clear_outside(path, grid, query.obstacles, own.clearance):
+        if maps.clear_outside(path, grid, query.obstacles, own.clearance):
             return path, field
-    grid, own = grid_over([*paths, everything], query.obstacles, scales)
+    grid, own = maps.grid_over([*paths, everything], query.obstacles, scales)
     return _quickest_on(free(grid, own), query, own)
 
 
 def _quickest_on(free: FreeField, query: Query, scales: Scales) -> tuple[Float64Array, SpeedField]:
     """The quickest path (n, d) in a map with detours around obstacles, and that without them."""
-    passable = detour_field(free, query.obstacles, scales)
+    passable = maps.detour_field(free, query.obstacles, scales)
     path = quickest(passable, query.start, query.goal)
-    return path, obstacle_field(free, query.obstacles, scales)
+    return path, maps.obstacle_field(free, query.obstacles, scales)
 
 
 def _between_cells(field: SpeedField, points: Float64Array) -> Float64Array:
@@ -238,7 +217,7 @@ def _between_cells(field: SpeedField, points: Float64Array) -> Float64Array:
     corners = np.array(list(product((0, 1), repeat=len(last))))
     parts = np.where(corners[:, None], at - low, 1.0 - (at - low))
     cells = np.minimum(low + corners[:, None], last)
-    speeds = speeds_at(field, cells.reshape(-1, len(last))).reshape(cells.shape[:2])
+    speeds = speed_map.speeds_at(field, cells.reshape(-1, len(last))).reshape(cells.shape[:2])
     along = (parts.prod(axis=2) * speeds).sum(axis=0)
     return np.asarray(np.maximum(along, speeds[speeds > 0.0].min()))
 

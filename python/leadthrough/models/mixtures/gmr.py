@@ -20,16 +20,8 @@ from leadthrough.models import archive
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.gaussians.mixture import Mixture
-from leadthrough.models.mixtures.phases import (
-    MAX_COMPONENTS,
-    POINTS_A_COMPONENT,
-    SAMPLES,
-    adapted,
-    fit_phases,
-    sampled,
-    samples_of,
-    timed_columns,
-)
+from leadthrough.models.mixtures import phases as phase_mixtures
+from leadthrough.models.mixtures.phases import MAX_COMPONENTS, SAMPLES, adapted, timed_columns
 from leadthrough.models.modes import learned_by_mode, phases_like
 from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, asked_times, even_times
@@ -83,10 +75,10 @@ class GMR(Unfitted):
 
     def _fitted(self, motions: Sequence[MotionT]) -> GMRSkill[MotionT]:
         """The skill of one mode."""
-        samples = sampled(motions, least=self.components or SAMPLES)
+        samples = phase_mixtures.sampled(motions, least=self.components or SAMPLES)
         search = {"seed": self.seed, "starts": self.starts}
         poses = samples.coordinates.kind == "poses"
-        fit = fit_phases(
+        fit = phase_mixtures.fit_phases(
             samples.points, self.components, samples=len(samples.rows[0]), poses=poses, **search
         )
         model = replace(self, components=fit.mixture.count)
@@ -184,8 +176,8 @@ class GMRSkill(FittedSkill[MotionT_co]):
         """
         motions, before = motions_of(demonstrations), self.demonstration_count
         phases = phases_like(self.generate(), motions)
-        least = POINTS_A_COMPONENT * self.mixture.count
-        each = samples_of(motions, phases, least)
+        least = phase_mixtures.POINTS_A_COMPONENT * self.mixture.count
+        each = phase_mixtures.samples_of(motions, phases, least)
         samples = timed_columns(motions, phases, self.coordinates, self.duration, each)
         points, count = np.concatenate(samples), before + len(motions)
         mixture = adapted(

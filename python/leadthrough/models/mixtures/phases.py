@@ -15,13 +15,8 @@ import numpy as np
 
 from leadthrough.check import Float64Array
 from leadthrough.models.coordinates import Coordinates, coordinates_of, mean_orientations
-from leadthrough.models.gaussians.fitting import (
-    FittedMixture,
-    Units,
-    in_order,
-    own_units,
-    phase_units,
-)
+from leadthrough.models.gaussians import fitting
+from leadthrough.models.gaussians.fitting import FittedMixture, Units, own_units, phase_units
 from leadthrough.models.gaussians.mixture import (
     LAST_ITERATIONS,
     MIN_VARIANCE,
@@ -80,7 +75,7 @@ def fit_phases(
             least=MIN_VARIANCE,
             last_iterations=last_iterations,
         )
-        return FittedMixture(in_order(blocks), tuple(history))
+        return FittedMixture(fitting.in_order(blocks), tuple(history))
 
     if components is not None:
         return fitted(components)

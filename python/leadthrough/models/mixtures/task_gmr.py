@@ -23,15 +23,10 @@ from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of, middle_orientations
 from leadthrough.models.framed import Frame, checked_frames
 from leadthrough.models.gaussians.mixture import Blocks, Mixture
+from leadthrough.models.mixtures import task_frames
 from leadthrough.models.mixtures.gmr import GMR, GMRSkill, wanted_ends
 from leadthrough.models.mixtures.phases import SAMPLES, phase_blocks, sampled, timed_columns
-from leadthrough.models.mixtures.task_frames import (
-    bounded,
-    common_coordinates,
-    multiplied,
-    placed,
-    shrunk,
-)
+from leadthrough.models.mixtures.task_frames import common_coordinates, multiplied, placed, shrunk
 from leadthrough.models.protocol import Demonstrations, Outliers, Parameter, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery
 from leadthrough.motion import Motion, MotionT, MotionT_co, target_of
@@ -209,7 +204,7 @@ class TaskGMRSkill(FittedSkill[MotionT_co]):
         if query.start is None and query.goal is None:
             return nominal
         ends = wanted_ends(self.coordinates, self.ends, query)
-        return bounded(self._between(ends, query), nominal)
+        return task_frames.bounded(self._between(ends, query), nominal)
 
     def _between(self, ends: Float64Array, query: CheckedQuery) -> MotionT_co:
         """The motion between a start and a goal (2, d) in `coordinates`, by the frames."""

@@ -22,13 +22,7 @@ from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.models.coordinates import Coordinates, rotated_by
 from leadthrough.models.promp.gaussian import product
 from leadthrough.models.queries import asked_times, checked_threads, mapped
-from leadthrough.motion import (
-    MotionT_co,
-    PoseTrajectory,
-    Trajectory,
-    computed_joints,
-    moved_events,
-)
+from leadthrough.motion import MotionT_co, PoseTrajectory, Trajectory, computed_joints, moved_events
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

@@ -25,14 +25,9 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import Coordinates
+from leadthrough.models.promp import gaussian
 from leadthrough.models.promp.basis import Basis, inner_prior, lines
-from leadthrough.models.promp.gaussian import (
-    CERTAIN,
-    Gaussian,
-    log_determinant,
-    product,
-    solve_definite,
-)
+from leadthrough.models.promp.gaussian import Gaussian, log_determinant, product, solve_definite
 from leadthrough.motion import Motion, MotionT_co, Target
 from leadthrough.preprocess.moved_ends import MAX_GAIN, fraction_inside
 
@@ -354,7 +349,7 @@ def novelty(skill: Primitive, asked: Sequence[Asked]) -> float:
     variances, axes = np.linalg.eigh(rows @ skill.free.covariance @ rows.T)
     along = np.abs(axes.T @ np.concatenate(surprise))
     with np.errstate(divide="ignore", invalid="ignore"):
-        deviations = along / np.sqrt(np.where(variances > CERTAIN**2, variances, 0.0))
+        deviations = along / np.sqrt(np.where(variances > gaussian.CERTAIN**2, variances, 0.0))
     # Fixed and asked to be as it is, up to rounding: nothing new.
     return float(np.where(along < _SAME_END, 0.0, deviations).max())
 

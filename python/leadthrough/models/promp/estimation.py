@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.check import FitError, Float64Array, InvalidInput, ShortRepr
+from leadthrough.models.promp import gaussian
 from leadthrough.models.promp.basis import (
     Basis,
     prior_phases,
@@ -33,13 +34,7 @@ from leadthrough.models.promp.basis import (
     smooth_prior,
     weights_of_values,
 )
-from leadthrough.models.promp.gaussian import (
-    Gaussian,
-    inverse_definite,
-    log_determinant,
-    product,
-    solve_definite,
-)
+from leadthrough.models.promp.gaussian import Gaussian, log_determinant, product, solve_definite
 from leadthrough.motion import Motion
 
 # The least standard deviation that a motion is believed to have, as a fraction of its reach.
@@ -242,7 +237,7 @@ def expectation(
     sums: Sequence[Sums], weights: Gaussian, noise: Float64Array
 ) -> tuple[list[Gaussian], float]:
     """The weights of each demonstration, and the log-likelihood of all."""
-    precision = inverse_definite(weights.covariance)
+    precision = gaussian.inverse_definite(weights.covariance)
     pulled = _times(precision, weights.mean)
     prior_volume = log_determinant(weights.covariance)
     known: dict[bytes, tuple[Float64Array, float]] = {}
@@ -251,7 +246,7 @@ def expectation(
         key = each.squares.tobytes()  # demonstrations at the same phases share their covariance
         if key not in known:
             added = precision + np.kron(np.diag(1.0 / noise), each.squares)
-            known[key] = inverse_definite(added), log_determinant(added)
+            known[key] = gaussian.inverse_definite(added), log_determinant(added)
         covariance, log_volume = known[key]
         right = pulled + (each.products / noise).T.ravel()
         mean = _times(covariance, right)

@@ -207,11 +207,9 @@ def _in_best_mode(
 
 @lru_cache(maxsize=8)  # with what a skill's demonstrations imply, whatever beginnings come
 def _modes_of(skill: ProMPSkill[MotionT]) -> tuple[ProMPSkill[MotionT], ...]:
-    """The modes of a skill; instead of those of one demonstration, one of all demonstrations.
-
-    One demonstration does not say how its mode varies. Poses of different modes have different
-    reference orientations, and stay apart.
-    """
+    """The modes of a skill; instead of those of one demonstration, one of all demonstrations."""
+    # One demonstration does not say how its mode varies. Poses of different modes have different
+    # reference orientations, and stay apart.
     several = [m for m in skill.modes if m.experience is None or len(m.experience.curves) != 1]
     alike_in_basis = all(each.basis == skill.basis for each in skill.modes)
     if len(several) == len(skill.modes) or skill.coordinates.kind == "poses" or not alike_in_basis:

@@ -19,15 +19,9 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
+from leadthrough.models.promp import gaussian
 from leadthrough.models.promp.basis import Basis
-from leadthrough.models.promp.gaussian import (
-    CERTAIN,
-    Gaussian,
-    product,
-    root_of,
-    row_basis,
-    solve_definite,
-)
+from leadthrough.models.promp.gaussian import CERTAIN, Gaussian, product, root_of, solve_definite
 
 _PHASES_PER_WEIGHT = 10
 # A motion stays this fraction of its reach inside the limits, so that it also keeps them between
@@ -141,7 +135,7 @@ class Truncated:
         rows, self._room, at_mode = self._near(mode)
         # Deviations are root @ z with z standard normal; the walls see only few directions of z.
         reached = product(rows, self._root)
-        self._seen, chosen = row_basis(reached, least=_UNSEEN)
+        self._seen, chosen = gaussian.row_basis(reached, least=_UNSEEN)
         self._walls = product(reached, self._seen.T)
         self._start = _substituted(self._walls[chosen], at_mode[chosen])
 

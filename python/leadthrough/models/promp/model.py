@@ -19,10 +19,11 @@ from numpy.typing import ArrayLike
 from leadthrough import check
 from leadthrough.blas_threads import one_blas_thread
 from leadthrough.check import Float64Array, InvalidInput, UnsupportedQuery
+from leadthrough.models import protocol
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import Coordinates, coordinates_of, scales
 from leadthrough.models.modes import common_phases, learned_by_mode
-from leadthrough.models.promp import conditioning, limits
+from leadthrough.models.promp import conditioning, estimation, limits
 from leadthrough.models.promp.basis import (
     KINDS,
     MIN_FUNCTIONS,
@@ -32,26 +33,10 @@ from leadthrough.models.promp.basis import (
     phases_at,
 )
 from leadthrough.models.promp.conditioning import Primitive, TaskMap
-from leadthrough.models.promp.estimation import (
-    Experience,
-    Fit,
-    Samples,
-    checked_phases,
-    expectation_maximisation,
-    fitted_curves,
-    refuse_parts,
-    shrunk,
-)
+from leadthrough.models.promp.estimation import Experience, Fit, Samples, checked_phases
 from leadthrough.models.promp.gaussian import Gaussian
 from leadthrough.models.promp.limits import Truncated
-from leadthrough.models.protocol import (
-    Demonstrations,
-    Outliers,
-    Unfitted,
-    fit_all,
-    motions_of,
-    warn_of_misalignment,
-)
+from leadthrough.models.protocol import Demonstrations, Outliers, fit_all, motions_of
 from leadthrough.models.queries import CheckedQuery, check_place, checked_threads, even_times
 from leadthrough.motion import Motion, MotionT, MotionT_co, Target, normalised_times
 
@@ -69,7 +54,7 @@ _KEPT = ("model", "basis", "coordinates", "noise", "scale", "duration", "bounds"
 
 
 @dataclass(frozen=True)
-class ProMP(Unfitted):
+class ProMP(protocol.Unfitted):
     """A probabilistic movement primitive of points, joints or poses.
 
     Attributes:
@@ -141,7 +126,7 @@ class ProMP(Unfitted):
         if phases is not None:
             return self._fitted(motions, checked_phases(phases, motions, rhythmic=rhythmic))
         if rhythmic:
-            warn_of_misalignment(motions)
+            protocol.warn_of_misalignment(motions)
             return self._fitted(motions, [normalised_times(motion.times) for motion in motions])
         return learned_by_mode(lambda own: self._fitted(own, common_phases(own)), motions)
 
@@ -153,9 +138,9 @@ class ProMP(Unfitted):
         samples = _samples_of(coordinates, motions, at)
         if self.estimator == "em":
             basis = _basis_of(self)
-            fit = expectation_maximisation(basis, samples)
+            fit = estimation.expectation_maximisation(basis, samples)
         else:
-            refuse_parts(at)
+            estimation.refuse_parts(at)
             basis, fit = self._least_squares(samples, coordinates.size)
         whole = [m.duration / float(u[-1] - u[0]) for m, u in zip(motions, at, strict=True)]
         duration = float(np.median(whole))
@@ -169,7 +154,7 @@ class ProMP(Unfitted):
             curves = fit.curves
             if self.estimator == "least_squares" and not all(map(np.array_equal, own, at)):
                 timed = _samples_of(coordinates, motions, own)
-                curves, _ = fitted_curves(basis, timed, self.regularization)
+                curves, _ = estimation.fitted_curves(basis, timed, self.regularization)
             paces = np.log(np.divide(whole, duration))
             experience = Experience(basis, curves, paces, fit.noise, samples.scale)
         return ProMPSkill(
@@ -191,10 +176,10 @@ class ProMP(Unfitted):
         most = min(_MAX_FOLLOWING, min(map(len, samples.phases)) // _SAMPLES_A_WEIGHT)
         while True:
             basis = _basis_of(model)
-            curves, noise = fitted_curves(basis, samples, self.regularization)
+            curves, noise = estimation.fitted_curves(basis, samples, self.regularization)
             is_near = float(np.sqrt(noise[:size].sum())) <= missed or missed == 0.0
             if self.weights is not None or is_near or 2 * basis.count > most:
-                return basis, Fit(shrunk(curves, basis, samples.scale), noise, curves)
+                return basis, Fit(estimation.shrunk(curves, basis, samples.scale), noise, curves)
             model = replace(self, weights=2 * basis.count)
 
 
