@@ -1,6 +1,8 @@
 """Inputs too large or in a wrong unit, frame or order are refused or warned of, with the cure."""
 
+import re
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import leadthrough as lt
 from leadthrough.errors import IkFailure, InvalidInput
 from leadthrough.sanity import ImplausibleInputWarning
 
+ROBOTS = Path(__file__).parents[2] / "robots"
 T = np.linspace(0.0, 3.0, 150)
 WAY = lt.trajectories.minimum_jerk_time_scaling(T / 3.0)
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
@@ -86,6 +89,18 @@ def test_joints_in_degrees_are_refused(panda):
     with pytest.warns(ImplausibleInputWarning, match="angles='degrees'"):
         panda.joints_of(degrees)
     panda.poses(lt.JointTrajectory(T, turn + 0.1, joint_names=panda.joint_names))
+
+
+def test_a_urdf_in_degrees_is_warned_of():
+    text = (ROBOTS / "ur3/ur3.urdf").read_text()
+    in_degrees = re.sub(
+        r'(lower|upper)="([-\d.e]+)"',
+        lambda found: f'{found[1]}="{np.degrees(float(found[2]))}"',
+        text,
+    )
+    assert in_degrees != text
+    with pytest.warns(ImplausibleInputWarning, match="limits: the URDF .* degrees"):
+        lt.Arm.from_urdf(in_degrees, tip="tool0")
 
 
 def test_a_step_longer_than_the_motion_is_refused(skill):

@@ -13,13 +13,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module, metadata
 from importlib.util import find_spec
+from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import TypeGuard
 from urllib.parse import unquote, urlparse
 
 import leadthrough._core as core
-from leadthrough import check
+from leadthrough import check, sanity
 from leadthrough.arm.convex_decomposition import convex_parts
 from leadthrough.arm.limits import JointLimits, read_limits
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot
@@ -29,6 +30,7 @@ _MAX_FILE = 2**25
 _PACKAGES = "example-robot-data or robot_descriptions"
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _XACRO_PREFIX = re.compile(r"""xmlns:([\w.-]+)\s*=\s*["'][^"']*xacro/?["']""")
+_IN_DEGREES = 720.0  # the largest limit of a joint in degrees; more stands for none
 _MAX_MESHES = 256  # read last, some kB each
 _NOT_OF_AN_ARM = ("fixed", "planar", "floating")
 # Links of tools, and joints of fingers, by how arms' makers name them.
@@ -98,6 +100,9 @@ def ends_and_limits(
     chain = core.Chain(robot.hold(list(locked.items())), base, tip)
     names = tuple(chain.joint_names)
     stated = JointLimits(names, chain.lower, chain.upper, chain.velocity, effort=chain.effort)
+    known = sorted(bound for bound in map(max, -stated.lower, stated.upper) if bound < inf)
+    if len(known) > 1 and known[-1] <= _IN_DEGREES and sanity.degrees(known[0]):
+        sanity.warn(f"limits: the URDF lets all joints turn by {known[0]:.4g} rad; degrees?")
     if limits is None:
         return base, tip, stated
     if isinstance(limits, JointLimits):

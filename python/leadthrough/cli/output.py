@@ -236,8 +236,9 @@ def in_words(message: str, words: Mapping[str, str]) -> str:
     message = re.sub(rf"{argument}\['(?P<value>\w+)'\]", word, message)
     message = re.sub(rf"{argument}=(?P<quote>['\"]?)(?P<value>[\w.+-]+)(?P=quote)", word, message)
     message = re.sub(rf"(?<=[ ;,]set ){argument}\b", word, message)
-    # Nobody writes an underscore but to name an argument.
-    return re.sub(rf"{_any_of(name for name in words if '_' in name)}\b", word, message)
+    # Nobody writes an underscore but to name an argument; the profile's keys have one too.
+    named = _any_of(name for name in words if "_" in name)
+    return re.sub(rf"(?<!\.toml: ){named}\b", word, message)
 
 
 def _any_of(names: Iterable[str]) -> str:

@@ -24,8 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
+from leadthrough import sanity
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.files import MAX_LINE, ReadLimits, StrPath, not_text, replacing, written_blocks
+from leadthrough.io.headers import candidates
 from leadthrough.io.joint_trajectory import checked_joint_names, joint_columns, quantities
 from leadthrough.io.recording import demonstrated_columns
 from leadthrough.io.table import Table
@@ -60,7 +62,11 @@ def write_rows(
 
 def _columns(motion: Motion) -> dict[str, Float64Array]:
     if isinstance(motion, JointTrajectory):
-        return joint_columns(checked_joint_names(motion), quantities(motion))
+        columns = joint_columns(checked_joint_names(motion), quantities(motion))
+        read = set().union(*candidates([*columns])["joints"])
+        if read and not read.issuperset(motion.joint_names or ()):
+            sanity.warn("motion: not all joints are told by their names here; .npz keeps them all")
+        return columns
     width = motion.positions.shape[1]
     if width not in (2, 3):
         raise InvalidInput(

@@ -8,7 +8,7 @@
 - Joints: `joint`, `j`, `q` or `q_d` with a number (`joint_1`, `panda_joint1`, `q0`, `q[0]`), or
   `joint` with a letter and a number (`joint_a1`), in the order of the numbers, which start at 0 or
   1 without a gap; names that end in `_joint` (`shoulder_pan_joint`), in the order of the file; or,
-  where there are none of these and no positions, all names with a velocity (`lift`,
+  where more names have a velocity and there are no positions, all that do (`lift`,
   `lift_velocity`).
   Their derivatives are `<joint>_velocity` or `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
   Numbered joints of two arms, whose names begin with `left` and `right`, are one recording.
@@ -124,10 +124,9 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     numbered = list(_numbered_joints(names))
     groups = [group for group in numbered if not _OTHER.search(group[0].lower())] or numbered
     found["joints"] += [*groups, *([measured] if measured else [])]
-    if not found["joints"] and not found["positions"]:
-        suffix = JOINT_SUFFIXES["velocities"]
-        moving = tuple(name for name in names if name + suffix in names)
-        found["joints"] += [moving] if moving else []
+    moving = tuple(name for name in names if name + JOINT_SUFFIXES["velocities"] in names)
+    if not found["positions"] and set().union(*found["joints"]) < set(moving):
+        found["joints"] = [moving]
     return found
 
 

@@ -220,6 +220,8 @@ def table_of_yaml(path: Path) -> ArrayTable:
 
 def table(content: Any) -> ArrayTable:  # Any: whatever a file holds; reading it is the check
     """The columns of a message."""
+    if not isinstance(content, dict) or not {"joint_names", "points"} <= content.keys():
+        raise InvalidInput(f"not a readable {_FORMAT} ('joint_names' or 'points' is missing)")
     joints, points = content["joint_names"], content["points"]
     names = _names(joints, len(points))
     values = {}

@@ -40,6 +40,7 @@ from leadthrough.motion import (
 
 _OF_POINT, _OF_POSE = (2, 3), 7  # numbers in a row
 _UNIT = 1e-3  # error of a quaternion's norm, of a log that rounds
+_JITTER = 0.05  # of a clock, in periods: half of its steps are nearer
 # Errors of NumPy and zipfile for archives that are cut off, encrypted, pickled or altered, and for
 # a single array that was renamed to .npz (TypeError).
 DAMAGE = (
@@ -201,8 +202,17 @@ def table_of_rows(path: Path, request: Request) -> ArrayTable:
     moved = [name for name in numbered if name not in request.columns.get("time", ())]
     if not set(request.columns) - {"time"} and len(moved) == _OF_POSE != arm:
         _refuse_pose(numbered, moved)
+    if count and not request.columns and request.rate is not None:
+        _refuse_clock(rows[:, 0], request.rate)
     role = "positions" if len(moved) in _OF_POINT and len(moved) != arm else "joints"
     return ArrayTable(numbered | {role: rows[:, [int(name) - 1 for name in moved]]})
+
+
+def _refuse_clock(column: NDArray[Any], rate: float) -> None:
+    """Refuses a first column that rises as time does at a rate, and would be taken for a joint."""
+    steps = np.diff(column) * rate
+    if len(steps) > 1 and steps.min() > 0.0 and np.median(np.abs(steps - 1.0)) < _JITTER:
+        raise InvalidInput(f"rate: column 1 is time at {rate:g} Hz; give columns['time']=1 for it")
 
 
 def _refuse_pose(columns: Mapping[str, NDArray[Any]], names: Sequence[str]) -> None:

@@ -250,11 +250,12 @@ def _nearest_in_steps(
     """The limit of which each step uses most, by kind and joint, and its ratio, (steps,)."""
     steps = len(motion.times) - 1
     nearest, most = np.zeros(steps, dtype=np.intp), np.zeros(steps)
+    still = np.ptp(motion.positions, axis=0) <= POSITION_ROUNDING
     for first, (kind, used) in enumerate(_used_in_steps(motion)):
         limit = getattr(limits, kind)
         if limit is None:
             continue
-        ratios = _ratios(used, limit)
+        ratios = _ratios(used, limit, still)
         worst = ratios.max(axis=1)
         nearer = worst > most
         nearest[nearer] = first * used.shape[1] + ratios[nearer].argmax(axis=1)
@@ -324,12 +325,13 @@ def _at(
 
 def report_of(used: Extremes, limits: JointLimits, times: Float64Array) -> LimitsReport:
     """The verdict on a motion's extremes."""
+    still = np.ptp(used.positions, axis=0) <= POSITION_ROUNDING  # those may have a limit of 0
 
     def peak(kind: Kind) -> Peak | None:
         limit, row = getattr(limits, kind), _RATES[kind]
         if limit is None:
             return None
-        ratios = _ratios(used.values[row], limit)
+        ratios = _ratios(used.values[row], limit, still)
         return _peak(ratios, used.times[row], used.steps[row], limits, times)
 
     velocity = peak("velocity")
@@ -351,10 +353,10 @@ def _peak(
     return Peak(ratios, limits.joint_names[joint], float(np.clip(when[joint], times[0], times[-1])))
 
 
-def _ratios(values: Float64Array, limit: Float64Array) -> Float64Array:
+def _ratios(values: Float64Array, limit: Float64Array, still: NDArray[np.bool_]) -> Float64Array:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # 0 / 0 is a joint at rest that must rest; anything else not a number overflowed.
-        ratios = np.where(values == 0.0, 0.0, values / limit)
+        ratios = np.where((values == 0.0) | still & (limit == 0.0), 0.0, values / limit)
     return np.where(np.isnan(ratios), np.inf, ratios)
 
 
@@ -366,7 +368,7 @@ def _position_ratios(
     bounded = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
     low, high = np.where(bounded, lower, -1.0), np.where(bounded, upper, 1.0)
     q = used.positions
-    inside = (lower <= q) & (q <= upper)
+    inside = (lower - POSITION_ROUNDING <= q) & (q <= upper + POSITION_ROUNDING)
     ratios = np.where(
         bounded,
         np.abs(q - 0.5 * (low + high)) / (0.5 * (high - low)),

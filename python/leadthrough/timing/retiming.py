@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, TypeVar, cast
+from typing import TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,9 +22,9 @@ from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.motion import JointTrajectory, computed_joints, in_order, moved_events
 from leadthrough.timing import limits_report, request as checks
-from leadthrough.timing.limits_report import KINDS, Extremes, Kind, Peak
+from leadthrough.timing.limits_report import KINDS
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed, TipTolerance
-from leadthrough.timing.section_law import AT_REST, Samples, time_lines, time_section
+from leadthrough.timing.section_law import Samples, time_lines, time_section
 from leadthrough.timing.sections import Lines, Path, Section, Sections, path_of
 from leadthrough.trajectories import Curve
 
@@ -37,6 +37,7 @@ _MIN_RATE = 1e-3  # 1/s; the law is computed a thousand times a second, or more
 _LONG, _WINDOWS, _WINDOW, _WORTH = 20_000, 4, 1000, 0.98
 # A path that leaves the position limits by so much is bounded by this much more inside them.
 _INSIDE = 1.5
+_EXACT = 1e-6  # of a step between samples, by which their times may round
 PathT = TypeVar("PathT")
 
 
@@ -79,7 +80,8 @@ def retime(
     Returns:
         Samples at `rate`, with the velocities and accelerations of the time law, so that the
         quintics between them satisfy the limits as `check_limits` judges them. A trajectory's
-        events stay where they are on the path.
+        events stay where they are on the path. Its clock goes on from the path's first time; from 0
+        where that, as a time since 1970, is too large to tell the samples apart exactly.
 
     Raises:
         LimitsInfeasible: if a position lies outside its limits, a joint moves whose limit is 0, a
@@ -248,7 +250,8 @@ def _timed(
             request = request.inside(_INSIDE * outside)
             sections = route.sections(request)
             continue
-        kind, peak = _nearest_limit(used, limits, timed.times)
+        report = limits_report.report_of(used, limits, timed.times)
+        kind, peak = max(((k, getattr(report, k)) for k in KINDS), key=lambda each: each[1].ratio)
         if peak.ratio <= 1.0 + limits_report.ROUNDING:
             return timed
         limit = getattr(inner, kind) * (_TIGHTER / peak.ratio)
@@ -259,15 +262,6 @@ def _timed(
         f"{peak.ratio:.6g} times its {kind} limit at {peak.time:.6g} s; please report this path",
         joint=peak.joint,
     )
-
-
-def _nearest_limit(used: Extremes, limits: JointLimits, times: Float64Array) -> tuple[Kind, Peak]:
-    """The limit of which a motion with these extremes uses the largest fraction."""
-    still = np.ptp(used.positions, axis=0) <= AT_REST  # those may have a limit of 0
-    own: dict[str, Any] = {k: np.where(still, np.inf, getattr(limits, k)) for k in KINDS}
-    report = limits_report.report_of(used, replace(limits, **own), times)
-    peaks: dict[Kind, Peak] = {kind: getattr(report, kind) for kind in KINDS}
-    return max(peaks.items(), key=lambda item: item[1].ratio)
 
 
 def _joined(
@@ -295,6 +289,8 @@ def _trajectory(
     if not isinstance(path, JointTrajectory):
         return computed_joints(motion.times, *states, joint_names=names)
     times = path.times[0] + motion.times
+    if np.spacing(abs(times[-1])) > _EXACT * np.diff(motion.times).min(initial=np.inf):
+        times = motion.times  # times since 1970 would round the steps
     given = np.interp(motion.rows, np.arange(len(path.times)), path.times)
     moved = moved_events(path.events, given, times)
     return computed_joints(times, *states, joint_names=names, events=moved)

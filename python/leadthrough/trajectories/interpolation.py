@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 _MAX_CONTINUITY = 10
 _MIN_SMOOTHED = 5
+_ROUNDING = 1e-6  # by which a spline may miss its points, as a fraction of the largest number
 ENDS = ("rest", "natural")
 
 
@@ -134,11 +135,7 @@ def smooth(
     matrix = vstack([rows[0], BSpline.design_matrix(t, knots, k + 1), rows[1]], format="csc")
     zeros = [np.zeros((len(end), x.shape[1])) for end in conditions]
     values = spsolve(matrix, np.vstack([zeros[0], x, zeros[1]])).reshape(-1, x.shape[1])
-    if not np.isfinite(values).all():
-        raise InvalidInput(
-            "times: expected steps of similar length; with these no spline can be solved for"
-        )
-    return of_bspline(BSpline(knots, values, k + 1), t)
+    return passing(BSpline(knots, values, k + 1), t, x)
 
 
 def _derivative_rows(
@@ -174,6 +171,15 @@ def smoothing(times: ArrayLike, points: ArrayLike, *, weight: float) -> Spline:
     penalty = check.number(weight, "weight", at_least=0.0)
     columns = [make_smoothing_spline(t, column, lam=penalty) for column in x.T]
     return Spline(t, np.concatenate([_table(column, t)[:, :, None] for column in columns], axis=2))
+
+
+def passing(spline: BSpline, times: Float64Array, points: Float64Array) -> Spline:
+    """The pieces of a B-spline that was solved for, if they pass its points."""
+    if np.isfinite(spline.c).all():
+        made = of_bspline(spline, times)
+        if np.abs(made.evaluate(times) - points).max() <= _ROUNDING * np.abs(points).max():
+            return made
+    raise InvalidInput("times: expected steps of similar length; no spline passes these points")
 
 
 def of_bspline(spline: BSpline, breaks: Float64Array) -> Spline:

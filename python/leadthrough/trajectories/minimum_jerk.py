@@ -20,7 +20,7 @@ from leadthrough.trajectories import curve
 from leadthrough.trajectories.bezier import Bezier
 from leadthrough.trajectories.curve import Spline
 from leadthrough.trajectories.filters import limit_for, rate_limit
-from leadthrough.trajectories.interpolation import of_bspline
+from leadthrough.trajectories.interpolation import passing
 
 # Coefficients of u^3, u^4 and u^5 (rows) of a quintic over u from 0 to 1 without acceleration at
 # its ends, for its rise from 0, its slope at 0 and its slope at 1 (columns).
@@ -123,6 +123,9 @@ def minimum_jerk_through(
         start: velocity and acceleration at the first point, instead of rest; its position is not
             read.
         end: velocity and acceleration at the last point, likewise.
+
+    Raises:
+        InvalidInput: if the times are too uneven.
     """
     from scipy.interpolate import make_interp_spline
 
@@ -133,7 +136,7 @@ def minimum_jerk_through(
         _, v, a = checked_state(row if state is None else state, name, x.shape[1])
         ends.append([(1, v), (2, a)])
     knots = np.concatenate([t[[0] * 6], t[1:-1], t[[-1] * 6]])
-    return of_bspline(make_interp_spline(t, x, k=5, t=knots, bc_type=tuple(ends)), t)
+    return passing(make_interp_spline(t, x, k=5, t=knots, bc_type=tuple(ends)), t, x)
 
 
 def checked_state(

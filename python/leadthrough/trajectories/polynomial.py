@@ -135,6 +135,7 @@ def _barycentric(
     hit, node = np.nonzero(gaps == 0.0)
     gaps[hit] = 1.0
     factors = weights / gaps
+    factors[hit] = 1.0  # at a node the value is its own
     result = factors @ values / factors.sum(axis=1)[:, None]
     result[hit] = values[node]
     return np.asarray(result if np.ndim(t) else result[0])

@@ -40,6 +40,7 @@ def test_another_robot_leaves_the_profiles_links_and_limits_out(folder):
         ('robot = "ur3.urdf"\nlimits = "none.toml"', "leadthrough.toml: limits: "),
         ('robot = "ur3.urdf"\ntip = "nose"', "leadthrough.toml: tip: "),
         ('robot = "ur3.urdf"\nbase = "foot"', "leadthrough.toml: base: "),
+        ('robot = "ur3.urdf"\nmesh_folder = "no"', "leadthrough.toml: mesh_folder: expected"),
     ],
 )
 def test_errors_name_the_file_and_the_key(folder, text, says):

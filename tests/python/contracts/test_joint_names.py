@@ -382,6 +382,7 @@ def test_joints_of_another_arm_are_refused_with_both_lists(name):
     refused("wrist_3_joint", ENTRIES[name], renamed(MOTION, (*NAMES[:5], "f")))
 
 
+@pytest.mark.filterwarnings("ignore:demonstrations. periods")  # a rhythm of a line, bent to close
 @pytest.mark.parametrize("name", TOGETHER)
 def test_joints_of_several_motions_are_put_in_one_order(name):
     expected = TOGETHER[name](MOTION, motion(0.8))

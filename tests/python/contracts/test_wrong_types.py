@@ -31,6 +31,7 @@ def test_what_is_no_arm_is_named():
     refused("arm: expected an Arm, got None", lt.DifferentialIk, None)
 
 
+@pytest.mark.filterwarnings("ignore:demonstrations. periods")  # a rhythm of a line, bent to close
 @pytest.mark.parametrize("model", [lt.DMP(weights=10), lt.RhythmicDMP(weights=10)])
 def test_what_is_no_state_is_named(model):
     refused("state: expected one from begin or step, got str", model.fit([LINE]).step, "x", 0.01)

@@ -218,15 +218,22 @@ def test_wrong_columns_are_refused(write, columns, message):
     refused(message, lt.read_motion, path, columns=columns)
 
 
-def test_what_has_a_velocity_is_a_joint_where_no_name_tells_more(tmp_path):
+@pytest.mark.parametrize("names", [("pan", "lift"), ("lift", "joint_1"), ("pan_joint", "a")])
+def test_what_has_a_velocity_is_a_joint_where_no_name_tells_more(tmp_path, names):
     times = [0.0, 0.1, 0.2]
     joints = np.array([[0.0, 1.0], [0.5, 1.5], [1.0, 2.0]])
-    motion = lt.JointTrajectory(times, joints, 0.0 * joints, joint_names=("pan", "lift"))
+    motion = lt.JointTrajectory(times, joints, 0.0 * joints, joint_names=names)
     lt.write_motion(motion, tmp_path / "motion.csv")
     found = lt.read_motion(tmp_path / "motion.csv")
-    assert found.joint_names == ("pan", "lift")
+    assert found.joint_names == names
     assert np.array_equal(found.positions, joints)
     assert np.array_equal(found.velocities, 0.0 * joints)
+
+
+def test_joints_that_would_not_all_be_read_back_are_warned_of(tmp_path):
+    motion = lt.JointTrajectory([0.0, 0.1], np.zeros((2, 2)), joint_names=("lift", "joint_1"))
+    with pytest.warns(ImplausibleInputWarning, match="motion: not all joints"):
+        lt.write_motion(motion, tmp_path / "motion.csv")
 
 
 def test_patterns_name_columns_without_their_derivatives(tmp_path):

@@ -72,18 +72,18 @@ ROWS = np.column_stack([0.1 * np.arange(5), np.arange(30.0).reshape(5, 6) / 9.0]
 
 def test_rows_of_an_npy_are_joints_at_a_rate_or_beside_the_column_of_times(tmp_path):
     path = tmp_path / "rows.npy"
-    np.save(path, ROWS)
-    for stated in ({"rate": 10.0}, {"columns": {"time": "1"}}):
+    for rows, stated in ((ROWS[:, 1:], {"rate": 10.0}), (ROWS, {"columns": {"time": "1"}})):
+        np.save(path, rows)
         motion = lt.read_motion(path, **stated)
         np.testing.assert_allclose(motion.times, ROWS[:, 0])
-        wanted = ROWS if "rate" in stated else ROWS[:, 1:]
-        np.testing.assert_array_equal(motion.positions, wanted)
+        np.testing.assert_array_equal(motion.positions, ROWS[:, 1:])
+    refused("column 1 is time at 10 Hz", lt.read_motion, path, rate=10.0)
     some = lt.read_motion(path, columns={"time": "1", "positions": ["2", "4", "3"]})
     np.testing.assert_array_equal(some.positions, ROWS[:, [1, 3, 2]])
 
 
 def test_three_numbers_a_row_are_a_position_and_three_joints_of_an_arm_that_has_as_many(tmp_path):
-    np.save(tmp_path / "three.npy", ROWS[:, :3])
+    np.save(tmp_path / "three.npy", ROWS[:, 1:4])
     assert type(lt.read_motion(tmp_path / "three.npy", rate=10.0)) is lt.Trajectory
     arm = dict.fromkeys("abc", (-9.0, 99.0))
     found = lt.read_motion(tmp_path / "three.npy", rate=10.0, joints=arm)

@@ -84,6 +84,7 @@ def test_names_of_any_kind_survive_yaml(tmp_path, ur_motion):
     ("text", "message"),
     [
         ("[]", "not a readable trajectory_msgs/JointTrajectory"),
+        ('{"trajectory": {}}', "'joint_names' or 'points' is missing"),
         ("{}", "not a readable trajectory_msgs/JointTrajectory .'joint_names'"),
         ('{"joint_names": ["a"], "points": []}', "at least one point"),
         ('{"joint_names": ["a", "a"], "points": [1]}', "different joint_names"),

@@ -34,6 +34,7 @@ def case(request):
     return request.param.build(), POSES if request.param.motion == "poses" else POINTS
 
 
+@pytest.mark.filterwarnings("ignore:demonstrations. periods")  # a rhythm of a line, bent to close
 def test_a_motion_stands_for_a_demonstration_of_it(case):
     model, motion = case
     alone = model.fit([motion]).generate()

@@ -18,7 +18,7 @@ TURNS = lt.rotations.exp(np.outer(T, [0.5, 0.0, 0.2]))
 POSES = [
     lt.PoseTrajectory(each.times, np.column_stack([each.positions, T]), TURNS) for each in ARCHES
 ]
-ROUND = np.column_stack([np.cos(2 * np.pi * T), np.sin(2 * np.pi * T), 0.0 * T])
+ROUND = np.column_stack([np.cos(4 * np.pi * T), np.sin(4 * np.pi * T), 0.0 * T])
 STILL = np.repeat(TURNS[:1], len(T), axis=0)
 
 # Models none of whose settings is the default one, what they learn from, and what may be dragged.

@@ -69,6 +69,7 @@ def learner(name):
     )
 
 
+@pytest.mark.filterwarnings("ignore:demonstrations. periods")  # a rhythm of a line, bent to close
 @pytest.mark.parametrize("name", LEARNERS)
 def test_a_skill_keeps_the_joints_by_phase_and_in_its_file(name, tmp_path):
     model, demonstrations = learner(name)
@@ -87,6 +88,7 @@ def test_a_skill_keeps_the_joints_by_phase_and_in_its_file(name, tmp_path):
     assert again.joints.joint_names == ARM.joint_names
 
 
+@pytest.mark.filterwarnings("ignore:demonstrations. periods")  # a rhythm of a line, bent to close
 @pytest.mark.parametrize("name", LEARNERS)
 def test_motions_without_joints_have_none_afterwards(name):
     model, demonstrations = learner(name)

@@ -94,6 +94,18 @@ def test_the_parameter_of_a_path_may_begin_anywhere():
     assert one.duration == pytest.approx(two.duration, rel=1e-6)
 
 
+@pytest.mark.parametrize("timed", [lt.retime, lt.keep_timing])
+def test_a_log_with_times_since_1970_is_timed_as_from_zero(timed):
+    times = np.arange(0.0, 1.0, 0.01)
+    path = random_spline(4).evaluate(times)
+    early, late = (
+        timed(lt.JointTrajectory(first + times, path, joint_names=PANDA.joint_names), PANDA)
+        for first in (0.0, 1.7e9)
+    )
+    assert check_limits(late, PANDA).ok
+    np.testing.assert_allclose(late.times, early.times, atol=1e-3)
+
+
 def test_a_mirrored_path_takes_the_same_time_to_the_bit():
     limits = limits_of(7, jerk=0.4)
     for seed in range(3):

@@ -186,6 +186,9 @@ def test_a_joint_that_must_not_move_is_judged_only_if_it_moves():
     locked = replace(LIMITS, velocity=(1.0, 0.0))
     assert not timing.check_limits(between([0, 0], [1, 1], 5.0), locked).ok
     assert timing.check_limits(between([0, 0], [1, 0], 5.0), locked).ok
+    nearly = between([0, 0], [1, 1e-16], 5.0)  # as a time law rounds it
+    assert timing.check_limits(nearly, locked).ok
+    assert all(each.joint == "elbow" for each in timing.binding_limits(nearly, locked))
 
 
 @pytest.mark.parametrize(
@@ -195,6 +198,8 @@ def test_a_joint_that_must_not_move_is_judged_only_if_it_moves():
         ((-1, 1), 1.001, False),
         ((0, 0), 0.0, True),
         ((0, 0), 0.1, False),
+        ((0, 0), 1e-16, True),
+        ((-np.inf, 1), 1 + 1e-15, True),
         ((-np.inf, 1), -1e6, True),
         ((-np.inf, 1), 2.0, False),
         ((-np.inf, np.inf), 1e9, True),

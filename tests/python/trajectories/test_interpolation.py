@@ -62,6 +62,12 @@ def test_even_nodes_swing_on_runge_s_function_and_chebyshev_s_do_not():
     assert errors["chebyshev", 41] < 1e-3 < errors["chebyshev", 11]
 
 
+def test_a_polynomial_of_two_nodes_has_its_values_there_without_a_warning():
+    assert tr.Lagrange([0.0, 2.0], [[3.0], [4.0]]).evaluate([0.0, 1.0, 2.0]).T.tolist() == [
+        [3.0, 3.5, 4.0]
+    ]
+
+
 def test_osculating_polynomials_have_the_given_values_and_velocities():
     x, v = RNG.normal(size=(2, 6, 3))
     curve = tr.osculating(TIMES, x, v)

@@ -7,6 +7,7 @@ from refusals import refused
 from leadthrough import rotations, trajectories as tr
 
 TIMES = np.array([-1.0, -0.3, 0.1, 0.4, 1.0, 1.3])
+UNEVEN = np.array([0.0, 1e-6, 0.5, 0.500001, 0.9, 5.0])
 SINES = np.sin(np.outer(TIMES, [1.0, 2.0, 3.0]))
 PATH = tr.Bezier([[0.0, 0.0, 0.0], [1.0, 2.0, 0.5], [2.0, -1.0, 1.0], [3.0, 0.0, 0.0]])
 PIECE = tr.Bezier([[0.0, 0.0], [1.0, 1.0]])
@@ -82,6 +83,10 @@ REFUSED = {
     "the last like the first": [lambda: tr.periodic_cubic(TIMES, np.arange(6.0))],
     "control_points": [lambda: tr.bspline_near(TIMES, SINES, control_points=3)],
     "weights": [lambda: tr.nurbs_through(TIMES, SINES, weights=-np.ones(6))],
+    "times: expected steps of similar length": [
+        lambda: tr.smooth(UNEVEN, SINES, continuity=4),
+        lambda: tr.minimum_jerk_through(UNEVEN, SINES),
+    ],
     "times": [lambda: tr.bspline_near(TIMES[::-1], SINES, control_points=5)],
     "law: .*domain": [lambda: tr.run_by(PATH, tr.trapezoid([0.0], [1.2], **LAW))],
     "law": [lambda: tr.run_by(PATH, tr.trapezoid([0.0, 0.0], [1.0, 1.0], **LAW))],

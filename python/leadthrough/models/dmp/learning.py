@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough import check, rotations
+from leadthrough import check, rotations, sanity
 from leadthrough.check import FitError, Float64Array, InvalidInput
 from leadthrough.models.archive import Arrays, FittedSkill
 from leadthrough.models.coordinates import (
@@ -47,21 +47,23 @@ from leadthrough.motion import (
     Motion,
     MotionT_co,
     PoseTrajectory,
-    Trajectory,
     agreed_events,
     events_of_plain,
     events_within,
-    joints_with,
+    fields_of,
     lerp,
     moved_events,
     normalised_times,
     plain_events,
+    rows_of,
 )
 from leadthrough.noise import noise_of
 
 # A period whose last samples are missing, up to this fraction of it, counts as whole.
 _SLACK = 0.02
 _MIN_SAMPLES = 4  # of a period
+# Of a rhythm: from its end to its start, in its extent; of single periods from their mean, in RMS.
+_OPEN, _UNLIKE = 0.25, 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,12 +112,26 @@ def mean_cycle(demonstrations: Demonstrations[Motion], period: float | None) -> 
     warn_of_misalignment(cycles)
     mean = mean_motion(cycles, [normalised_times(motion.times) for motion in cycles])
     gap = mean.positions[-1] - mean.positions[0]
+    _warn_of_no_rhythm(mean, cycles, float(np.linalg.norm(gap)))
     positions = mean.positions - np.outer(mean.phases, gap)
     q = mean.orientations
     if q is not None:
         off = rotations.log(rotations.compose(q[:1], rotations.inverse(q[-1:])))
         q = rotations.compose(rotations.exp(np.outer(mean.phases, off[0])), q)
     return replace(mean, positions=positions, orientations=q)
+
+
+def _warn_of_no_rhythm(mean: MeanMotion, cycles: Sequence[Motion], gap: float) -> None:
+    """Warns where one mean period, closed, is unlike the demonstrations."""
+    rows = [lerp(mean.phases, normalised_times(each.times), each.positions) for each in cycles]
+    about = np.array([each - each.mean(axis=0) for each in rows])
+    unlike = np.std(about - about.mean(axis=0))
+    if gap > _OPEN * mean.size or unlike > _UNLIKE * np.std(about):
+        sanity.warn(
+            f"demonstrations: periods of {mean.duration:.4g} s end {gap:.3g} from where they begin "
+            f"and differ by {unlike:.3g}, and their mean is closed; give whole periods from the "
+            "same phase on, or the right period"
+        )
 
 
 def _mean_orientations(
@@ -149,18 +165,11 @@ def _periods(motion: Motion, period: float) -> list[Motion]:
 def _part(motion: Motion, begin: float, period: float, samples: int) -> Motion:
     own = np.linspace(0.0, period, samples)
     at = np.minimum(motion.times[0] + begin + own, motion.times[-1])
-    positions = lerp(at, motion.times, motion.positions)
-    happening = moved_events(events_within(motion.events, at[0], at[-1]), at, own)
-    joints = joints_with(motion)
-    if joints is not None:
-        rows = lerp(at, motion.times, joints.positions)
-        joints = JointTrajectory(own, rows, joint_names=joints.joint_names)
+    rows = {name: lerp(at, motion.times, each) for name, each in rows_of(motion).items()}
     if isinstance(motion, PoseTrajectory):
-        q = rotations.interpolate(motion.times, motion.orientations, at)
-        return PoseTrajectory(own, positions, q, happening, joints)
-    if isinstance(motion, JointTrajectory):
-        return JointTrajectory(own, positions, joint_names=motion.joint_names, events=happening)
-    return Trajectory(own, positions, happening, joints)
+        rows["orientations"] = rotations.interpolate(motion.times, motion.orientations, at)
+    happening = moved_events(events_within(motion.events, at[0], at[-1]), at, own)
+    return replace(motion, times=own, events=happening, **fields_of(motion, rows))
 
 
 REGRESSIONS = ("replay", "ridge", "lwr")

@@ -5,6 +5,7 @@ import pytest
 
 import leadthrough as lt
 from leadthrough import rotations
+from leadthrough.sanity import ImplausibleInputWarning
 
 PERIOD = 1.5
 
@@ -45,6 +46,14 @@ def test_several_rounds_are_averaged():
     long = points_of(stirring(rounds=5.4, noise=1e-3))
     made = lt.RhythmicDMP(period=PERIOD).fit([long]).generate(dt=PERIOD / 300)
     assert np.linalg.norm(made.positions - SHOWN.positions, axis=1).mean() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("rounds", "period"), [(2.5, None), (5.0, 0.5 * PERIOD), (5.0, 0.9 * PERIOD)]
+)
+def test_what_repeats_nothing_is_warned_of(rounds, period):
+    with pytest.warns(ImplausibleInputWarning, match="periods of .* give whole periods"):
+        lt.RhythmicDMP(period=period).fit([points_of(stirring(rounds=rounds))])
 
 
 def test_joints_go_round_with_the_tool():
