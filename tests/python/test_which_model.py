@@ -61,6 +61,7 @@ def supported(skill):
     }
 
 
+@pytest.mark.filterwarnings("ignore:demonstrations. periods")  # a rhythm of a line, bent to close
 @pytest.mark.parametrize(("name", "row"), [*rows()], ids=[name for name, _ in rows()])
 def test_table_says_what_the_skills_of_a_model_support(name, row):
     skills = {kind: fitted(name, kind) for kind in ("points", "joints", "poses")}
