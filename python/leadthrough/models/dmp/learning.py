@@ -388,7 +388,7 @@ def _responses(kernels: Kernels, phases: Float64Array) -> tuple[Float64Array, Fl
         made, slopes = core.dmp_rollout(forces, still, rest, rest, phases)
         values.append(made)
         last.append(np.stack([made[-1], slopes[-1]]))
-    return np.hstack(values), np.hstack(last)
+    return (values[0], last[0]) if len(values) == 1 else (np.hstack(values), np.hstack(last))
 
 
 def _without_force(target: _Target) -> tuple[Float64Array, Float64Array]:

@@ -73,6 +73,15 @@ class Kernels:
 
     def features(self, rows: slice = _ALL, some: slice = _ALL) -> Float64Array:
         """Features (m, weights): the force is features @ weights."""
+        if len(self.parts) == 1:
+            return np.ascontiguousarray(self._features[rows, some])
+        return self._computed(rows, some)
+
+    @cached_property
+    def _features(self) -> Float64Array:
+        return self._computed(_ALL, _ALL)
+
+    def _computed(self, rows: slice, some: slice) -> Float64Array:
         values, regressor = self.tables(rows, some)
         return np.asarray(values / self._sums[rows, None] * regressor)
 
