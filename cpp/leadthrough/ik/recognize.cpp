@@ -129,6 +129,7 @@ bool has_six(ClosedForm& form, const Screw* screws, double tolerance) {
 bool has_seven(ClosedForm& form, const Screws& screws, double tolerance) {
   form.screws = screws;
   form.deviation = 0.0;
+  form.reversed = false;
   if (is_two_spheres(form, tolerance)) return true;
   form.parameter = Parameter::kLastJoint;
   form.given = screws[6];

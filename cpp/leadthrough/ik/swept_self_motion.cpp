@@ -83,24 +83,23 @@ class Sweep {
   std::vector<Sample> samples;
 
  private:
-  bool near(const Candidates& before, const Candidates& after) const {
-    constexpr double kNear = 0.5;  // rad
+  static bool near(const Candidates& before, const Candidates& after) {
+    if (before.count != after.count) return false;
     const auto begin = after.at.begin(), end = begin + after.count;
-    return before.count == after.count &&
-           std::all_of(before.at.begin(), before.at.begin() + before.count,
-                       [&](const Candidate& a) {
-                         return std::any_of(begin, end, [&](const Candidate& b) {
-                           return b.branch == a.branch && apart(a.q, b.q) < kNear;
+    return std::all_of(before.at.begin(), before.at.begin() + before.count,
+                       [&](const Candidate& each) {
+                         return std::any_of(begin, end, [&](const Candidate& other) {
+                           return other.branch == each.branch && is_near(each.q, other.q);
                          });
                        });
   }
 
-  // The most that a joint turns.
-  double apart(const JointArray& a, const JointArray& b) const {
-    double most = 0.0;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(chain_.joints()); ++k)
-      most = std::max(most, apart_within_turn(a[k], b[k]));
-    return most;
+  static bool is_near(const JointArray& a, const JointArray& b) {
+    constexpr double kNear = 0.5;  // rad
+    return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
+      const double apart = std::abs(x - y);
+      return std::min(apart, std::abs(kTurn - apart)) < kNear;
+    });
   }
 
   const Chain& chain_;

@@ -11,7 +11,7 @@
 namespace leadthrough {
 
 // Values of the parameter over its range.
-constexpr int kSweepSamples = 144;
+constexpr int kSweepSamples = 192;
 
 // Distance of these, rad.
 double sweep_resolution(const Chain& chain, const ClosedForm& form);

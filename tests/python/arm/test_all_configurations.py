@@ -149,7 +149,8 @@ def test_the_closest_of_six_joints_is_the_first_of_all():
         np.testing.assert_array_equal(closest.q, every.q[0])
 
 
-def test_a_calibrated_arm_loses_nothing():
+def calibrated(document):
+    """The robot with its joints moved by up to half a millimetre and a milliradian."""
     rng = np.random.default_rng(10)
 
     def disturbed(match):
@@ -158,15 +159,18 @@ def test_a_calibrated_arm_loses_nothing():
         return f'{match[1]}="{" ".join(repr(v + rng.uniform(-scale, scale)) for v in values)}"'
 
     joints = re.compile(r"<joint name.*?</joint>", re.S)
-    document = joints.sub(
+    return joints.sub(
         lambda joint: re.sub(
             r"<origin[^>]*>",
             lambda origin: re.sub(r'(xyz|rpy)="([^"]*)"', disturbed, origin[0]),
             joint[0],
         ),
-        UR3.document,
+        document,
     )
-    arm = lt.Arm.from_urdf(document, base=UR3.base, tip=UR3.tip)
+
+
+def test_a_calibrated_arm_loses_nothing():
+    arm = lt.Arm.from_urdf(calibrated(UR3.document), base=UR3.base, tip=UR3.tip)
     complete = 0
     for q in configurations(arm, 60, 11):
         pose = arm.forward_kinematics(q)
@@ -176,12 +180,36 @@ def test_a_calibrated_arm_loses_nothing():
     assert complete > 30
 
 
+def test_a_calibrated_arm_of_two_spheres_is_swept_like_an_ideal_one():
+    """As a Kinova Gen3, whose URDF is rounded."""
+    links = "".join(f'<link name="l{k}"/>' for k in range(8))
+    joints = "".join(
+        f'<joint name="j{k}" type="revolute"><parent link="l{k}"/><child link="l{k + 1}"/>'
+        f'<origin xyz="0 0 {height}" rpy="0 0 0"/><axis xyz="{axis}"/>'
+        '<limit lower="-2.6" upper="2.6" velocity="1" effort="1"/></joint>'
+        for k, (height, axis) in enumerate(
+            zip((0.3, 0, 0, 0.4, 0, 0.4, 0), ("0 0 1", "0 1 0") * 3 + ("0 0 1",), strict=True)
+        )
+    )
+    ideal = f'<robot name="spheres">{links}{joints}</robot>'
+    for document in (ideal, calibrated(ideal)):
+        arm = lt.Arm.from_urdf(document)
+        for q, reference in zip(
+            configurations(arm, 30, 12), configurations(arm, 30, 13), strict=True
+        ):
+            pose = arm.forward_kinematics(q)
+            closest = IkOptions(mode="closest", posture=reference)
+            result = arm.inverse_kinematics(*pose, options=closest)
+            assert result.success
+            assert np.linalg.norm(result.q - reference) < np.linalg.norm(q - reference) + 1e-6
+
+
 def test_seven_joints_are_swept_at_the_stated_resolution():
     q = np.array([0.3, -0.5, 0.2, -2.0, 0.1, 1.7, 0.5])
     found = PANDA.inverse_kinematics_all(*PANDA.forward_kinematics(q), options=IkOptions(posture=q))
     assert not found.complete
     last = PANDA.limits.upper[6] - PANDA.limits.lower[6]
-    assert found.resolution == pytest.approx(last / 144)
+    assert found.resolution == pytest.approx(last / 192)
     assert np.linalg.norm(found.q[0] - q) < 1e-3
 
 
