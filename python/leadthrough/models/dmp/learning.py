@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, TypedDict
 
 import numpy as np
@@ -381,14 +382,20 @@ def _responses(kernels: Kernels, phases: Float64Array) -> tuple[Float64Array, Fl
     """Errors (n, weights) that each function alone makes, and the last value and slope of them."""
     values, last = [], []
     for first in range(0, len(kernels.centres), _TOGETHER):
-        nodes = kernels.features(some=slice(first, first + _TOGETHER))
-        forces = core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic)
-        rest = np.zeros(nodes.shape[1])
+        forces, channels = _each_alone(kernels, first)
+        rest = np.zeros(channels)
         still = course("hoffmann", Ends(rest, rest, rest, rest))
         made, slopes = core.dmp_rollout(forces, still, rest, rest, phases)
         values.append(made)
         last.append(np.stack([made[-1], slopes[-1]]))
     return (values[0], last[0]) if len(values) == 1 else (np.hstack(values), np.hstack(last))
+
+
+@lru_cache(maxsize=1)  # those of the last fit; of many weights they take tens of megabytes
+def _each_alone(kernels: Kernels, first: int) -> tuple[core.DmpForces, int]:
+    """Forces of one channel for each of some kernels, of which the weight is 1, and how many."""
+    nodes = kernels.features(some=slice(first, first + _TOGETHER))
+    return core.DmpForces(nodes, kernels.fade, RATE, kernels.rhythmic), nodes.shape[1]
 
 
 def _without_force(target: _Target) -> tuple[Float64Array, Float64Array]:
