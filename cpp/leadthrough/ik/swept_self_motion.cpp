@@ -23,27 +23,6 @@ JointRange swept_range(const Chain& chain, const ClosedForm& form) {
   return sampled_range(chain, form.parameter == Parameter::kFirstJoint ? 0 : 6);
 }
 
-// Moves to the nearest limits; false if a joint is farther outside than the next sample may bring
-// it.
-bool bring_inside(const Chain& chain, const JointVector& reference, Sample& sample) {
-  constexpr double kBetweenSamples = 0.3;  // rad
-  std::array<bool, kMaxJoints> outside{};
-  const JointArray before = sample.q;
-  take_turns(chain, reference, sample.q, outside);
-  for (int i = 0; i < chain.joints(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (!outside[k]) continue;
-    const double below = apart_within_turn(chain.lower[i], before[k]);
-    const double above = apart_within_turn(chain.upper[i], before[k]);
-    sample.q[k] = below < above ? chain.lower[i] : chain.upper[i];
-    sample.outside = std::max(sample.outside, std::min(below, above));
-  }
-  if (sample.outside > kBetweenSamples) return false;
-  const Eigen::Map<const Eigen::VectorXd> q(sample.q.data(), chain.joints());
-  sample.distance = (q - reference).squaredNorm();
-  return true;
-}
-
 struct Slice {
   double parameter;
   Candidates candidates;
@@ -63,10 +42,15 @@ class Sweep {
   }
 
   void add(const Slice& slice) {
+    constexpr double kBetweenSteps = 0.3;  // rad; the next sample may be inside
     for (int k = 0; k < slice.candidates.count; ++k) {
       const Candidate& candidate = slice.candidates.at[static_cast<std::size_t>(k)];
       Sample sample{index_, candidate.branch, slice.parameter, 0.0, 0.0, candidate.q};
-      if (bring_inside(chain_, reference_, sample)) samples.push_back(sample);
+      sample.outside = bring_inside(chain_, reference_, sample.q);
+      if (sample.outside > kBetweenSteps) continue;
+      const Eigen::Map<const Eigen::VectorXd> q(sample.q.data(), chain_.joints());
+      sample.distance = (q - reference_).squaredNorm();
+      samples.push_back(sample);
     }
     ++index_;
   }
