@@ -1,6 +1,6 @@
 """Contents of a recording's columns, identified by their names in either case.
 
-- Time: `time`, `times`, `t`, `timestamp`, `stamp`.
+- Time: `time`, `times`, `t`, `timestamp`, `stamp`, also behind `%` or `_` (`__time`).
 - Positions: `x`, `y` and, where there is one, `z`, alone or after `p`, `pos`, `position` or
   `translation` (`px`, `pos_x`, `position.x`, `current_pos_x`), or `left` or `right` (`left_x`).
 - Orientations: `w`, `x`, `y`, `z` after `q`, `quat`, `quaternion`, `orientation`, `rotation` or
@@ -69,7 +69,7 @@ _ANGLE = re.compile(
 )
 _DEGREE = math.pi / 180.0
 _UNITS: dict[str, dict[str, float]] = {
-    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    "time": {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "positions": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
     "joints": {"mm": 1e-3, "rad": 1.0, "radians": 1.0, "deg": _DEGREE, "degrees": _DEGREE},
 }
@@ -107,7 +107,7 @@ def quaternion_order(names: Columns) -> str | None:
 def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     """Every choice of columns for each of time, positions, orientations and joints."""
     found: dict[str, list[Columns]] = {
-        "time": [(name,) for name in names if unit(name, "time")[0].lower() in _TIME],
+        "time": [(name,) for name in names if unit(name, "time")[0].lower().strip("%_") in _TIME],
         **{
             role: [(name,) for name in names if _whole(name, role).lower() in whole]
             for role, whole in _WHOLE.items()
@@ -132,7 +132,10 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
 
 def rotation_angles(names: Sequence[str]) -> Columns:
     """The columns of rotation vectors or of angles such as roll, pitch and yaw."""
-    return tuple(name for name in names if _ANGLE.fullmatch(unit(name, "joints")[0].lower()))
+    plain = {unit(name, "joints")[0].lower(): name for name in names}
+    # KUKA's and Fanuc's names of three angles.
+    makers = {axis for axes in ("abc", "wpr") if {*axes} <= plain.keys() for axis in axes}
+    return tuple(name for p, name in plain.items() if p in makers or _ANGLE.fullmatch(p))
 
 
 def derivatives(names: Sequence[str], joints: Columns) -> dict[str, Columns]:

@@ -12,12 +12,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from leadthrough import check
+from leadthrough import check, sanity
 from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, lerobot, reader_process, robomimic
 from leadthrough.io.files import StrPath
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
-from leadthrough.io.recording import Recording, check_complete, recording
+from leadthrough.io.recording import CLEANED, Recording, check_complete, recording
 from leadthrough.io.table import Ranges, Request, Table, as_request
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.rest import trim
@@ -107,6 +107,7 @@ def read_motion(
         raise InvalidInput(
             f"{printable(Path(path))}: expected a file with one motion, got {len(found)}"
         )
+    sanity.clock(found[0].motion.times, printable(Path(path)))
     return found[0].motion
 
 
@@ -231,9 +232,11 @@ def _faultless(path: Path, found: Recording, table: Table, request: Request) -> 
     with blaming(path):
         try:
             return found.motion()
-        except InvalidInput:
+        except InvalidInput as error:
             check_complete(table, request)  # knows the place in the file
-            raise
+            if error.argument not in ("times", "positions", "orientations") or not len(found.times):
+                raise
+            raise InvalidInput(f"{error}{CLEANED}") from None
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from difflib import get_close_matches
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check, sanity
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
@@ -114,6 +114,11 @@ class Recording(ShortRepr):
         Raises:
             InvalidInput: if anything is wrong with it; `leadthrough.preprocess.clean` repairs it.
         """
+        if len(rows := np.flatnonzero(lost(self.positions))):
+            raise InvalidInput(
+                f"positions: sample {rows[0]} is 0, far from all others, as trackers write without "
+                "a target"
+            )
         if self.joint_names is not None:
             return JointTrajectory(
                 self.times,
@@ -152,7 +157,13 @@ _DEGREE = math.pi / 180.0
 # Joints come this much beyond their limits by the slack of a calibration, rad; percent by rounding.
 _SLACK = 0.1
 _MAX_PERCENT, _END = 100.01, 1e-4
+CLEANED = (
+    "; `leadthrough clean` leaves such samples out, in Python io.read_recordings and "
+    "preprocess.clean"
+)
 _SPACE = 3  # coordinates of a position
+# Steps of a recording that make sure of its largest, and the leap that is none of a motion's.
+_RECORDED, _LEAP = 20, 3.0
 _SUFFIX = "_recorded"
 
 
@@ -199,6 +210,18 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
     )
 
 
+def lost(positions: Float64Array) -> NDArray[np.bool_]:
+    """Rows (n,) of zeros that no motion (n, d) comes near: trackers write them without a target."""
+    zero = np.asarray((positions == 0.0).all(axis=1))
+    if not zero.any() or positions.shape[1] < _SPACE:  # a gripper opens at once
+        return np.zeros_like(zero)
+    with np.errstate(invalid="ignore"):  # infinity less infinity
+        steps = np.abs(np.diff(positions, axis=0)).max(axis=1)[~(zero[1:] | zero[:-1])]
+    steps = steps[np.isfinite(steps)]
+    nearest = np.nanmin(np.abs(positions[~zero]).max(axis=1)) if len(steps) else 0.0
+    return zero & (len(steps) >= _RECORDED and nearest > _LEAP * steps.max())
+
+
 def check_complete(table: Table, request: Request) -> None:
     """Refuses a table with a missing number, and says where it is."""
     for names in _chosen(table, request).values():
@@ -208,8 +231,7 @@ def check_complete(table: Table, request: Request) -> None:
             if len(wrong):
                 raise InvalidInput(
                     f"{table.place(int(wrong[0, 0]))}, column {name!r}: expected a finite number, "
-                    f"got {values[tuple(wrong[0])]}; `leadthrough clean` leaves such samples out, "
-                    "in Python io.read_recordings and preprocess.clean"
+                    f"got {values[tuple(wrong[0])]}{CLEANED}"
                 )
 
 
@@ -232,8 +254,10 @@ def _chosen(table: Table, request: Request) -> dict[str, Columns]:
         chosen |= _of_the_arm(names, request.joints) or _only_motion(table, found, request)
     elif "orientations" in chosen and "positions" not in chosen:
         chosen["positions"] = _only(found["positions"], "positions")
-    if "time" not in chosen and found["time"]:
-        chosen["time"] = _only(found["time"], "time")
+    # A rate stands in for a clock of text, such as 12:30:01.
+    times = [c for c in found["time"] if not request.rate or _of_numbers(table, c[0]) is not None]
+    if "time" not in chosen and times:
+        chosen["time"] = _only(times, "time")
     joints = chosen.get("joints", ())
     if all(headers.unit(name, "joints")[1] is None for name in joints):
         chosen |= headers.derivatives(names, joints) if joints else {}
@@ -416,10 +440,24 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
     own = tuple(headers.joint(name) for name in columns)
     if request.joints and set(own) <= set(request.joints):
         return own
+    if told := _joints_told(own, tuple(request.joints)):
+        return told
     strangers = not set(own) & set(request.joints)
     if request.columns.get("joints") and strangers and len(own) == len(request.joints):
         return tuple(request.joints)  # as the user stated
     return tuple(headers.unit(name, "joints")[0] for name in columns)
+
+
+def _joints_told(columns: Columns, joints: Columns) -> Columns:
+    """The joint that each column's name tells (`Elbow` elbow_joint), if each tells another one."""
+    names, known = (
+        [re.sub(r"[^a-z0-9]", "", n.lower()) for n in each] for each in (columns, joints)
+    )
+    fitting = [
+        [i for i, j in enumerate(known) if n in j or j in n] for n in names if not n.isdigit()
+    ]
+    told = [each[0] for each in fitting if len(each) == 1]
+    return tuple(joints[i] for i in told) if sorted(told) == [*range(len(columns))] else ()
 
 
 def _back_to_metres(

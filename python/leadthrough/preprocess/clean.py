@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from leadthrough import check, rotations
 from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array, InvalidInput, ShortRepr
 from leadthrough.drawing import Drawn, Panel, spans_over_time
-from leadthrough.io.recording import Recording, recording_of
+from leadthrough.io.recording import Recording, lost, recording_of
 from leadthrough.motion import (
     Demonstration,
     Motion,
@@ -52,7 +52,8 @@ class CleaningReport(Drawn):
     Attributes:
         read: number of samples before cleaning.
         left: number of samples after it.
-        invalid: samples left out because a number was missing or a quaternion was no rotation.
+        invalid: samples left out because a number was missing, a quaternion was no rotation, or a
+            tracker without a target wrote zeros.
         unordered: number of samples later in the file than a sample of a later time.
         repeated: number of samples left out because another one had the same time.
         flipped: number of quaternions whose sign was changed.
@@ -403,6 +404,7 @@ def _in_time(times: Float64Array) -> NDArray[np.int64]:
 def _valid(recording: Recording) -> NDArray[np.bool_]:
     numbers = np.column_stack([recording.times, *rows_of(recording).values()])
     valid = np.asarray((np.abs(numbers) < check.MAX_NUMBER).all(axis=1))  # false for NaN
+    valid &= ~lost(np.where(valid[:, None], recording.positions, np.nan))
     if recording.orientations is not None:
         lengths = np.linalg.norm(np.where(valid[:, None], recording.orientations, 0.0), axis=1)
         valid &= (lengths > _MIN_LENGTH) & (lengths < 1.0 / _MIN_LENGTH)
