@@ -32,10 +32,9 @@ _OF_TURN, _USUAL_STEP = 0.6, 0.3
 # rotation in five thousand is as near by chance.
 _MAX_ROTATED, _SAME = 1.6, 0.15
 _CLEARLY_NEAR = 0.75  # more than the cosine of half of the former
-# s between samples: no recording of a hand is slower, but ms read as s are; of whole numbers, or
-# of times as even as a logger's, less is enough.
-_MAX_STEP, _MAX_EVEN_STEP = 20.0, 1.0
-_EVEN = 1.5  # usual steps, at most, of nine steps in ten
+# s between samples: no recording of a hand is slower, but ms read as s are; of whole numbers, or of
+# steps as even as a logger's, nine in ten at most so many usual ones, less is enough.
+_MAX_STEP, _MAX_EVEN_STEP, _EVEN = 20.0, 1.0, 1.5
 # A time without samples is longer than so many usual steps and s, as for `preprocess.clean`.
 _GAP, _MIN_GAP = 5.0, 0.5
 _RECORDED = 20  # samples from which on a motion was recorded, not typed

@@ -124,11 +124,8 @@ def _table(file: TextIO, count: int, limits: ReadLimits) -> TextTable:
     delimiter = delimiter if delimiter in header else _SPACES
     limits.columns(header.count(delimiter) + 1, f"line {start}")
     names = _split(header, delimiter, start)
-    repeated = [name for name, times in Counter(names).items() if name and times > 1]
-    if repeated:
-        raise InvalidInput(
-            f"line {start}: expected different column names, got {repeated[0]!r} twice"
-        )
+    if name := next((name for name, times in Counter(names).items() if name and times > 1), ""):
+        raise InvalidInput(f"line {start}: expected different column names, got {name!r} twice")
     limits.numbers(count * len(names), "the rows")
     rows = _Rows(names, delimiter)
     if first is not None:
@@ -259,11 +256,8 @@ def _header(lines: Iterator[Line], events: list[Event]) -> tuple[Line, Line | No
 
 
 def _starts_with_number(line: str) -> bool:
-    first = line.split(maxsplit=1)[0]
-    for delimiter in _DELIMITERS:
-        first = first.split(delimiter, 1)[0]
     try:
-        float(first)
+        float(re.split(r"[,;\s]", line.strip(), maxsplit=1)[0])
     except ValueError:
         return False
     return True

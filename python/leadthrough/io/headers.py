@@ -13,8 +13,9 @@
   Their derivatives are `<joint>_velocity` or `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
   Numbered joints of two arms, whose names begin with `left` and `right`, are one recording.
 - Arrays that hold all components at once: `positions`, `position`, `pos`; `orientations`,
-  `orientation`, `quaternions`, `quaternion`, which may state their order (`orientations_wxyz`,
-  `quaternion_xyzw`); `joints`, `joint_positions`, with `velocities` and `accelerations`.
+  `orientation`, `quaternions`, `quaternion`, `quat`, which may state their order
+  (`orientations_wxyz`, `quat_xyzw`); `joints`, `joint_positions`, with `velocities` and
+  `accelerations`.
 
 A name may end in its unit (`time_ns`, `joint_1_deg`, `x [mm]`, `t (ms)`); without one the unit is
 that of SI, but for times since 1970, whose number of digits tells s, ms, us and ns apart.
@@ -41,7 +42,7 @@ _POSITION = {"p", "pos", "position", "translation"}
 _ORIENTATION = {"q", "quat", "quaternion", "orientation", "rotation", "rot"}
 _WHOLE = {
     "positions": {"positions", "position", "pos"},
-    "orientations": {"orientations", "orientation", "quaternions", "quaternion"},
+    "orientations": {"orientations", "orientation", "quaternions", "quaternion", "quat"},
     "joints": {"joints", "joint_positions"},
 }
 _PREFIXES = {"velocities": "d", "accelerations": "dd"}
@@ -53,25 +54,28 @@ _NUMBERED_JOINT = re.compile(
 )
 # Words of columns that are not of measured positions, and those that say that they are.
 _OTHER = re.compile(
-    r"(^|[_.\-/ ])(velocit(y|ies)|vel|qd|effort|torque|tau|current|acceleration|target)([_.\-/ ]|$)"
+    r"(^|[_.\-/ ])(velocit(y|ies)|vel|qd|effort|torque|tau|current|acceleration|target"
+    r"|pose|tcp|cart|cartesian|force|wrench)([_.\-/ ]|$)"
 )
 _MEASURED = re.compile(
     r"^/?((joint_states|actual|measured|positions?|pos)[_.\-/ ])+|([_.\-/ ](positions?|pos))$"
 )
 _NAMED_JOINT = re.compile(r"(?!robot\d+_joint$).+_joint")  # robot0_joint_pos has all
 _WITH_UNIT = re.compile(
-    r"(?P<plain>.+?)(?:[_ ]?\[(?P<a>[a-z]+)\]|[_ ]?\((?P<b>[a-z]+)\)|[_ ](?P<c>[a-z]+))",
+    r"(?P<plain>.+?)(?:[_ ]?\[(?P<a>[a-z°]+)\]|[_ ]?\((?P<b>[a-z°]+)\)|[_ ](?P<c>[a-z]+))",
     re.IGNORECASE,
 )
-# Rotation vectors and angles, whose convention no name states.
-_ANGLE = re.compile(
-    r"(.*[_.\-/ ])?(r[xyz]|(rot|rotation|rotvec|orientation)[_.][xyz]|roll|pitch|yaw)"
+# Orientations of any kind; those that are read as quaternions are found before.
+_ROTATED = re.compile(
+    r"(.*[_.\-/ ])?([rq][xyz]|r\d\d|roll|pitch|yaw"
+    r"|(rot|rotation|rotvec|ori|orientation|quat|quaternion)([_.\-/ ].*)?)"
 )
 _DEGREE = math.pi / 180.0
 _UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "positions": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
-    "joints": {"mm": 1e-3, "rad": 1.0, "radians": 1.0, "deg": _DEGREE, "degrees": _DEGREE},
+    "joints": {"mm": 1e-3, "rad": 1.0, "radians": 1.0, "mrad": 1e-3}
+    | dict.fromkeys(("deg", "degrees", "°"), _DEGREE),
 }
 
 
@@ -88,6 +92,11 @@ def joint(name: str) -> str:
     """The joint's own name in that of its column, without a unit or words such as "position"."""
     plain = unit(name, "joints")[0]
     return _MEASURED.sub("", plain) or plain
+
+
+def is_other(name: str) -> bool:
+    """Whether a column's name says that it is no joint's measured position."""
+    return _OTHER.search(name.lower()) is not None
 
 
 def is_whole(name: str) -> bool:
@@ -120,9 +129,9 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
         elif last_word in _ORIENTATION and len(axes) == 4:
             found["orientations"].append(tuple(axes[axis] for axis in "wxyz"))
     named = tuple(name for name in names if _NAMED_JOINT.fullmatch(joint(name).lower()))
-    measured = tuple(name for name in named if not _OTHER.search(name.lower())) or named
+    measured = tuple(name for name in named if not is_other(name)) or named
     numbered = list(_numbered_joints(names))
-    groups = [group for group in numbered if not _OTHER.search(group[0].lower())] or numbered
+    groups = [group for group in numbered if not is_other(group[0])] or numbered
     found["joints"] += [*groups, *([measured] if measured else [])]
     moving = tuple(name for name in names if name + JOINT_SUFFIXES["velocities"] in names)
     if not found["positions"] and set().union(*found["joints"]) < set(moving):
@@ -130,12 +139,12 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     return found
 
 
-def rotation_angles(names: Sequence[str]) -> Columns:
-    """The columns of rotation vectors or of angles such as roll, pitch and yaw."""
+def unread_orientations(names: Sequence[str]) -> Columns:
+    """The columns of orientations that are not read: angles, matrices, parts of quaternions."""
     plain = {unit(name, "joints")[0].lower(): name for name in names}
-    # KUKA's and Fanuc's names of three angles.
-    makers = {axis for axes in ("abc", "wpr") if {*axes} <= plain.keys() for axis in axes}
-    return tuple(name for p, name in plain.items() if p in makers or _ANGLE.fullmatch(p))
+    # KUKA's and Fanuc's angles, a quaternion's vector.
+    triples = {axis for axes in ("abc", "wpr", "ijk") if {*axes} <= plain.keys() for axis in axes}
+    return tuple(name for p, name in plain.items() if p in triples or _ROTATED.fullmatch(p))
 
 
 def derivatives(names: Sequence[str], joints: Columns) -> dict[str, Columns]:

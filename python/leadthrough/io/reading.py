@@ -17,7 +17,7 @@ from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, lerobot, reader_process, robomimic
 from leadthrough.io.files import StrPath
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
-from leadthrough.io.recording import CLEANED, Recording, check_complete, recording
+from leadthrough.io.recording import CLEANED, Recording, check_complete, lost, recording
 from leadthrough.io.table import Ranges, Request, Table, as_request
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.rest import trim
@@ -66,7 +66,8 @@ def read_demonstrations(
         joints: an arm's joints by name, with (lower, upper) limits in rad, or (lower, upper, "m")
             for prismatic ones, which stay in m where `angles` are degrees. Columns of
             these names are its joints, whatever else the file has; as many in `columns` of other
-            names are its joints in this order. Percent refer to the limits.
+            names are the joints that they contain, or else in this order. Percent refer to the
+            limits.
         rest: s of standing still to keep before and after, >= 0; `math.inf` keeps all of it.
 
     Raises:
@@ -231,12 +232,18 @@ def _recordings(path: Path, request: Request) -> list[tuple[Table, Recording]]:
 def _faultless(path: Path, found: Recording, table: Table, request: Request) -> Motion:
     with blaming(path):
         try:
-            return found.motion()
+            motion = found.motion()
         except InvalidInput as error:
             check_complete(table, request)  # knows the place in the file
-            if error.argument not in ("times", "positions", "orientations") or not len(found.times):
+            if error.argument not in ("times", "orientations"):
                 raise
             raise InvalidInput(f"{error}{CLEANED}") from None
+        if (gone := lost(motion.positions)).any():
+            raise InvalidInput(
+                f"{table.place(int(gone.argmax()))}: the position is 0, far from all others, as of "
+                f"a tracker without a target{CLEANED}"
+            )
+        return motion
 
 
 @dataclass(frozen=True, eq=False)

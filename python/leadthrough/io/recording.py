@@ -114,11 +114,6 @@ class Recording(ShortRepr):
         Raises:
             InvalidInput: if anything is wrong with it; `leadthrough.preprocess.clean` repairs it.
         """
-        if len(rows := np.flatnonzero(lost(self.positions))):
-            raise InvalidInput(
-                f"positions: sample {rows[0]} is 0, far from all others, as trackers write without "
-                "a target"
-            )
         if self.joint_names is not None:
             return JointTrajectory(
                 self.times,
@@ -157,10 +152,7 @@ _DEGREE = math.pi / 180.0
 # Joints come this much beyond their limits by the slack of a calibration, rad; percent by rounding.
 _SLACK = 0.1
 _MAX_PERCENT, _END = 100.01, 1e-4
-CLEANED = (
-    "; `leadthrough clean` leaves such samples out, in Python io.read_recordings and "
-    "preprocess.clean"
-)
+CLEANED = "; `leadthrough clean` leaves it out, in Python io.read_recordings and preprocess.clean"
 _SPACE = 3  # coordinates of a position
 # Steps of a recording that make sure of its largest, and the leap that is none of a motion's.
 _RECORDED, _LEAP = 20, 3.0
@@ -195,9 +187,9 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
     orientations = data.get("orientations")
     if orientations is not None:
         orientations = _quaternions(table, chosen["orientations"], orientations, request)
-    elif not request.columns and (angles_of := headers.rotation_angles(table.names)):
+    elif not request.columns and (rotated := headers.unread_orientations(table.names)):
         sanity.warn(
-            f"columns: {', '.join(angles_of)} are left out; orientations are read as quaternions, "
+            f"columns: {', '.join(rotated)} are left out; orientations are read as quaternions, "
             "such as qw, qx, qy, qz"
         )
     return Recording(
@@ -215,11 +207,9 @@ def lost(positions: Float64Array) -> NDArray[np.bool_]:
     zero = np.asarray((positions == 0.0).all(axis=1))
     if not zero.any() or positions.shape[1] < _SPACE:  # a gripper opens at once
         return np.zeros_like(zero)
-    with np.errstate(invalid="ignore"):  # infinity less infinity
-        steps = np.abs(np.diff(positions, axis=0)).max(axis=1)[~(zero[1:] | zero[:-1])]
-    steps = steps[np.isfinite(steps)]
-    nearest = np.nanmin(np.abs(positions[~zero]).max(axis=1)) if len(steps) else 0.0
-    return zero & (len(steps) >= _RECORDED and nearest > _LEAP * steps.max())
+    steps = np.abs(np.diff(positions, axis=0)).max(axis=1)[~(zero[1:] | zero[:-1])]
+    far = len(steps) >= _RECORDED and np.abs(positions[~zero]).max(axis=1).min()
+    return zero & bool(far > _LEAP * steps.max(initial=0.0))
 
 
 def check_complete(table: Table, request: Request) -> None:
@@ -345,9 +335,8 @@ def guessed(table: Table, request: Request) -> dict[str, Columns]:
         if found[role]:
             return {role: found[role][0]}
     time = (found["time"][0] if found["time"] else _rising(table))[:1]
-    rest = [
-        name for name in table.names if name not in time and _of_numbers(table, name) is not None
-    ]
+    names = [name for name in table.names if name not in time and not headers.is_other(name)]
+    rest = [name for name in names if _of_numbers(table, name) is not None]
     count = len(request.joints)
     if len(rest) < max(count, 2):
         return {}
@@ -438,10 +427,9 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
     if len(columns) != positions.shape[1] or headers.is_whole(columns[0]):
         return ()
     own = tuple(headers.joint(name) for name in columns)
+    own = _joints_told(own, tuple(request.joints)) or own
     if request.joints and set(own) <= set(request.joints):
         return own
-    if told := _joints_told(own, tuple(request.joints)):
-        return told
     strangers = not set(own) & set(request.joints)
     if request.columns.get("joints") and strangers and len(own) == len(request.joints):
         return tuple(request.joints)  # as the user stated
@@ -450,13 +438,9 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
 
 def _joints_told(columns: Columns, joints: Columns) -> Columns:
     """The joint that each column's name tells (`Elbow` elbow_joint), if each tells another one."""
-    names, known = (
-        [re.sub(r"[^a-z0-9]", "", n.lower()) for n in each] for each in (columns, joints)
-    )
-    fitting = [
-        [i for i, j in enumerate(known) if n in j or j in n] for n in names if not n.isdigit()
-    ]
-    told = [each[0] for each in fitting if len(each) == 1]
+    plain = re.compile(r"[^a-z0-9]")
+    own, arm = ([plain.sub("", n.lower()) for n in each] for each in (columns, joints))
+    told = [f[0] for n in own if len(f := [i for i, j in enumerate(arm) if n in j or j in n]) == 1]
     return tuple(joints[i] for i in told) if sorted(told) == [*range(len(columns))] else ()
 
 

@@ -201,7 +201,7 @@ _TOGETHER = 1000  # samples whose windows are in memory at a time
 _FLOOR = 1e-3  # fraction of a column's range; anything smaller is no spike
 _ANY_GAP = 1e300  # s
 _MAX_RATE = 1e5  # Hz; no arm is recorded so fast
-_MIN_RATE = 0.5  # Hz; times in ms or ns that are read as s look slower
+_MIN_RATE = 1.0  # Hz; times in ms or ns that are read as s, and counters, are as slow
 _MAX_REACH = 20.0  # m from an arm's base
 
 
@@ -347,7 +347,7 @@ def summarize(recording: Recording) -> RecordingSummary:
 
 def _remarks(summary: RecordingSummary) -> tuple[str, ...]:
     remarks = []
-    if summary.rate and not _MIN_RATE <= summary.rate <= _MAX_RATE:
+    if summary.rate and not _MIN_RATE < summary.rate <= _MAX_RATE:
         remarks.append(f"{summary.rate:.3g} Hz: are the times in s?")
     farthest = max(map(abs, (*summary.lower, *summary.upper)))
     if summary.kind == "poses" and farthest > _MAX_REACH:
@@ -404,7 +404,7 @@ def _in_time(times: Float64Array) -> NDArray[np.int64]:
 def _valid(recording: Recording) -> NDArray[np.bool_]:
     numbers = np.column_stack([recording.times, *rows_of(recording).values()])
     valid = np.asarray((np.abs(numbers) < check.MAX_NUMBER).all(axis=1))  # false for NaN
-    valid &= ~lost(np.where(valid[:, None], recording.positions, np.nan))
+    valid[valid] = ~lost(recording.positions[valid])
     if recording.orientations is not None:
         lengths = np.linalg.norm(np.where(valid[:, None], recording.orientations, 0.0), axis=1)
         valid &= (lengths > _MIN_LENGTH) & (lengths < 1.0 / _MIN_LENGTH)

@@ -52,9 +52,11 @@ def test_samples_without_a_number_are_left_out():
 
 
 @pytest.mark.parametrize("recording", [POSES, replace(POSES, orientations=None)])
-def test_zeros_of_a_tracker_without_a_target_are_refused_and_left_out(recording):
+def test_zeros_of_a_tracker_without_a_target_are_refused_and_left_out(recording, tmp_path):
     dropped = with_values(recording, "positions", slice(100, 110), 0.0)
-    refused("positions: sample 100 is 0, far from", dropped.motion)
+    lt.write_motion(dropped.motion(), tmp_path / "dropped.csv")
+    message = "line 102: the position is 0, far from all others, .*`leadthrough clean`"
+    refused(message, lt.read_motion, tmp_path / "dropped.csv")
     demonstration, report = clean(with_values(dropped, "positions", 50, np.nan))
     assert report.invalid == (50, *range(100, 110))
     assert np.abs(demonstration.motion.positions).max(axis=1).min() > 0.5
