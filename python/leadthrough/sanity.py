@@ -158,7 +158,7 @@ def clock(times: Float64Array, name: str) -> None:
     elif steps[i] > max(_GAP * step, _MIN_GAP):
         warn(
             f"{name}: no sample from {times[i]:.6g} to {times[i + 1]:.6g} s; if a clock jumped or "
-            "another motion begins, cut it there, in Python with preprocess.cut_at_gaps"
+            "another motion begins, divide it there, in Python with preprocess.cut_at_gaps"
         )
 
 

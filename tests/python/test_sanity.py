@@ -108,13 +108,16 @@ def test_a_step_longer_than_the_motion_is_refused(skill):
 
 
 @pytest.mark.parametrize("step", [1.0, 2.0, 10.03, 20.0])
-def test_times_in_milliseconds_are_warned_of(step):
+def test_times_in_milliseconds_are_warned_of(step, tmp_path):
     shown = reach()
     in_ms = lt.PoseTrajectory(step * np.arange(len(T)), shown.positions, shown.orientations)
     with pytest.warns(
         ImplausibleInputWarning, match=rf"demonstrations\[0\]: one sample in {step:g} s"
     ):
         lt.DMP().fit([in_ms])
+    lt.write_motion(in_ms, tmp_path / "in_ms.csv")
+    with pytest.warns(ImplausibleInputWarning, match=f"in_ms.csv: one sample in {step:g} s"):
+        lt.read_motion(tmp_path / "in_ms.csv")
 
 
 def test_a_clock_that_jumps_by_an_hour_is_warned_of():
