@@ -4,9 +4,8 @@ A comma in a number is the decimal one if cells are split at anything else.
 
 The header is the first row that is no comment; where that row is numbers, it is the last comment
 before it. Comments begin with `#` and are skipped, except `# event,<time in s>,"<name>"`; so are
-empty rows and a byte order mark. Numbers of JointState messages, as `rostopic echo -p` prints
-them, are columns named by the joints in their cells. Files are read in blocks, so that only numbers
-stay in memory.
+empty rows and a byte order mark. Numbers of JointState messages (`rostopic echo -p`) are named by
+the joints in their cells. Files are read in blocks, so that only numbers stay in memory.
 """
 
 from __future__ import annotations

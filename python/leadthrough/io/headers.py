@@ -13,9 +13,8 @@
   Their derivatives are `<joint>_velocity` or `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
   Numbered joints of two arms, whose names begin with `left` and `right`, are one recording.
 - Arrays that hold all components at once: `positions`, `position`, `pos`; `orientations`,
-  `orientation`, `quaternions`, `quaternion`, `quat`, which may state their order
-  (`orientations_wxyz`, `quat_xyzw`); `joints`, `joint_positions`, with `velocities` and
-  `accelerations`.
+  `orientation`, `quaternions`, `quaternion`, `quat`, which may state their order (`quat_xyzw`);
+  `joints`, `joint_positions`, with `velocities` and `accelerations`.
 
 A name may end in its unit (`time_ns`, `joint_1_deg`, `x [mm]`, `t (ms)`); without one the unit is
 that of SI, but for times since 1970, whose number of digits tells s, ms, us and ns apart.
@@ -52,11 +51,12 @@ _NUMBERED_JOINT = re.compile(
     r"(?P<arm>(.*[_.\-/ ])?((joint|j|q_d|q|joint_positions)[_.\-/ ]?|joint[_.\-/ ][a-z]))"
     r"(?P<open>\[)?(?P<number>[0-9]{1,4})(?(open)\])"
 )
-# Words of columns that are not of measured positions, and those that say that they are.
-_OTHER = re.compile(
-    r"(^|[_.\-/ ])(velocit(y|ies)|vel|qd|effort|torque|tau|current|acceleration|target"
-    r"|pose|tcp|cart|cartesian|force|wrench)([_.\-/ ]|$)"
+# Words of columns: not of joints' positions, hardly of measured ones, certainly of these.
+OTHER = re.compile(
+    r"(?i)(^|[_.\-/ ])(velocit(y|ies)|vel|qd|d?dq|effort|torque|tau|acceleration|force|wrench"
+    r"|temperature|voltage|error|pose|tcp|cart|cartesian)([_.\-/ \d\[]|$)"
 )
+_SECOND = re.compile(r"(^|[_.\-/ ])(current|target|desired|cmd|command)([_.\-/ ]|$)")
 _MEASURED = re.compile(
     r"^/?((joint_states|actual|measured|positions?|pos)[_.\-/ ])+|([_.\-/ ](positions?|pos))$"
 )
@@ -94,11 +94,6 @@ def joint(name: str) -> str:
     return _MEASURED.sub("", plain) or plain
 
 
-def is_other(name: str) -> bool:
-    """Whether a column's name says that it is no joint's measured position."""
-    return _OTHER.search(name.lower()) is not None
-
-
 def is_whole(name: str) -> bool:
     """Whether a name is that of an array of all joints."""
     return name.lower() in _WHOLE["joints"]
@@ -128,10 +123,11 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
             found["positions"].append(tuple(axes[axis] for axis in "xyz" if axis in axes))
         elif last_word in _ORIENTATION and len(axes) == 4:
             found["orientations"].append(tuple(axes[axis] for axis in "wxyz"))
-    named = tuple(name for name in names if _NAMED_JOINT.fullmatch(joint(name).lower()))
-    measured = tuple(name for name in named if not is_other(name)) or named
-    numbered = list(_numbered_joints(names))
-    groups = [group for group in numbered if not is_other(group[0])] or numbered
+    may = [name for name in names if not OTHER.search(name)]
+    named = tuple(name for name in may if _NAMED_JOINT.fullmatch(joint(name).lower()))
+    measured = tuple(name for name in named if not _SECOND.search(name.lower())) or named
+    numbered = list(_numbered_joints(may))
+    groups = [group for group in numbered if not _SECOND.search(group[0].lower())] or numbered
     found["joints"] += [*groups, *([measured] if measured else [])]
     moving = tuple(name for name in names if name + JOINT_SUFFIXES["velocities"] in names)
     if not found["positions"] and set().union(*found["joints"]) < set(moving):
@@ -140,9 +136,8 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
 
 
 def unread_orientations(names: Sequence[str]) -> Columns:
-    """The columns of orientations that are not read: angles, matrices, parts of quaternions."""
+    """The columns of orientations that are not read: angles (also KUKA's, Fanuc's), matrices."""
     plain = {unit(name, "joints")[0].lower(): name for name in names}
-    # KUKA's and Fanuc's angles, a quaternion's vector.
     triples = {axis for axes in ("abc", "wpr", "ijk") if {*axes} <= plain.keys() for axis in axes}
     return tuple(name for p, name in plain.items() if p in triples or _ROTATED.fullmatch(p))
 

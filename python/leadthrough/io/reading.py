@@ -65,9 +65,8 @@ def read_demonstrations(
         frames: frame and child frame of a transform in a bag.
         joints: an arm's joints by name, with (lower, upper) limits in rad, or (lower, upper, "m")
             for prismatic ones, which stay in m where `angles` are degrees. Columns of
-            these names are its joints, whatever else the file has; as many in `columns` of other
-            names are the joints that they contain, or else in this order. Percent refer to the
-            limits.
+            these names are its joints, whatever else the file has; as many in `columns` are those
+            in their names, or else all in this order. Percent refer to the limits.
         rest: s of standing still to keep before and after, >= 0; `math.inf` keeps all of it.
 
     Raises:
@@ -235,9 +234,8 @@ def _faultless(path: Path, found: Recording, table: Table, request: Request) -> 
             motion = found.motion()
         except InvalidInput as error:
             check_complete(table, request)  # knows the place in the file
-            if error.argument not in ("times", "orientations"):
-                raise
-            raise InvalidInput(f"{error}{CLEANED}") from None
+            cure = CLEANED if error.argument in ("times", "orientations") else ""
+            raise InvalidInput(f"{error}{cure}") from None
         if (gone := lost(motion.positions)).any():
             raise InvalidInput(
                 f"{table.place(int(gone.argmax()))}: the position is 0, far from all others, as of "

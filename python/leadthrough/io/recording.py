@@ -205,11 +205,10 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
 def lost(positions: Float64Array) -> NDArray[np.bool_]:
     """Rows (n,) of zeros that no motion (n, d) comes near: trackers write them without a target."""
     zero = np.asarray((positions == 0.0).all(axis=1))
-    if not zero.any() or positions.shape[1] < _SPACE:  # a gripper opens at once
+    steps = np.abs(np.diff(positions, axis=0)).max(axis=1, initial=0.0)[~(zero[1:] | zero[:-1])]
+    if len(steps) < _RECORDED or positions.shape[1] < _SPACE:  # a gripper opens at once
         return np.zeros_like(zero)
-    steps = np.abs(np.diff(positions, axis=0)).max(axis=1)[~(zero[1:] | zero[:-1])]
-    far = len(steps) >= _RECORDED and np.abs(positions[~zero]).max(axis=1).min()
-    return zero & bool(far > _LEAP * steps.max(initial=0.0))
+    return zero & bool(np.abs(positions[~zero]).max(axis=1).min() > _LEAP * steps.max())
 
 
 def check_complete(table: Table, request: Request) -> None:
@@ -335,7 +334,7 @@ def guessed(table: Table, request: Request) -> dict[str, Columns]:
         if found[role]:
             return {role: found[role][0]}
     time = (found["time"][0] if found["time"] else _rising(table))[:1]
-    names = [name for name in table.names if name not in time and not headers.is_other(name)]
+    names = [name for name in table.names if name not in time and not headers.OTHER.search(name)]
     rest = [name for name in names if _of_numbers(table, name) is not None]
     count = len(request.joints)
     if len(rest) < max(count, 2):
@@ -427,21 +426,20 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
     if len(columns) != positions.shape[1] or headers.is_whole(columns[0]):
         return ()
     own = tuple(headers.joint(name) for name in columns)
-    own = _joints_told(own, tuple(request.joints)) or own
     if request.joints and set(own) <= set(request.joints):
         return own
-    strangers = not set(own) & set(request.joints)
-    if request.columns.get("joints") and strangers and len(own) == len(request.joints):
-        return tuple(request.joints)  # as the user stated
+    if request.columns.get("joints") and (stated := _joints_stated(own, tuple(request.joints))):
+        return stated
     return tuple(headers.unit(name, "joints")[0] for name in columns)
 
 
-def _joints_told(columns: Columns, joints: Columns) -> Columns:
-    """The joint that each column's name tells (`Elbow` elbow_joint), if each tells another one."""
-    plain = re.compile(r"[^a-z0-9]")
-    own, arm = ([plain.sub("", n.lower()) for n in each] for each in (columns, joints))
+def _joints_stated(columns: Columns, joints: Columns) -> Columns:
+    """The joints that names tell (`Elbow` elbow_joint), each another one; or all in their order."""
+    own, arm = ([re.sub(r"[\W_]", "", n.lower()) for n in each] for each in (columns, joints))
     told = [f[0] for n in own if len(f := [i for i, j in enumerate(arm) if n in j or j in n]) == 1]
-    return tuple(joints[i] for i in told) if sorted(told) == [*range(len(columns))] else ()
+    if sorted(told) == [*range(len(columns))]:
+        return tuple(joints[i] for i in told)
+    return joints if len(columns) == len(joints) and not set(columns) & set(joints) else ()
 
 
 def _back_to_metres(

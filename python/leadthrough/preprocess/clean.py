@@ -52,8 +52,7 @@ class CleaningReport(Drawn):
     Attributes:
         read: number of samples before cleaning.
         left: number of samples after it.
-        invalid: samples left out because a number was missing, a quaternion was no rotation, or a
-            tracker without a target wrote zeros.
+        invalid: samples left out: a number was missing, a quaternion no rotation, a target lost.
         unordered: number of samples later in the file than a sample of a later time.
         repeated: number of samples left out because another one had the same time.
         flipped: number of quaternions whose sign was changed.

@@ -111,8 +111,9 @@ def test_columns_are_the_joints_that_their_names_tell_or_in_the_order_of_the_arm
 
 def test_the_table_that_a_ur_records_is_read(write):
     header = "timestamp target_q_0 target_q_1 actual_q_0 actual_q_1 actual_qd_0 actual_qd_1"
-    motion = lt.read_motion(write(f"{header}\n9.5 1 2 3 4 5 6\n9.6 1 2 3.1 4.1 5 6\n"))
-    assert np.array_equal(motion.positions, [[3, 4], [3.1, 4.1]])
+    for each in (header, "t cmd_a_joint cmd_b_joint a_joint b_joint effort_a_joint effort_b_joint"):
+        motion = lt.read_motion(write(f"{each}\n9.5 1 2 3 4 5 6\n9.6 1 2 3.1 4.1 5 6\n"))
+        assert np.array_equal(motion.positions, [[3, 4], [3.1, 4.1]])
 
 
 def test_joints_are_ordered_by_their_numbers(write):
@@ -285,7 +286,10 @@ def test_patterns_name_columns_without_their_derivatives(tmp_path):
         ("clock,a,b,c,d", None, "columns['time']=clock columns['joints']=a,b,c,d"),
         ("clock,a,b,c d", None, "columns['time']=clock columns['positions']='a,b,c d'"),
         ("t,x,y,z,q1", None, "such as columns['joints']=q1"),
-        ("t,actual_TCP_pose_0,actual_TCP_pose_1", None, "actual_TCP_pose_0, actual_TCP_pose_1"),
+        *(
+            (f"t,{name}0,{name}1", None, f"there are t, {name}0, {name}1")
+            for name in ("actual_TCP_pose_", "velocity_joint_", "tau_J", "effort_pan_joint", "dq")
+        ),
         ("t,arm_1,arm_2,a,b", {"joints": ["arm1", "arm2"]}, "columns['joints']=arm_1,arm_2"),
     ],
 )
