@@ -18,9 +18,13 @@ struct Sample {
   JointArray q;
 };
 
-JointRange swept_range(const Chain& chain, const ClosedForm& form) {
+// One turn at most: the other turns of the given joint are chosen as those of all.
+JointRange swept_range(const Chain& chain, const ClosedForm& form, const JointVector& reference) {
   if (form.parameter == Parameter::kElbow) return {0.0, kTurn};
-  return sampled_range(chain, form.parameter == Parameter::kFirstJoint ? 0 : 6);
+  const int joint = form.parameter == Parameter::kFirstJoint ? 0 : 6;
+  const auto [lower, upper] = sampled_range(chain, joint);
+  if (upper - lower <= kTurn) return {lower, upper};
+  return {reference[joint] - 0.5 * kTurn, reference[joint] + 0.5 * kTurn};
 }
 
 struct Slice {
@@ -97,7 +101,7 @@ class Sweep {
 std::vector<Sample> sweep(const Chain& chain, const ClosedForm& form, const IkTarget& target,
                           const JointVector& reference) {
   constexpr int kHalvings = 5;
-  const auto [lower, upper] = swept_range(chain, form);
+  const auto [lower, upper] = swept_range(chain, form, reference);
   Sweep sweep(chain, form, target, reference);
   sweep.samples.reserve(8 * (kSweepSamples + 1));
   Slice before = sweep.at(lower);
@@ -141,7 +145,7 @@ std::vector<Sample> nearest_of_branches(const std::vector<Sample>& samples) {
 JointArray refine(const Chain& chain, const ClosedForm& form, const IkTarget& target,
                   const JointVector& reference, Sample best) {
   constexpr double kLastStep = 1e-6;  // rad
-  const auto [lower, upper] = swept_range(chain, form);
+  const auto [lower, upper] = swept_range(chain, form, reference);
   Sweep trials(chain, form, target, reference);
   double step = (upper - lower) / kSweepSamples;
   for (double side = 0.5; step > kLastStep; side = -side) {
@@ -162,7 +166,7 @@ JointArray refine(const Chain& chain, const ClosedForm& form, const IkTarget& ta
 }  // namespace
 
 double sweep_resolution(const Chain& chain, const ClosedForm& form) {
-  const auto [lower, upper] = swept_range(chain, form);
+  const auto [lower, upper] = swept_range(chain, form, middle(chain));
   return (upper - lower) / kSweepSamples;
 }
 
