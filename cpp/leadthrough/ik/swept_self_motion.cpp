@@ -180,9 +180,9 @@ std::vector<IkResult> swept_configurations(const Chain& chain, const ClosedForm&
   const JointBox bounds = position_limits(chain);
   std::vector<IkResult> found;
   const std::vector<Sample> nearest = nearest_of_branches(sweep(chain, form, target, reference));
+  constexpr int kSteps = 200;
   for (const Sample& seed : nearest) {
     if (static_cast<int>(found.size()) == count) break;
-    constexpr int kSteps = 200;
     SelfMotion<6, IkTarget> motion(chain, target, bounds, tolerance, seed.q);
     motion.run(towards(reference), 1.0, kSteps);
     if (!motion.task().within(tolerance)) continue;
@@ -202,9 +202,10 @@ std::vector<IkResult> swept_configurations(const Chain& chain, const ClosedForm&
   for (const Sample& sample : nearest) {
     if (sample.distance >= nearest_found) break;
     const JointArray q = refine(chain, form, target, reference, sample);
-    const PoseDescent<6> there(chain, target, bounds, q);
+    PoseDescent<6> there(chain, target, bounds, q);
+    if (!there.task().within(tolerance)) there.run(tolerance, kSteps);
     if (there.task().within(tolerance))
-      found.push_back(result_at(q, chain.joints(), there.task(), IkStatus::kConverged, 0));
+      found.push_back(result_at(there.q(), chain.joints(), there.task(), IkStatus::kConverged, 0));
   }
   sort();
   return found;
