@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a target leaves angles of the closed form free, as beside a singular wrist: the connected
+// A target may leave angles of the closed form free, as beside a singular wrist: the connected
 // sets of configurations inside the limits, each by its member nearest to a reference.
 
 #include <vector>

@@ -127,13 +127,9 @@ IkResult solve_ik(const Chain& chain, const IkTarget& target, const VectorRef& q
   check_options(chain, options, target.rotation.has_value());
   const JointVector start = project(chain, q0);
   const bool closest = options.mode == IkMode::kClosest;
-  if (closest && sweeps(form, target, options)) {
-    const JointVector reference = options.reference.value_or(start);
-    const std::vector<IkResult> swept =
-        swept_configurations(chain, *form, target, reference, options.tolerance, kNearestOfSweep);
-    if (!swept.empty()) return swept.front();
-  }
-  if (!applies(form, target, options)) return search(chain, target, options, start, stream);
+  const bool swept = closest && sweeps(form, target, options);
+  if (!swept && !applies(form, target, options))
+    return search(chain, target, options, start, stream);
   if (!closest) {
     IkResult result = search(chain, target, options, start, stream);
     if (result.status != IkStatus::kConverged)
@@ -141,7 +137,10 @@ IkResult solve_ik(const Chain& chain, const IkTarget& target, const VectorRef& q
     return result;
   }
   const JointVector reference = options.reference.value_or(start);
-  const Configurations all = all_configurations(chain, *form, target, reference, options.tolerance);
+  const Configurations all =
+      swept ? swept_configurations(chain, *form, target, reference, options.tolerance,
+                                   kNearestOfSweep)
+            : all_configurations(chain, *form, target, reference, options.tolerance);
   if (!all.found.empty() && !all.uncertain) return all.found.front();
   IkResult result = search(chain, target, options, start, stream);
   explain(all, result);

@@ -131,12 +131,12 @@ IkSolutions solve_ik_all(const Chain& chain, const IkTarget& target, const Vecto
   Postures postures(chain, reference);
   const double apart = separation > 0.0 ? separation : kDistinct;
   if (sweeps(form, target, options)) {
-    for (const IkResult& each :
-         swept_configurations(chain, *form, target, reference, options.tolerance, kMaxPostures))
-      postures.add(each, apart);
+    const Configurations swept =
+        swept_configurations(chain, *form, target, reference, options.tolerance, kMaxPostures);
+    for (const IkResult& each : swept.found) postures.add(each, apart);
     IkSolutions solutions = first_of(std::move(postures).take(), count, false);
     solutions.resolution = sweep_resolution(chain, *form);
-    if (!solutions.found.empty()) return solutions;
+    if (!swept.uncertain) return solutions;
   }
   search_all(chain, target, options, start, reference, apart, postures);
   return first_of(std::move(postures).take(), count, false);

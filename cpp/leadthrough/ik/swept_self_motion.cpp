@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "leadthrough/ik/configurations.hpp"
 #include "leadthrough/ik/joint_ranges.hpp"
 #include "leadthrough/ik/self_motion.hpp"
 
@@ -174,11 +173,12 @@ bool sweeps(const ClosedForm* form, const IkTarget& target, const IkOptions& opt
   return form != nullptr && form->parameter != Parameter::kNone && target.rotation && !options.axes;
 }
 
-std::vector<IkResult> swept_configurations(const Chain& chain, const ClosedForm& form,
-                                           const IkTarget& target, const JointVector& reference,
-                                           const IkTolerance& tolerance, int count) {
+Configurations swept_configurations(const Chain& chain, const ClosedForm& form,
+                                    const IkTarget& target, const JointVector& reference,
+                                    const IkTolerance& tolerance, int count) {
   const JointBox bounds = position_limits(chain);
-  std::vector<IkResult> found;
+  Configurations result;
+  std::vector<IkResult>& found = result.found;
   const std::vector<Sample> nearest = nearest_of_branches(sweep(chain, form, target, reference));
   constexpr int kSteps = 200;
   for (const Sample& seed : nearest) {
@@ -196,6 +196,7 @@ std::vector<IkResult> swept_configurations(const Chain& chain, const ClosedForm&
     });
   };
   sort();
+  result.uncertain = found.empty();
   // A descent that limits or a singularity stopped leaves samples that are nearer.
   const double nearest_found =
       found.empty() ? std::numeric_limits<double>::infinity() : distance(found.front());
@@ -208,7 +209,7 @@ std::vector<IkResult> swept_configurations(const Chain& chain, const ClosedForm&
       found.push_back(result_at(there.q(), chain.joints(), there.task(), IkStatus::kConverged, 0));
   }
   sort();
-  return found;
+  return result;
 }
 
 }  // namespace leadthrough
