@@ -27,7 +27,7 @@ from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, LimitsInfeasible, ShortRepr
 from leadthrough.drawing import Drawn, Panel, bars
 from leadthrough.motion import JointTrajectory, computed_joints, in_order, lerp, with_derivatives
-from leadthrough.timing.request import POSITION_ROUNDING
+from leadthrough.timing.request import POSITION_ROUNDING, check_samples
 
 Kind = Literal["velocity", "acceleration", "jerk"]
 KINDS: tuple[Kind, ...] = ("velocity", "acceleration", "jerk")
@@ -299,6 +299,7 @@ def _standing(motion: JointTrajectory, rests: tuple[bool, bool]) -> JointTraject
 def _played_straight(trajectory: JointTrajectory, rate: float) -> Extremes:
     """Differences over one, two and three periods of a receiver that interpolates linearly."""
     first, last = trajectory.times[[0, -1]]
+    check_samples((last - first) * rate, "linear_rate")
     periods = max(int(np.ceil((last - first) * rate - ROUNDING)), 1)
     clock = first + np.arange(periods + 1) / rate
     played = lerp(clock, trajectory.times, trajectory.positions)

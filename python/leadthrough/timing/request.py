@@ -17,6 +17,8 @@ InverseDynamics = Callable[[Float64Array, Float64Array, Float64Array], Float64Ar
 
 # Rounding may take positions beyond their limits by this, rad or m.
 POSITION_ROUNDING = 1e-9
+# The most samples of a motion.
+MAX_SAMPLES = 1e7
 _NOMINAL_TOLERANCE = 1e-5  # rad or m: nothing is smoothed up to it
 # Tolerances of smooth paths. All up to the one given are tried, so that more never takes longer.
 _RUNGS = [float(f"{digit}e{power}") for power in range(-5, 0) for digit in (1, 2, 3, 5)][1:]
@@ -143,6 +145,20 @@ class Request:
             start_velocity=self.start_velocity if first else None,
             end_velocity=self.end_velocity if last else None,
         )
+
+
+def too_long(argument: str) -> InvalidInput:
+    """The refusal of a rate at which a motion has too many samples."""
+    return InvalidInput(
+        f"{argument}: expected at most {MAX_SAMPLES:.0e} samples; "
+        "lower the rate, or check that the times are in s"
+    )
+
+
+def check_samples(count: float, argument: str) -> None:
+    """Raises InvalidInput for more samples than a motion may have."""
+    if not count <= MAX_SAMPLES:
+        raise too_long(argument)
 
 
 def joint_tolerance(path_tolerance: float | TipTolerance, joints: int) -> float:

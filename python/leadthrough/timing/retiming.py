@@ -24,8 +24,8 @@ from leadthrough.motion import JointTrajectory, computed_joints, in_order, moved
 from leadthrough.timing import limits_report, request as checks
 from leadthrough.timing.limits_report import KINDS
 from leadthrough.timing.request import InverseDynamics, Request, TipSpeed, TipTolerance
-from leadthrough.timing.section_law import Samples, time_lines, time_section
-from leadthrough.timing.sections import Lines, Path, Section, Sections, path_of
+from leadthrough.timing.section_law import Samples, time_lines, time_pause, time_section
+from leadthrough.timing.sections import Lines, Path, Pause, Section, Sections, path_of
 from leadthrough.trajectories import Curve
 
 # Short sections lose digits: where that shows, the path is timed again, slightly slower.
@@ -272,6 +272,8 @@ def _joined(
     for i, part in enumerate(sections.parts):
         if isinstance(part, Lines):
             motion = time_lines(part, limits, request.rate)
+        elif isinstance(part, Pause):
+            motion = time_pause(part, request, begin)
         else:
             own = request.between_rests(first=i == 0, last=i == len(sections.parts) - 1)
             motion = time_section(part, limits, own, begin)

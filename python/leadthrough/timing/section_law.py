@@ -25,14 +25,23 @@ from leadthrough import check
 from leadthrough.arm.limits import JointLimits, known_rates, refuse_zeros
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.timing.limits_report import check_positions
-from leadthrough.timing.request import InverseDynamics, Jacobian, Request, efforts
-from leadthrough.timing.sections import Lines, Section
+from leadthrough.timing.request import (
+    MAX_SAMPLES,
+    InverseDynamics,
+    Jacobian,
+    Request,
+    check_samples,
+    efforts,
+    too_long,
+)
+from leadthrough.timing.sections import Lines, Pause, Section
 from leadthrough.trajectories import Spline
 
 # Points of the grid over a path: the fewest, for each of its pieces, and the most.
 _MIN_POINTS, _POINTS_A_PIECE, _MAX_POINTS = 1000, 8, 50_000
 _POINTS_A_SAMPLE = 4  # that has a time of its own: on coarser grids slow parts come early
 _POINTS_OF_SPREAD = 400
+_COARSE = 1.01  # ratio of speeds from which on a grid is too coarse for them
 # If all joints move slightly, those moving by less than this fraction of the most are at rest.
 _FRACTION_AT_REST = 1e-3
 # A velocity may deviate from the path by this, relative to its size.
@@ -61,8 +70,6 @@ _STATUSES = (
     "slow_profile",
 )
 
-# The most samples of a motion.
-MAX_SAMPLES = 1e7
 # Joints that move by less, rad or m, are at rest: fitting a constant leaves as much.
 AT_REST = 1e-9
 
@@ -73,6 +80,18 @@ def time_section(section: Section, limits: JointLimits, request: Request, begin:
     """The fastest motion along a section, and its rest at the end."""
     motion = _fastest(section, limits, request, begin, cuts=0)
     return motion.with_dwell_after(section.dwell_time, request.rate)
+
+
+def time_pause(pause: Pause, request: Request, begin: float) -> Samples:
+    """Standing still until the pause is over as given, and its rest at the end."""
+    assert request.earliest_times is not None
+    (first, last), times = pause.rows.tolist(), request.earliest_times
+    rests = request.dwell_times.items()
+    rested = sum(time for row, time in rests if row <= first)
+    left = min(times[last] - times[0] + rested - begin, times[last] - times[first])
+    still = Samples.at_rest(pause.q)._rest(0, max(float(left), 0.0), request.rate)
+    rows = np.linspace(first, last, len(still.times))
+    return replace(still, rows=rows).with_dwell_after(pause.dwell_time, request.rate)
 
 
 def _fastest(
@@ -293,7 +312,7 @@ def _failure(status: str, direction: Float64Array, limits: JointLimits) -> Excep
         need = np.nan_to_num(np.abs(direction) / limits.velocity)
     name = limits.joint_names[int(need.argmax())]
     if status == "too_long":
-        return InvalidInput(f"rate: expected at most {MAX_SAMPLES:.0e} samples; lower the rate")
+        return too_long("rate")
     reasons = {
         "no_motion": "no motion along the path keeps the limits",
         "start_too_fast": "start_velocity is faster than the limits allow",
@@ -418,8 +437,14 @@ def _paced(
     from scipy.interpolate import PchipInterpolator
 
     clock = PchipInterpolator(parameters, times)
+    given = clock(path.parameter)
     with np.errstate(divide="ignore"):
-        return clock(path.parameter), np.asarray((1.0 / clock(path.parameter, 1) / path.slope) ** 2)
+        speed = 1.0 / clock(path.parameter, 1) / path.slope
+    # Between two points the speed is their mean: beside a pause it would leave out the pause.
+    mean = np.diff(path.length) / np.diff(given)
+    least = np.where(0.5 * (speed[:-1] + speed[1:]) > _COARSE * mean, mean, np.inf)
+    capped = np.minimum.reduce([speed, np.append(least, np.inf), np.append(np.inf, least)])
+    return given, capped**2
 
 
 def hurries(due: Float64Array, arrival: Callable[[Free], Float64Array], *, slack: float) -> Free:
@@ -499,6 +524,7 @@ class Samples:
     def with_dwells(self, at: NDArray[np.intp], times: Float64Array, rate: float) -> Samples:
         """The motion with further rests at samples."""
         copies = np.ones(len(self.times), dtype=np.intp)
+        check_samples(float(times.sum()) * rate, "rate")
         copies[at] += np.ceil(times * rate - 1e-9).astype(np.intp)
         if (copies == 1).all():
             return self
@@ -513,6 +539,7 @@ class Samples:
 
     def _rest(self, end: int, time: float, rate: float) -> Samples:
         """Standing still where the motion begins or ends."""
+        check_samples(time * rate, "rate")
         count = math.ceil(time * rate - 1e-9) + 1
         positions = np.repeat(self.positions[[end]], count, axis=0)
         still, rows = np.zeros_like(positions), np.repeat(self.rows[end], count)
@@ -537,7 +564,7 @@ def time_lines(lines: Lines, limits: JointLimits, rate: float) -> Samples:
         MAX_SAMPLES,
     )
     if failed >= 0:
-        raise InvalidInput(f"rate: expected at most {MAX_SAMPLES:.0e} samples; lower the rate")
+        raise too_long("rate")
     line = np.repeat(np.arange(len(steps)), steps)
     rests = np.cumsum(np.concatenate([[0], steps]))
     share, speed, push = (column[:, None] for column in np.vstack([np.zeros((1, 3)), shares]).T)

@@ -23,6 +23,10 @@ Rows = NDArray[np.intp]
 
 
 _SAME_PLACE = 1e-12  # rad or m
+# Samples that stay within this, rad (m), for so many s are a pause: shorter ones are also steps of
+# an encoder between which an arm moves on.
+_STILL, _PAUSE = 5e-6, 0.1
+_LONGER = 10.0  # times the usual time between samples that are farther apart
 # Rows beyond each end of a part, by which a cubic between rows is the same as with all of them.
 _BESIDE = 3
 
@@ -66,21 +70,30 @@ class Lines:
 
 
 @dataclass(frozen=True, eq=False)
+class Pause:
+    """Samples at one place, whose time is to be kept."""
+
+    q: Float64Array  # the place, (joints,)
+    rows: Rows  # the first sample and the last, (2,)
+    dwell_time: float = 0.0  # s, how long the motion rests in addition
+
+
+@dataclass(frozen=True, eq=False)
 class Sections:
     """A whole path in sections; none where nothing moves."""
 
     initial_dwell: float  # s, how long the motion rests at its start
-    parts: list[Section | Lines]  # the sections, in their order, and lines
+    parts: list[Section | Lines | Pause]  # the sections, in their order, lines and pauses
 
 
 def between(
     stops: Collection[int],
-    section: Callable[[int, int], Section | None],
+    section: Callable[[int, int], Section | Pause | None],
     *,
     dwell_times: Mapping[int, float],
 ) -> Sections:
     """The sections from each stop to the next."""
-    initial_dwell, parts = dwell_times.get(0, 0.0), list[Section]()
+    initial_dwell, parts = dwell_times.get(0, 0.0), list[Section | Pause]()
     for first, last in pairwise(sorted(stops)):
         part, dwell = section(first, last), dwell_times.get(last, 0.0)
         if part is not None:
@@ -89,7 +102,7 @@ def between(
             parts[-1] = replace(parts[-1], dwell_time=parts[-1].dwell_time + dwell)
         else:
             initial_dwell += dwell
-    return Sections(initial_dwell, list[Section | Lines](parts))
+    return Sections(initial_dwell, list[Section | Lines | Pause](parts))
 
 
 def _parts(spline: Spline, parameters: Float64Array) -> list[Spline]:
@@ -158,14 +171,33 @@ def path_of(value: JointTrajectory | Curve | ArrayLike) -> Path:
 
 
 def _cut_samples(times: Float64Array, q: Float64Array, request: Request) -> Sections:
-    def section(first: int, last: int) -> Section | None:
+    timed = request.earliest_times is not None
+    pauses = _pauses(times, q, min(0.5 * request.path_tolerance, _STILL)) if timed else []
+    if pauses:
+        q = q.copy()
+    for first, last in pauses:
+        q[first : last + 1] = q[first if last < len(q) - 1 else last]
+
+    def section(first: int, last: int) -> Section | Pause | None:
         part = slice(first, last + 1)
         if np.ptp(q[part], axis=0).max() == 0.0:
-            return None
+            return Pause(q[first], np.array([first, last])) if timed else None
         kept, parameters, spline = _fitted(times[part], q[part], request)
         return Section(spline, first + kept, parameters)
 
-    return between({0, *request.dwell_times, len(q) - 1}, section, dwell_times=request.dwell_times)
+    stops = {0, *np.ravel(pauses).astype(int).tolist(), *request.dwell_times, len(q) - 1}
+    return between(stops, section, dwell_times=request.dwell_times)
+
+
+def _pauses(times: Float64Array, q: Float64Array, tolerance: float) -> list[tuple[int, int]]:
+    """The first and the last row of each place at which the samples stay for a while."""
+    first = core.rows_apart(np.ascontiguousarray(q), tolerance)
+    last = np.append(first[1:] - 1, len(q) - 1)
+    stay, usual = times[last] - times[first], np.median(np.diff(times[first], append=times[-1]))
+    # A slow motion stays near each of its samples, but at none of them.
+    still = (q[first] == q[last]).all(axis=1) | (stay > _LONGER * usual)
+    long = (stay >= _PAUSE) & still
+    return list(zip(first[long].tolist(), last[long].tolist(), strict=True))
 
 
 def _cut_curve(path: Curve, request: Request) -> Sections:
