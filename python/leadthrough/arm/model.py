@@ -107,6 +107,20 @@ class ArmModel(Drawn):
         """
         return self._robot
 
+    @cached_property
+    def gravity(self) -> Float64Array:
+        """Acceleration (3,) of gravity, m/s^2 in the base frame, if the robot's root is upright.
+
+        The z axis of the root link points up, or the base's own where joints that are not locked
+        lie between the two.
+        """
+        joints = self._robot.path(self._robot.links[self._robot.tree[0].parent], self.base)
+        down = np.array(GRAVITY)
+        if all(joint.kind == "fixed" for joint in joints):
+            for joint in joints:
+                down = joint.rotation.T @ down
+        return check.freeze(down)
+
     @property
     def joint_names(self) -> tuple[str, ...]:
         """The joints to command, from base to tip; without those locked or mimicking another."""
@@ -234,7 +248,7 @@ class ArmModel(Drawn):
         return kinematics.condition_number(self.jacobian(q), weight)
 
     def inverse_dynamics(
-        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike = GRAVITY
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike | None = None
     ) -> Float64Array:
         """Joint torques (joints,) in N m (forces in N for prismatic joints) that produce a motion.
 
@@ -243,26 +257,26 @@ class ArmModel(Drawn):
         the arm, unless these are locked.
 
         Args:
-            gravity: acceleration (3,) of gravity in the base frame, m/s^2.
+            gravity: acceleration (3,) of gravity in the base frame, m/s^2; by default `gravity`.
 
         Raises:
             InvalidRobot: if the URDF states no masses.
         """
         self._require_masses()
         batch, rows = self._rows(q=q, qd=qd, qdd=qdd)
-        pull = check.array(gravity, "gravity", shape=(3,))
+        pull = check.array(self.gravity if gravity is None else gravity, "gravity", shape=(3,))
         torques = kinematics.finite(
             self._dynamics.inverse_dynamics(rows[0], rows[1], rows[2], pull)
         )
         return torques if batch else torques[0]
 
-    def gravity_torques(self, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Float64Array:
+    def gravity_torques(self, q: ArrayLike, *, gravity: ArrayLike | None = None) -> Float64Array:
         """Joint torques (joints,) in N m (N) that hold the arm still against gravity.
 
         They are of the links as in `inverse_dynamics`.
 
         Args:
-            gravity: acceleration (3,) of gravity in the base frame, m/s^2.
+            gravity: acceleration (3,) of gravity in the base frame, m/s^2; by default `gravity`.
 
         Raises:
             InvalidRobot: if the URDF states no masses.
