@@ -34,7 +34,7 @@ from leadthrough.timing.request import (
     efforts,
     too_long,
 )
-from leadthrough.timing.sections import Lines, Pause, Section
+from leadthrough.timing.sections import Lines, Pause, Section, with_knots
 from leadthrough.trajectories import Spline
 
 # Points of the grid over a path: the fewest, for each of its pieces, and the most.
@@ -44,6 +44,9 @@ _POINTS_OF_SPREAD = 400
 _COARSE = 1.01  # ratio of speeds from which on a grid is too coarse for them
 # If all joints move slightly, those moving by less than this fraction of the most are at rest.
 _FRACTION_AT_REST = 1e-3
+# An end passed at less than this, of the path's length per s, is at rest.
+_SPEED_AT_REST = 1e-9
+_CELLS = 4.0  # that the grid has at least where an end is passed at its speed
 # A velocity may deviate from the path by this, relative to its size.
 _ALONG = 1e-3
 # Parts between bottlenecks may have bottlenecks again; those of parts of parts are passed.
@@ -132,13 +135,13 @@ def _passing(
     """The fastest motion along a section that rests nowhere inside, and its bottlenecks."""
     q = section.spline.evaluate(np.linspace(*section.spline.domain, _POINTS_OF_SPREAD))
     rates = _rates_within(limits, q.max(axis=0) - q.min(axis=0))
-    timed = 0 if request.earliest_times is None else len(section.rows)
-    path = _timed_path(section.spline, rates.scale, points=_POINTS_A_SAMPLE * timed)
+    points = 0 if request.earliest_times is None else _POINTS_A_SAMPLE * len(section.rows)
+    path = _timed_path(section.spline, rates.scale, points=points)
     check_positions(path.positions, limits)
-    speeds = (
-        _end_speed(path, 0, request.start_velocity, "start_velocity"),
-        _end_speed(path, -1, request.end_velocity, "end_velocity"),
-    )
+    speeds = _end_speeds(path, request)
+    if ends := _slow_ends(path, speeds, rates):
+        path = _timed_path(with_knots(section.spline, ends), rates.scale, points=points)
+        speeds = _end_speeds(path, request)
     problem = TimingProblem(path, section, rates, limits, speeds, request.rate, max_delay)
     effort_fraction, tip_fraction = 1.0, 1.0
     for _ in range(_MAX_TIGHTENINGS):
@@ -163,11 +166,30 @@ def _timed_path(spline: Spline, scale: Float64Array, *, points: int) -> core.Tim
     return core.TimedPath(spline.knots, table, scale, points + 1)
 
 
+def _end_speeds(path: core.TimedPath, request: Request) -> tuple[float, float]:
+    """The speeds of the path's length at its ends."""
+    given = (request.start_velocity, "start_velocity"), (request.end_velocity, "end_velocity")
+    first, last = (_end_speed(path, end, *each) for end, each in zip((0, -1), given, strict=True))
+    return first, last
+
+
+def _slow_ends(path: core.TimedPath, speeds: tuple[float, float], rates: _Rates) -> list[float]:
+    """Parameters near ends that are passed, while averaging goes on, in less than a cell."""
+    bound = rates.jerk > 0.0
+    window = float(np.sqrt(rates.scale[bound] / rates.jerk[bound]).max(initial=0.0))
+    passed = window / _CELLS * np.array(speeds)
+    slow = (passed > 0.0) & (passed < np.diff(path.length)[[0, -1]])
+    at = path.parameter[[0, -1]] + np.array([1.0, -1.0]) * passed * path.slope[[0, -1]]
+    return [float(each) for each in at[slow]]
+
+
 def _end_speed(path: core.TimedPath, end: int, velocity: Float64Array | None, name: str) -> float:
     """The speed of the path's length at an end."""
     if velocity is None or not velocity.any():
         return 0.0
-    along = path.first[end]
+    along, size = path.first[end], float(np.linalg.norm(velocity))
+    if size <= _SPEED_AT_REST * path.length[-1] * np.linalg.norm(along):
+        return 0.0
     speed = float(velocity @ along / max(along @ along, 1e-300))
     if speed < 0.0 or np.abs(velocity - speed * along).max() > _ALONG * np.abs(velocity).max():
         raise InvalidInput(f"{name}: expected a velocity along the path, {along}, got {velocity}")

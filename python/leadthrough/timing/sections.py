@@ -125,6 +125,16 @@ def _between(spline: Spline, first: float, last: float) -> Spline:
     return Spline(knots, pieces)
 
 
+def with_knots(spline: Spline, at: Sequence[float]) -> Spline:
+    """The same spline with further knots, inside its domain."""
+    knots, pieces = spline.knots, spline.coefficients
+    for knot in at:
+        i = int(np.searchsorted(knots, knot, side="right"))
+        later = _moved(pieces[i - 1], knot - knots[i - 1])
+        knots, pieces = np.insert(knots, i, knot), np.insert(pieces, i, later, axis=0)
+    return Spline(knots, pieces)
+
+
 def _moved(piece: Float64Array, by: float) -> Float64Array:
     """Coefficients (terms, d) of a polynomial that begins later by so much."""
     powers = range(len(piece))
