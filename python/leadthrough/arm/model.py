@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any, Self
 
 import numpy as np
@@ -109,17 +109,14 @@ class ArmModel(Drawn):
 
     @cached_property
     def gravity(self) -> Float64Array:
-        """Acceleration (3,) of gravity, m/s^2 in the base frame, if the robot's root is upright.
+        """Acceleration (3,) of gravity, m/s^2 in the base frame, of a robot whose root is upright.
 
-        The z axis of the root link points up, or the base's own where joints that are not locked
-        lie between the two.
+        Where free joints lie between root and base, the base's z axis points up.
         """
         joints = self._robot.path(self._robot.links[self._robot.tree[0].parent], self.base)
-        down = np.array(GRAVITY)
-        if all(joint.kind == "fixed" for joint in joints):
-            for joint in joints:
-                down = joint.rotation.T @ down
-        return check.freeze(down)
+        known = all(joint.kind == "fixed" for joint in joints)
+        turns = (joint.rotation.T for joint in joints if known)
+        return check.freeze(reduce(lambda down, turn: turn @ down, turns, np.array(GRAVITY)))
 
     @property
     def joint_names(self) -> tuple[str, ...]:

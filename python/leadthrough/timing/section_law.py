@@ -24,17 +24,9 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits, known_rates, refuse_zeros
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
-from leadthrough.timing.limits_report import check_positions
-from leadthrough.timing.request import (
-    MAX_SAMPLES,
-    InverseDynamics,
-    Jacobian,
-    Request,
-    check_samples,
-    efforts,
-    too_long,
-)
-from leadthrough.timing.sections import Lines, Pause, Section, with_knots
+from leadthrough.timing.limits_report import MAX_SAMPLES, check_positions, check_samples
+from leadthrough.timing.request import InverseDynamics, Jacobian, Request, efforts
+from leadthrough.timing.sections import Lines, Section
 from leadthrough.trajectories import Spline
 
 # Points of the grid over a path: the fewest, for each of its pieces, and the most.
@@ -79,26 +71,8 @@ AT_REST = 1e-9
 Free = NDArray[np.bool_]
 
 
-def time_section(section: Section, limits: JointLimits, request: Request, begin: float) -> Samples:
-    """The fastest motion along a section, and its rest at the end."""
-    motion = _fastest(section, limits, request, begin, cuts=0)
-    return motion.with_dwell_after(section.dwell_time, request.rate)
-
-
-def time_pause(pause: Pause, request: Request, begin: float) -> Samples:
-    """Standing still until the pause is over as given, and its rest at the end."""
-    assert request.earliest_times is not None
-    (first, last), times = pause.rows.tolist(), request.earliest_times
-    rests = request.dwell_times.items()
-    rested = sum(time for row, time in rests if row <= first)
-    left = min(times[last] - times[0] + rested - begin, times[last] - times[first])
-    still = Samples.at_rest(pause.q)._rest(0, max(float(left), 0.0), request.rate)
-    rows = np.linspace(first, last, len(still.times))
-    return replace(still, rows=rows).with_dwell_after(pause.dwell_time, request.rate)
-
-
-def _fastest(
-    section: Section, limits: JointLimits, request: Request, begin: float, *, cuts: int
+def time_section(
+    section: Section, limits: JointLimits, request: Request, begin: float, *, cuts: int = 0
 ) -> Samples:
     """The fastest motion along a section that was cut so many times already."""
     last = cuts == _MAX_CUTS
@@ -124,7 +98,7 @@ def _resting(
     motions = list[Samples]()
     for i, part in enumerate(parts):
         own = request.between_rests(first=i == 0, last=i == len(parts) - 1)
-        motions.append(_fastest(part, limits, own, begin, cuts=cuts))
+        motions.append(time_section(part, limits, own, begin, cuts=cuts))
         begin += float(motions[-1].times[-1])
     return Samples.joined(motions)
 
@@ -138,10 +112,10 @@ def _passing(
     points = 0 if request.earliest_times is None else _POINTS_A_SAMPLE * len(section.rows)
     path = _timed_path(section.spline, rates.scale, points=points)
     check_positions(path.positions, limits)
-    speeds = _end_speeds(path, request)
+    speeds = _end_speed(path, 0, request), _end_speed(path, -1, request)
     if ends := _slow_ends(path, speeds, rates):
-        path = _timed_path(with_knots(section.spline, ends), rates.scale, points=points)
-        speeds = _end_speeds(path, request)
+        path = _timed_path(section.spline, rates.scale, points=points, also=ends)
+        speeds = _end_speed(path, 0, request), _end_speed(path, -1, request)
     problem = TimingProblem(path, section, rates, limits, speeds, request.rate, max_delay)
     effort_fraction, tip_fraction = 1.0, 1.0
     for _ in range(_MAX_TIGHTENINGS):
@@ -159,18 +133,13 @@ def _passing(
     )
 
 
-def _timed_path(spline: Spline, scale: Float64Array, *, points: int) -> core.TimedPath:
+def _timed_path(
+    spline: Spline, scale: Float64Array, *, points: int, also: Sequence[float] = ()
+) -> core.TimedPath:
     pieces, terms, joints = spline.coefficients.shape
     points = min(max(points, _MIN_POINTS, _POINTS_A_PIECE * pieces), _MAX_POINTS)
     table = spline.coefficients.reshape(pieces * terms, joints)
-    return core.TimedPath(spline.knots, table, scale, points + 1)
-
-
-def _end_speeds(path: core.TimedPath, request: Request) -> tuple[float, float]:
-    """The speeds of the path's length at its ends."""
-    given = (request.start_velocity, "start_velocity"), (request.end_velocity, "end_velocity")
-    first, last = (_end_speed(path, end, *each) for end, each in zip((0, -1), given, strict=True))
-    return first, last
+    return core.TimedPath(spline.knots, table, scale, points + 1, np.array(also, np.float64))
 
 
 def _slow_ends(path: core.TimedPath, speeds: tuple[float, float], rates: _Rates) -> list[float]:
@@ -180,11 +149,13 @@ def _slow_ends(path: core.TimedPath, speeds: tuple[float, float], rates: _Rates)
     passed = window / _CELLS * np.array(speeds)
     slow = (passed > 0.0) & (passed < np.diff(path.length)[[0, -1]])
     at = path.parameter[[0, -1]] + np.array([1.0, -1.0]) * passed * path.slope[[0, -1]]
-    return [float(each) for each in at[slow]]
+    return at[slow].tolist()  # type: ignore[no-any-return]
 
 
-def _end_speed(path: core.TimedPath, end: int, velocity: Float64Array | None, name: str) -> float:
+def _end_speed(path: core.TimedPath, end: int, request: Request) -> float:
     """The speed of the path's length at an end."""
+    name = ("start_velocity", "end_velocity")[end]
+    velocity: Float64Array | None = getattr(request, name)
     if velocity is None or not velocity.any():
         return 0.0
     along, size = path.first[end], float(np.linalg.norm(velocity))
@@ -334,7 +305,7 @@ def _failure(status: str, direction: Float64Array, limits: JointLimits) -> Excep
         need = np.nan_to_num(np.abs(direction) / limits.velocity)
     name = limits.joint_names[int(need.argmax())]
     if status == "too_long":
-        return too_long("rate")
+        check_samples(math.inf)
     reasons = {
         "no_motion": "no motion along the path keeps the limits",
         "start_too_fast": "start_velocity is faster than the limits allow",
@@ -518,10 +489,17 @@ class Samples:
     accelerations: Float64Array  # rad/s^2 (m/s^2), (n, joints)
 
     @staticmethod
-    def at_rest(q: Float64Array) -> Samples:
-        """A single sample at rest at a configuration (joints,)."""
-        still = np.zeros((1, len(q)))
-        return Samples(np.zeros(1), np.zeros(1), q[None].copy(), still, still)
+    def at_rest(
+        q: Float64Array, time: float = 0.0, rate: float = 1.0, rows: tuple[float, float] = (0, 0)
+    ) -> Samples:
+        """Samples at rest at a configuration (joints,), while the progress goes on."""
+        check_samples(time * rate)
+        count = math.ceil(time * rate - 1e-9) + 1
+        still = np.zeros((count, len(q)))
+        progress = np.linspace(*rows, count)
+        return Samples(
+            np.arange(count) / rate, progress, np.repeat(q[None], count, 0), still, still
+        )
 
     @staticmethod
     def joined(motions: Sequence[Samples]) -> Samples:
@@ -535,18 +513,10 @@ class Samples:
         others = ([vars(m)[name][c] for m, c in pairs] for name in list(vars(motions[0]))[1:])
         return Samples(np.concatenate(times), *map(np.concatenate, others))
 
-    def with_dwell_before(self, time: float, rate: float) -> Samples:
-        """The motion after a rest."""
-        return Samples.joined([self._rest(0, time, rate), self]) if time > 0.0 else self
-
-    def with_dwell_after(self, time: float, rate: float) -> Samples:
-        """The motion followed by a rest."""
-        return Samples.joined([self, self._rest(-1, time, rate)]) if time > 0.0 else self
-
     def with_dwells(self, at: NDArray[np.intp], times: Float64Array, rate: float) -> Samples:
         """The motion with further rests at samples."""
         copies = np.ones(len(self.times), dtype=np.intp)
-        check_samples(float(times.sum()) * rate, "rate")
+        check_samples(float(times.sum()) * rate)
         copies[at] += np.ceil(times * rate - 1e-9).astype(np.intp)
         if (copies == 1).all():
             return self
@@ -558,14 +528,6 @@ class Samples:
     def some(self, count: int) -> Samples:
         """At most `count` evenly spread samples."""
         return self._of(np.unique(np.linspace(0, len(self.times) - 1, count).astype(np.intp)))
-
-    def _rest(self, end: int, time: float, rate: float) -> Samples:
-        """Standing still where the motion begins or ends."""
-        check_samples(time * rate, "rate")
-        count = math.ceil(time * rate - 1e-9) + 1
-        positions = np.repeat(self.positions[[end]], count, axis=0)
-        still, rows = np.zeros_like(positions), np.repeat(self.rows[end], count)
-        return Samples(np.arange(count) / rate, rows, positions, still, still)
 
     def _of(self, index: NDArray[np.intp]) -> Samples:
         return Samples(*(column[index] for column in vars(self).values()))
@@ -586,7 +548,7 @@ def time_lines(lines: Lines, limits: JointLimits, rate: float) -> Samples:
         MAX_SAMPLES,
     )
     if failed >= 0:
-        raise too_long("rate")
+        check_samples(math.inf)
     line = np.repeat(np.arange(len(steps)), steps)
     rests = np.cumsum(np.concatenate([[0], steps]))
     share, speed, push = (column[:, None] for column in np.vstack([np.zeros((1, 3)), shares]).T)

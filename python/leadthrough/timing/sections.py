@@ -70,30 +70,21 @@ class Lines:
 
 
 @dataclass(frozen=True, eq=False)
-class Pause:
-    """Samples at one place, whose time is to be kept."""
-
-    q: Float64Array  # the place, (joints,)
-    rows: Rows  # the first sample and the last, (2,)
-    dwell_time: float = 0.0  # s, how long the motion rests in addition
-
-
-@dataclass(frozen=True, eq=False)
 class Sections:
     """A whole path in sections; none where nothing moves."""
 
     initial_dwell: float  # s, how long the motion rests at its start
-    parts: list[Section | Lines | Pause]  # the sections, in their order, lines and pauses
+    parts: list[Section | Lines]  # the sections, in their order, and lines
 
 
 def between(
     stops: Collection[int],
-    section: Callable[[int, int], Section | Pause | None],
+    section: Callable[[int, int], Section | None],
     *,
     dwell_times: Mapping[int, float],
 ) -> Sections:
     """The sections from each stop to the next."""
-    initial_dwell, parts = dwell_times.get(0, 0.0), list[Section | Pause]()
+    initial_dwell, parts = dwell_times.get(0, 0.0), list[Section]()
     for first, last in pairwise(sorted(stops)):
         part, dwell = section(first, last), dwell_times.get(last, 0.0)
         if part is not None:
@@ -102,7 +93,7 @@ def between(
             parts[-1] = replace(parts[-1], dwell_time=parts[-1].dwell_time + dwell)
         else:
             initial_dwell += dwell
-    return Sections(initial_dwell, list[Section | Lines | Pause](parts))
+    return Sections(initial_dwell, list[Section | Lines](parts))
 
 
 def _parts(spline: Spline, parameters: Float64Array) -> list[Spline]:
@@ -122,16 +113,6 @@ def _between(spline: Spline, first: float, last: float) -> Spline:
     knots, pieces = spline.knots[begin : end + 1].copy(), spline.coefficients[begin:end].copy()
     pieces[0] = _moved(pieces[0], first - knots[0])
     knots[[0, -1]] = first, last
-    return Spline(knots, pieces)
-
-
-def with_knots(spline: Spline, at: Sequence[float]) -> Spline:
-    """The same spline with further knots, inside its domain."""
-    knots, pieces = spline.knots, spline.coefficients
-    for knot in at:
-        i = int(np.searchsorted(knots, knot, side="right"))
-        later = _moved(pieces[i - 1], knot - knots[i - 1])
-        knots, pieces = np.insert(knots, i, knot), np.insert(pieces, i, later, axis=0)
     return Spline(knots, pieces)
 
 
@@ -181,33 +162,30 @@ def path_of(value: JointTrajectory | Curve | ArrayLike) -> Path:
 
 
 def _cut_samples(times: Float64Array, q: Float64Array, request: Request) -> Sections:
-    timed = request.earliest_times is not None
-    pauses = _pauses(times, q, min(0.5 * request.path_tolerance, _STILL)) if timed else []
-    if pauses:
-        q = q.copy()
-    for first, last in pauses:
-        q[first : last + 1] = q[first if last < len(q) - 1 else last]
-
-    def section(first: int, last: int) -> Section | Pause | None:
+    def section(first: int, last: int) -> Section | None:
         part = slice(first, last + 1)
         if np.ptp(q[part], axis=0).max() == 0.0:
-            return Pause(q[first], np.array([first, last])) if timed else None
+            return None
         kept, parameters, spline = _fitted(times[part], q[part], request)
         return Section(spline, first + kept, parameters)
 
-    stops = {0, *np.ravel(pauses).astype(int).tolist(), *request.dwell_times, len(q) - 1}
+    stops = {0, *request.dwell_times, len(q) - 1}
+    if request.earliest_times is not None:
+        q = q.copy()
+        for first, last in _pauses(times, q, min(0.5 * request.path_tolerance, _STILL)):
+            q[first : last + 1] = q[first if last < len(q) - 1 else last]
+            stops |= {int(first), int(last)}
     return between(stops, section, dwell_times=request.dwell_times)
 
 
-def _pauses(times: Float64Array, q: Float64Array, tolerance: float) -> list[tuple[int, int]]:
+def _pauses(times: Float64Array, q: Float64Array, tolerance: float) -> Rows:
     """The first and the last row of each place at which the samples stay for a while."""
     first = core.rows_apart(np.ascontiguousarray(q), tolerance)
     last = np.append(first[1:] - 1, len(q) - 1)
     stay, usual = times[last] - times[first], np.median(np.diff(times[first], append=times[-1]))
     # A slow motion stays near each of its samples, but at none of them.
     still = (q[first] == q[last]).all(axis=1) | (stay > _LONGER * usual)
-    long = (stay >= _PAUSE) & still
-    return list(zip(first[long].tolist(), last[long].tolist(), strict=True))
+    return np.stack([first, last], axis=1)[still & (stay >= _PAUSE)]
 
 
 def _cut_curve(path: Curve, request: Request) -> Sections:
