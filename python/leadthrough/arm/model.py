@@ -111,7 +111,7 @@ class ArmModel(Drawn):
     def gravity(self) -> Float64Array:
         """Acceleration (3,) of gravity, m/s^2 in the base frame, of a robot whose root is upright.
 
-        Where free joints lie between root and base, the base's z axis points up.
+        If free joints lie between root and base, it is that of an upright base.
         """
         joints = self._robot.path(self._robot.links[self._robot.tree[0].parent], self.base)
         known = all(joint.kind == "fixed" for joint in joints)

@@ -269,7 +269,6 @@ def _joined(route: Path, sections: Sections, limits: JointLimits, request: Reque
     rows = [*(int(part.rows[0]) for part in sections.parts), route.rows - 1]
     begin = max(sections.initial_dwell, request.due(rows[0]))
     motions = [Samples.at_rest(route.start, begin, request.rate, (0, rows[0]))]
-    begin = float(motions[0].times[-1])
     for i, part in enumerate(sections.parts):
         if isinstance(part, Lines):
             motions.append(time_lines(part, limits, request.rate))

@@ -185,7 +185,7 @@ def _pauses(times: Float64Array, q: Float64Array, tolerance: float) -> Rows:
     stay, usual = times[last] - times[first], np.median(np.diff(times[first], append=times[-1]))
     # A slow motion stays near each of its samples, but at none of them.
     still = (q[first] == q[last]).all(axis=1) | (stay > _LONGER * usual)
-    return np.stack([first, last], axis=1)[still & (stay >= _PAUSE)]
+    return np.asarray(np.stack([first, last], axis=1)[still & (stay >= _PAUSE)])
 
 
 def _cut_curve(path: Curve, request: Request) -> Sections:
