@@ -79,8 +79,7 @@ def simulate_held(
         trajectory: of the joints of both arms, at any rate.
         controller: of either arm, by default a `ComputedTorque`.
         disturbances: of either arm, by default those of real ones.
-        gravity: acceleration (3,) of gravity in the frame of the pair, m/s^2; by default that of
-            its left arm.
+        gravity: acceleration (3,) of gravity in the pair's frame, m/s^2; by default the left arm's.
         rate: of the controllers, Hz, 100 to 1e4.
 
     Raises:

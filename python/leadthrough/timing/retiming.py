@@ -267,7 +267,7 @@ def _timed(
 def _joined(route: Path, sections: Sections, limits: JointLimits, request: Request) -> Samples:
     """The motions along the sections, one after the other, with rests until the next is due."""
     rows = [*(int(part.rows[0]) for part in sections.parts), route.rows - 1]
-    begin = max(sections.initial_dwell, request.due(rows[0]))
+    begins = begin = max(sections.initial_dwell, request.due(rows[0]))
     motions = [Samples.at_rest(route.start, begin, request.rate, (0, rows[0]))]
     for i, part in enumerate(sections.parts):
         if isinstance(part, Lines):
@@ -281,8 +281,7 @@ def _joined(route: Path, sections: Sections, limits: JointLimits, request: Reque
             passed = float(motion.rows[-1]), rows[i + 1]
             motions.append(Samples.at_rest(motion.positions[-1], left, request.rate, passed))
             begin += float(motions[-1].times[-1])
-    moves_at_once = len(motions) > 1 and motions[0].times[-1] == 0.0
-    return Samples.joined(motions[int(moves_at_once) :])
+    return Samples.joined(motions[1:] if len(motions) > 1 and begins == 0.0 else motions)
 
 
 def _trajectory(

@@ -117,16 +117,16 @@ def _passing(
         path = _timed_path(section.spline, rates.scale, points=points, also=ends)
         speeds = _end_speed(path, 0, request), _end_speed(path, -1, request)
     problem = TimingProblem(path, section, rates, limits, speeds, request.rate, max_delay)
-    effort_fraction, tip_fraction = 1.0, 1.0
+    effort_fraction, tip_fraction = np.ones(len(limits.joint_names)), 1.0
     for _ in range(_MAX_TIGHTENINGS):
         bounds = _bounds(path, limits, request, effort=effort_fraction, tip=tip_fraction)
         law = problem.law(_on_schedule(problem, bounds, request, begin))
         motion = problem.motion(law)
-        tip, effort = _tip_ratio(motion, request), _effort_ratio(motion, limits, request)
-        if max(tip, effort) <= 1.0:
+        tip, effort = _tip_ratio(motion, request), _effort_ratios(motion, limits, request)
+        if max(tip, *effort) <= 1.0:
             return motion, law.bottlenecks
         tip_fraction /= max(tip * _TIGHTER, 1.0)
-        effort_fraction /= max(effort * _TIGHTER, 1.0)
+        effort_fraction /= np.maximum(effort * _TIGHTER, 1.0)
     raise LimitsInfeasible(
         "no motion along the path keeps the tip's speed and the efforts inside their limits",
         joint=limits.joint_names[0],
@@ -335,10 +335,10 @@ def _bounds(
     limits: JointLimits,
     request: Request,
     *,
-    effort: float,
+    effort: Float64Array,
     tip: float,
 ) -> _PathBounds:
-    """The bounds of a request, with fractions of the effort limits and of the tip's speed."""
+    """The bounds of a request, with fractions of the tip's speed and of what holding leaves."""
     count = len(path.length)
     empty = np.empty((count, 0))
     bounds = _PathBounds(np.full(count, np.inf), empty, empty, empty, empty)
@@ -347,21 +347,19 @@ def _bounds(
         with np.errstate(divide="ignore"):
             bounds = bounds.slower_than((tip * request.tip_speed.limit / speeds) ** 2)
     if request.inverse_dynamics is not None:
-        allowed = effort * _effort(limits)
-        bounds = _with_efforts(bounds, path, request.inverse_dynamics, allowed)
+        (gain, bend, rest), most = _efforts_along(path, request.inverse_dynamics), _effort(limits)
+        least, most = effort * (-most - rest), effort * (most - rest)
+        bounds = _PathBounds(bounds.fastest, gain, bend, least, most)
         _check_holding(bounds, limits)
     return bounds
 
 
-def _with_efforts(
-    bounds: _PathBounds, path: core.TimedPath, dynamics: InverseDynamics, effort: Float64Array
-) -> _PathBounds:
-    """The bounds, with the joints' efforts kept inside their limits."""
+def _efforts_along(path: core.TimedPath, dynamics: InverseDynamics) -> tuple[Float64Array, ...]:
+    """Efforts (n, joints) of u = 1, of x = 1, and those that hold the arm."""
     still = np.zeros_like(path.positions)
     rest = efforts(dynamics, path.positions, still, still)
     gain = efforts(dynamics, path.positions, still, path.first) - rest
-    bend = efforts(dynamics, path.positions, path.first, path.second) - rest
-    return _PathBounds(bounds.fastest, gain, bend, -effort - rest, effort - rest)
+    return gain, efforts(dynamics, path.positions, path.first, path.second) - rest, rest
 
 
 def _effort(limits: JointLimits) -> Float64Array:
@@ -385,12 +383,16 @@ def _tip_ratio(motion: Samples, request: Request) -> float:
     return float(speeds.max()) / request.tip_speed.limit
 
 
-def _effort_ratio(motion: Samples, limits: JointLimits, request: Request) -> float:
-    if request.inverse_dynamics is None:
-        return 0.0
-    some = motion.some(_JUDGED_SAMPLES)
-    used = efforts(request.inverse_dynamics, some.positions, some.velocities, some.accelerations)
-    return float((np.abs(used) / _effort(limits)).max())
+def _effort_ratios(motion: Samples, limits: JointLimits, request: Request) -> Float64Array:
+    """The fraction (joints,) that is used of the efforts that holding the arm leaves."""
+    dynamics, some = request.inverse_dynamics, motion.some(_JUDGED_SAMPLES)
+    if dynamics is None:
+        return np.zeros(len(limits.joint_names))
+    still = np.zeros_like(some.positions)
+    held = efforts(dynamics, some.positions, still, still)
+    used = efforts(dynamics, some.positions, some.velocities, some.accelerations) - held
+    left = np.maximum(_effort(limits) - np.sign(used) * held, np.finfo(np.float64).tiny)
+    return np.asarray((np.abs(used) / left).max(axis=0))
 
 
 def _tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) -> Float64Array:
