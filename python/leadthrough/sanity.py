@@ -32,9 +32,11 @@ _OF_TURN, _USUAL_STEP = 0.6, 0.3
 # rotation in five thousand is as near by chance.
 _MAX_ROTATED, _SAME = 1.6, 0.15
 _CLEARLY_NEAR = 0.75  # more than the cosine of half of the former
-# s between samples: no recording of a hand is slower, but ms read as s are; of whole numbers less
-# is enough.
-_MAX_STEP, _MAX_WHOLE_STEP = 20.0, 2.0
+# s between samples: no recording of a hand is slower, but ms read as s are; of whole numbers, or of
+# steps as even as a logger's, nine in ten at most so many usual ones, less is enough.
+_MAX_STEP, _MAX_EVEN_STEP, _EVEN = 20.0, 1.0, 1.5
+# A time without samples is longer than so many usual steps and s, as for `preprocess.clean`.
+_GAP, _MIN_GAP = 5.0, 0.5
 _RECORDED = 20  # samples from which on a motion was recorded, not typed
 
 
@@ -141,15 +143,22 @@ def obstacles(shapes: Sequence[Shape], demonstrated: Float64Array) -> None:
 
 
 def clock(times: Float64Array, name: str) -> None:
-    """Warns of a recording's times (n,) that are hardly in s."""
+    """Warns of a recording's times (n,) that are hardly in s, or jump."""
     if len(times) < _RECORDED:
         return
-    step = float(np.median(np.diff(times)))
-    whole = bool((times == np.round(times)).all())
-    if step > (_MAX_WHOLE_STEP if whole else _MAX_STEP):
+    steps = np.diff(times)
+    step = float(np.median(steps))
+    i = int(np.argmax(steps))
+    even = np.percentile(steps, 90) < _EVEN * step or (times == np.round(times)).all()
+    if step > _MAX_STEP or (even and step >= _MAX_EVEN_STEP):
         warn(
             f"{name}: one sample in {step:.4g} s; times are in s, so divide those in ms by 1000, "
             "or leave them out of the columns and set rate"
+        )
+    elif steps[i] > max(_GAP * step, _MIN_GAP):
+        warn(
+            f"{name}: no sample from {times[i]:.6g} to {times[i + 1]:.6g} s; if a clock jumped or "
+            "another motion begins, divide it there, in Python with preprocess.cut_at_gaps"
         )
 
 

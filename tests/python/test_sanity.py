@@ -107,11 +107,26 @@ def test_a_step_longer_than_the_motion_is_refused(skill):
     refused(r"dt: expected at most the motion's .* got 10", skill.generate, dt=10.0)
 
 
-def test_times_in_milliseconds_are_warned_of():
+@pytest.mark.parametrize("step", [1.0, 2.0, 10.03, 20.0])
+def test_times_in_milliseconds_are_warned_of(step, tmp_path):
     shown = reach()
-    in_ms = lt.PoseTrajectory(20.0 * np.arange(len(T)), shown.positions, shown.orientations)
-    with pytest.warns(ImplausibleInputWarning, match=r"demonstrations\[0\]: one sample in 20 s"):
+    in_ms = lt.PoseTrajectory(step * np.arange(len(T)), shown.positions, shown.orientations)
+    with pytest.warns(
+        ImplausibleInputWarning, match=rf"demonstrations\[0\]: one sample in {step:g} s"
+    ):
         lt.DMP().fit([in_ms])
+    lt.write_motion(in_ms, tmp_path / "in_ms.csv")
+    with pytest.warns(ImplausibleInputWarning, match=f"in_ms.csv: one sample in {step:g} s"):
+        lt.read_motion(tmp_path / "in_ms.csv")
+
+
+def test_a_clock_that_jumps_by_an_hour_is_warned_of():
+    shown = reach()
+    times = shown.times + 3600.0 * (np.arange(len(T)) > 20)
+    with pytest.warns(
+        ImplausibleInputWarning, match=r"demonstrations\[0\]: no sample from .* to 36"
+    ):
+        lt.DMP().fit([lt.PoseTrajectory(times, shown.positions, shown.orientations)])
 
 
 @pytest.mark.parametrize("beyond", [0.1, 0.5])

@@ -200,6 +200,7 @@ class Pass {
     if (walk_.depth != walk_.given || found_.count == static_cast<int>(found_.at.size())) return;
     Candidate& candidate = found_.at[static_cast<std::size_t>(found_.count++)];
     candidate.branch = walk_.branch;
+    candidate.missed = walk_.missed;
     const bool whole = form_.structure == Structure::kTwoSpheres;
     const std::size_t first = form_.parameter == Parameter::kFirstJoint ? 1 : 0;
     for (std::size_t k = 0; k < (whole ? 7U : 6U); ++k) {

@@ -51,6 +51,7 @@ std::optional<ClosedForm> recognize(const Chain& chain);
 struct Candidate {
   JointArray q{};  // -pi to pi
   int branch = 0;
+  double missed = 0.0;  // as of the walk
 };
 
 struct Candidates {

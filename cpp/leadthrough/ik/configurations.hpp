@@ -28,9 +28,17 @@ Configurations all_configurations(const Chain& chain, const ClosedForm& form,
                                   const IkTarget& target, const JointVector& reference,
                                   const IkTolerance& tolerance);
 
-// Moves each angle by whole turns to the nearest to a reference inside the limits. Marks the joints
-// that have none; returns the number of these.
-int take_turns(const Chain& chain, const JointVector& reference, JointArray& q,
-               std::array<bool, kMaxJoints>& outside);
+// Joints that no whole turn brings inside their limits, and those that the nearest limit moved by
+// less than rounding beside a singularity does.
+struct Turns {
+  std::array<bool, kMaxJoints> outside{}, clamped{};
+  bool any_outside = false;
+};
+
+// Moves each angle by whole turns to the nearest to a reference inside the limits.
+Turns take_turns(const Chain& chain, const JointVector& reference, JointArray& q);
+
+// So too, and puts joints that have none at the nearer limit; returns the largest such change, rad.
+double bring_inside(const Chain& chain, const JointVector& reference, JointArray& q);
 
 }  // namespace leadthrough

@@ -47,13 +47,16 @@ void each_root(const SecondDegree& f, Walk& walk, const Visit& visit) {
       extrema[count++] = zero_between(lower, upper, slope);
   }
   const int branch = walk.branch;
+  const double missed = walk.missed;
   for (std::size_t k = 0; k < count; ++k) {
     const double here = extrema[k];
     const double next = k + 1 < count ? extrema[k + 1] : extrema[0] + kTurn;
     walk.branch = 8 * branch + static_cast<int>(2 * k);
     const double height = std::abs(f.value(here));
     walk.near = walk.near || height < walk.margin;
-    if (height <= walk.slack) visit(here);
+    walk.missed = missed + std::max(height - walk.slack, 0.0);
+    if (height <= walk.slack + walk.reach) visit(here);
+    walk.missed = missed;
     ++walk.branch;
     if ((f.value(here) > 0.0) != (f.value(next) > 0.0))
       visit(zero_between(here, next, [&](double x) { return f.value(x); }));

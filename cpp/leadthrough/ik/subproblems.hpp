@@ -20,6 +20,10 @@ struct Walk {
   // Equations that miss a solution by at most this take the tangent point, whose error forward
   // kinematics judges; m, m^2 or unit vectors' products.
   double slack = 0.0;
+  // Those that miss one by at most this more take it as well, and `missed` is the sum of such on
+  // the way: a branch goes on continuously beyond its ends.
+  double reach = 0.0;
+  double missed = 0.0;
   double margin = 0.0;  // from a tangency, where `near` is set
   bool near = false;    // an equation was close to losing or gaining a solution
   // Angles that the target leaves free take these values, outermost first. Solutions with another
@@ -52,10 +56,15 @@ inline Eigen::Matrix3d rotation_about(const Eigen::Vector3d& axis, Angle angle) 
 // The angle about `axis` from a to b, seen along the axis; {0, 0} without a lever.
 inline Angle angle_between(const Eigen::Vector3d& axis, const Eigen::Vector3d& a,
                            const Eigen::Vector3d& b) {
-  const double cosine = a.dot(b) - axis.dot(a) * axis.dot(b);
-  const double sine = axis.dot(a.cross(b));
-  const double length = std::sqrt(cosine * cosine + sine * sine);
-  return length < kNoLever * kNoLever ? Angle{0.0, 0.0} : Angle{cosine / length, sine / length};
+  const auto direction = [](double cosine, double sine) {
+    const double length = std::sqrt(cosine * cosine + sine * sine);
+    return length < kNoLever * kNoLever ? Angle{0.0, 0.0} : Angle{cosine / length, sine / length};
+  };
+  const double cosine = a.dot(b) - axis.dot(a) * axis.dot(b), sine = axis.dot(a.cross(b));
+  constexpr double kShort = 1e-6;  // levers' product: their difference keeps ten digits
+  if (std::abs(cosine) + std::abs(sine) > kShort) return direction(cosine, sine);
+  const Eigen::Vector3d from = axis.cross(a), to = axis.cross(b);
+  return direction(from.dot(to), axis.dot(from.cross(to)));
 }
 
 template <typename Visit>
@@ -83,17 +92,19 @@ template <typename Visit>
 void each_angle(double a, double b, double c, Walk& walk, const Visit& visit) {
   const double squared = a * a + b * b, radius = std::sqrt(squared);
   walk.near = walk.near || std::abs(radius - std::abs(c)) < walk.margin;
-  if (std::abs(c) > radius + walk.slack) return;
-  if (radius < kNoLever) return visit_free(walk, visit);
+  const double missed = walk.missed, misses = std::abs(c) - radius - walk.slack;
+  if (misses > walk.reach) return;
+  if (radius < kNoLever) return misses > 0.0 ? void() : visit_free(walk, visit);
   const double along = std::clamp(c, -radius, radius) / squared;
   const double across = std::sqrt(std::max((radius - c) * (radius + c), 0.0)) / squared;
   const int branch = walk.branch;
+  walk.missed += std::max(misses, 0.0);
   for (int k = 0; k < (across > 0.0 ? 2 : 1); ++k) {
     const double side = k == 0 ? across : -across;
     walk.branch = 2 * branch + k;
     visit(Angle{a * along - b * side, b * along + a * side});
   }
-  walk.branch = branch;
+  walk.branch = branch, walk.missed = missed;
 }
 
 // Subproblem 4: normal . rotate(axis, angle, v) = distance.

@@ -18,30 +18,13 @@ struct Sample {
   JointArray q;
 };
 
-JointRange swept_range(const Chain& chain, const ClosedForm& form) {
+// One turn at most: the other turns of the given joint are chosen as those of all.
+JointRange swept_range(const Chain& chain, const ClosedForm& form, const JointVector& reference) {
   if (form.parameter == Parameter::kElbow) return {0.0, kTurn};
-  return sampled_range(chain, form.parameter == Parameter::kFirstJoint ? 0 : 6);
-}
-
-// Moves to the nearest limits; false if a joint is farther outside than the next sample may bring
-// it.
-bool bring_inside(const Chain& chain, const JointVector& reference, Sample& sample) {
-  constexpr double kBetweenSamples = 0.3;  // rad
-  std::array<bool, kMaxJoints> outside{};
-  const JointArray before = sample.q;
-  take_turns(chain, reference, sample.q, outside);
-  for (int i = 0; i < chain.joints(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (!outside[k]) continue;
-    const double below = apart_within_turn(chain.lower[i], before[k]);
-    const double above = apart_within_turn(chain.upper[i], before[k]);
-    sample.q[k] = below < above ? chain.lower[i] : chain.upper[i];
-    sample.outside = std::max(sample.outside, std::min(below, above));
-  }
-  if (sample.outside > kBetweenSamples) return false;
-  const Eigen::Map<const Eigen::VectorXd> q(sample.q.data(), chain.joints());
-  sample.distance = (q - reference).squaredNorm();
-  return true;
+  const int joint = form.parameter == Parameter::kFirstJoint ? 0 : 6;
+  const auto [lower, upper] = sampled_range(chain, joint);
+  if (upper - lower <= kTurn) return {lower, upper};
+  return {reference[joint] - 0.5 * kTurn, reference[joint] + 0.5 * kTurn};
 }
 
 struct Slice {
@@ -63,10 +46,15 @@ class Sweep {
   }
 
   void add(const Slice& slice) {
+    constexpr double kBetweenSteps = 0.3;  // rad; the next sample may be inside
     for (int k = 0; k < slice.candidates.count; ++k) {
       const Candidate& candidate = slice.candidates.at[static_cast<std::size_t>(k)];
       Sample sample{index_, candidate.branch, slice.parameter, 0.0, 0.0, candidate.q};
-      if (bring_inside(chain_, reference_, sample)) samples.push_back(sample);
+      sample.outside = bring_inside(chain_, reference_, sample.q);
+      if (sample.outside > kBetweenSteps) continue;
+      const Eigen::Map<const Eigen::VectorXd> q(sample.q.data(), chain_.joints());
+      sample.distance = (q - reference_).squaredNorm();
+      samples.push_back(sample);
     }
     ++index_;
   }
@@ -113,7 +101,7 @@ class Sweep {
 std::vector<Sample> sweep(const Chain& chain, const ClosedForm& form, const IkTarget& target,
                           const JointVector& reference) {
   constexpr int kHalvings = 5;
-  const auto [lower, upper] = swept_range(chain, form);
+  const auto [lower, upper] = swept_range(chain, form, reference);
   Sweep sweep(chain, form, target, reference);
   sweep.samples.reserve(8 * (kSweepSamples + 1));
   Slice before = sweep.at(lower);
@@ -157,7 +145,7 @@ std::vector<Sample> nearest_of_branches(const std::vector<Sample>& samples) {
 JointArray refine(const Chain& chain, const ClosedForm& form, const IkTarget& target,
                   const JointVector& reference, Sample best) {
   constexpr double kLastStep = 1e-6;  // rad
-  const auto [lower, upper] = swept_range(chain, form);
+  const auto [lower, upper] = swept_range(chain, form, reference);
   Sweep trials(chain, form, target, reference);
   double step = (upper - lower) / kSweepSamples;
   for (double side = 0.5; step > kLastStep; side = -side) {
@@ -178,7 +166,7 @@ JointArray refine(const Chain& chain, const ClosedForm& form, const IkTarget& ta
 }  // namespace
 
 double sweep_resolution(const Chain& chain, const ClosedForm& form) {
-  const auto [lower, upper] = swept_range(chain, form);
+  const auto [lower, upper] = swept_range(chain, form, middle(chain));
   return (upper - lower) / kSweepSamples;
 }
 

@@ -233,8 +233,7 @@ def _refuse_other_kinds(model: str, demonstrations: list[lt.Demonstration]) -> N
 def _reporting_misalignment(
     ctx: typer.Context, demonstrations: list[lt.Demonstration]
 ) -> Iterator[None]:
-    """Prints warnings of misaligned demonstrations on stderr, with names and the cure."""
-
+    """Prints warnings on stderr, of misaligned demonstrations with names and the cure."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", lt.models.MisalignmentWarning)
         yield
@@ -246,7 +245,8 @@ def _reporting_misalignment(
         )
         text = output.in_words(text, {_ALIGN: "--align"})
         cure = output.line(ctx, *output.repeated(ctx, changed=("--align",)))
-        output.warn(f"{text}: {cure}")
+        misaligned = issubclass(each.category, lt.models.MisalignmentWarning)
+        output.warn(f"{text}: {cure}" if misaligned else text)
 
 
 def _chosen(

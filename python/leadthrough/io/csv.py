@@ -4,7 +4,8 @@ A comma in a number is the decimal one if cells are split at anything else.
 
 The header is the first row that is no comment; where that row is numbers, it is the last comment
 before it. Comments begin with `#` and are skipped, except `# event,<time in s>,"<name>"`; so are
-empty rows and a byte order mark. Files are read in blocks, so that only numbers stay in memory.
+empty rows and a byte order mark. Numbers of JointState messages (`rostopic echo -p`) are named by
+the joints in their cells. Files are read in blocks, so that only numbers stay in memory.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ import leadthrough._core as core
 from leadthrough import sanity
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.files import MAX_LINE, ReadLimits, StrPath, not_text, replacing, written_blocks
-from leadthrough.io.headers import candidates
+from leadthrough.io.headers import JOINT_SUFFIXES, candidates
 from leadthrough.io.joint_trajectory import checked_joint_names, joint_columns, quantities
 from leadthrough.io.recording import demonstrated_columns
 from leadthrough.io.table import Table
@@ -37,6 +38,8 @@ EVENT = "# event,"  # begins the comment of an event
 _DELIMITERS = ",;\t"
 _SPACES = " "  # any number of them, where a header has none of the delimiters
 _BETWEEN = re.compile(r"\s+(?![\[(])")  # cells: a unit in brackets belongs to the name before
+# In columns of JointState messages, such as field.name0 with the joint of field.position0.
+_NAME = re.compile(r"name(?=[_.\[]?\d+\]?$)")
 _BLOCK = 2**20  # bytes
 # The text of a line and its number, counted from 1.
 Line = tuple[int, str]
@@ -120,8 +123,7 @@ def _table(file: TextIO, count: int, limits: ReadLimits) -> TextTable:
     delimiter = delimiter if delimiter in header else _SPACES
     limits.columns(header.count(delimiter) + 1, f"line {start}")
     names = _split(header, delimiter, start)
-    name, times = Counter(names).most_common(1)[0]
-    if times > 1:
+    if name := next((name for name, times in Counter(names).items() if name and times > 1), ""):
         raise InvalidInput(f"line {start}: expected different column names, got {name!r} twice")
     limits.numbers(count * len(names), "the rows")
     rows = _Rows(names, delimiter)
@@ -150,6 +152,7 @@ class _Rows:
         self._names, self._delimiter = names, delimiter
         self._values, self._lines = array("d"), array("q")
         self._faults: dict[int, Line] = {}
+        self._changing: set[int] = set()  # columns of more than one text
 
     def add(self, number: int, line: str) -> None:
         if self._delimiter != ",":
@@ -180,6 +183,8 @@ class _Rows:
     def _number(self, column: int, cell: str, number: int) -> float:
         text = cell.strip()
         if not text or column in self._faults:
+            if text and text != self._faults[column][1]:
+                self._changing.add(column)
             return np.nan
         try:
             return float("one" if "_" in text else text)
@@ -192,7 +197,18 @@ class _Rows:
             raise InvalidInput("expected rows of samples below the header, got none")
         values = np.frombuffer(self._values).reshape(len(self._lines), len(self._names))
         lines = np.frombuffer(self._lines, np.int64)
-        return TextTable(self._names, values, lines, self._faults, events=tuple(events))
+        return TextTable(self._joints_named(), values, lines, self._faults, events=tuple(events))
+
+    def _joints_named(self) -> tuple[str, ...]:
+        """The columns' names; those of a JointState's numbers after the joints in its names."""
+        renamed = {}
+        for column in self._faults.keys() - self._changing:
+            name, joint = self._names[column], self._faults[column][1]
+            if _NAME.search(name):
+                renamed[_NAME.sub("position", name)] = joint
+                renamed[_NAME.sub("velocity", name)] = joint + JOINT_SUFFIXES["velocities"]
+        found = tuple(renamed.get(name, name) for name in self._names)
+        return found if len(set(found)) == len(found) else self._names
 
 
 def _count_lines(path: Path, limits: ReadLimits) -> int:
@@ -239,11 +255,8 @@ def _header(lines: Iterator[Line], events: list[Event]) -> tuple[Line, Line | No
 
 
 def _starts_with_number(line: str) -> bool:
-    first = line.split(maxsplit=1)[0]
-    for delimiter in _DELIMITERS:
-        first = first.split(delimiter, 1)[0]
     try:
-        float(first)
+        float(re.split(r"[,;\s]", line.strip(), maxsplit=1)[0])
     except ValueError:
         return False
     return True

@@ -1,6 +1,6 @@
 """Contents of a recording's columns, identified by their names in either case.
 
-- Time: `time`, `times`, `t`, `timestamp`, `stamp`.
+- Time: `time`, `times`, `t`, `timestamp`, `stamp`, also behind `%` or `_` (`__time`).
 - Positions: `x`, `y` and, where there is one, `z`, alone or after `p`, `pos`, `position` or
   `translation` (`px`, `pos_x`, `position.x`, `current_pos_x`), or `left` or `right` (`left_x`).
 - Orientations: `w`, `x`, `y`, `z` after `q`, `quat`, `quaternion`, `orientation`, `rotation` or
@@ -13,8 +13,8 @@
   Their derivatives are `<joint>_velocity` or `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
   Numbered joints of two arms, whose names begin with `left` and `right`, are one recording.
 - Arrays that hold all components at once: `positions`, `position`, `pos`; `orientations`,
-  `orientation`, `quaternions`, `quaternion`, which may state their order (`orientations_wxyz`,
-  `quaternion_xyzw`); `joints`, `joint_positions`, with `velocities` and `accelerations`.
+  `orientation`, `quaternions`, `quaternion`, `quat`, which may state their order (`quat_xyzw`);
+  `joints`, `joint_positions`, with `velocities` and `accelerations`.
 
 A name may end in its unit (`time_ns`, `joint_1_deg`, `x [mm]`, `t (ms)`); without one the unit is
 that of SI, but for times since 1970, whose number of digits tells s, ms, us and ns apart.
@@ -41,7 +41,7 @@ _POSITION = {"p", "pos", "position", "translation"}
 _ORIENTATION = {"q", "quat", "quaternion", "orientation", "rotation", "rot"}
 _WHOLE = {
     "positions": {"positions", "position", "pos"},
-    "orientations": {"orientations", "orientation", "quaternions", "quaternion"},
+    "orientations": {"orientations", "orientation", "quaternions", "quaternion", "quat"},
     "joints": {"joints", "joint_positions"},
 }
 _PREFIXES = {"velocities": "d", "accelerations": "dd"}
@@ -51,27 +51,31 @@ _NUMBERED_JOINT = re.compile(
     r"(?P<arm>(.*[_.\-/ ])?((joint|j|q_d|q|joint_positions)[_.\-/ ]?|joint[_.\-/ ][a-z]))"
     r"(?P<open>\[)?(?P<number>[0-9]{1,4})(?(open)\])"
 )
-# Words of columns that are not of measured positions, and those that say that they are.
-_OTHER = re.compile(
-    r"(^|[_.\-/ ])(velocit(y|ies)|vel|qd|effort|torque|tau|current|acceleration|target)([_.\-/ ]|$)"
+# Words of columns: not of joints' positions, hardly of measured ones, certainly of these.
+OTHER = re.compile(
+    r"(?i)(^|[_.\-/ ])(velocit(y|ies)|vel|qd|d?dq|effort|torque|tau|acceleration|force|wrench"
+    r"|temperature|voltage|error|pose|tcp|cart|cartesian)([_.\-/ \d\[]|$)"
 )
+_SECOND = re.compile(r"(^|[_.\-/ ])(current|target|desired|cmd|command)([_.\-/ ]|$)")
 _MEASURED = re.compile(
     r"^/?((joint_states|actual|measured|positions?|pos)[_.\-/ ])+|([_.\-/ ](positions?|pos))$"
 )
 _NAMED_JOINT = re.compile(r"(?!robot\d+_joint$).+_joint")  # robot0_joint_pos has all
 _WITH_UNIT = re.compile(
-    r"(?P<plain>.+?)(?:[_ ]?\[(?P<a>[a-z]+)\]|[_ ]?\((?P<b>[a-z]+)\)|[_ ](?P<c>[a-z]+))",
+    r"(?P<plain>.+?)(?:[_ ]?\[(?P<a>[a-z°]+)\]|[_ ]?\((?P<b>[a-z°]+)\)|[_ ](?P<c>[a-z]+))",
     re.IGNORECASE,
 )
-# Rotation vectors and angles, whose convention no name states.
-_ANGLE = re.compile(
-    r"(.*[_.\-/ ])?(r[xyz]|(rot|rotation|rotvec|orientation)[_.][xyz]|roll|pitch|yaw)"
+# Orientations of any kind; those that are read as quaternions are found before.
+_ROTATED = re.compile(
+    r"(.*[_.\-/ ])?([rq][xyz]|r\d\d|roll|pitch|yaw"
+    r"|(rot|rotation|rotvec|ori|orientation|quat|quaternion)([_.\-/ ].*)?)"
 )
 _DEGREE = math.pi / 180.0
 _UNITS: dict[str, dict[str, float]] = {
-    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    "time": {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "positions": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
-    "joints": {"mm": 1e-3, "rad": 1.0, "radians": 1.0, "deg": _DEGREE, "degrees": _DEGREE},
+    "joints": {"mm": 1e-3, "rad": 1.0, "radians": 1.0, "mrad": 1e-3}
+    | dict.fromkeys(("deg", "degrees", "°"), _DEGREE),
 }
 
 
@@ -107,7 +111,7 @@ def quaternion_order(names: Columns) -> str | None:
 def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     """Every choice of columns for each of time, positions, orientations and joints."""
     found: dict[str, list[Columns]] = {
-        "time": [(name,) for name in names if unit(name, "time")[0].lower() in _TIME],
+        "time": [(name,) for name in names if unit(name, "time")[0].lower().strip("%_") in _TIME],
         **{
             role: [(name,) for name in names if _whole(name, role).lower() in whole]
             for role, whole in _WHOLE.items()
@@ -119,10 +123,11 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
             found["positions"].append(tuple(axes[axis] for axis in "xyz" if axis in axes))
         elif last_word in _ORIENTATION and len(axes) == 4:
             found["orientations"].append(tuple(axes[axis] for axis in "wxyz"))
-    named = tuple(name for name in names if _NAMED_JOINT.fullmatch(joint(name).lower()))
-    measured = tuple(name for name in named if not _OTHER.search(name.lower())) or named
-    numbered = list(_numbered_joints(names))
-    groups = [group for group in numbered if not _OTHER.search(group[0].lower())] or numbered
+    may = [name for name in names if not OTHER.search(name)]
+    named = tuple(name for name in may if _NAMED_JOINT.fullmatch(joint(name).lower()))
+    measured = tuple(name for name in named if not _SECOND.search(name.lower())) or named
+    numbered = list(_numbered_joints(may))
+    groups = [group for group in numbered if not _SECOND.search(group[0].lower())] or numbered
     found["joints"] += [*groups, *([measured] if measured else [])]
     moving = tuple(name for name in names if name + JOINT_SUFFIXES["velocities"] in names)
     if not found["positions"] and set().union(*found["joints"]) < set(moving):
@@ -130,9 +135,11 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     return found
 
 
-def rotation_angles(names: Sequence[str]) -> Columns:
-    """The columns of rotation vectors or of angles such as roll, pitch and yaw."""
-    return tuple(name for name in names if _ANGLE.fullmatch(unit(name, "joints")[0].lower()))
+def unread_orientations(names: Sequence[str]) -> Columns:
+    """The columns of orientations that are not read: angles (also KUKA's, Fanuc's), matrices."""
+    plain = {unit(name, "joints")[0].lower(): name for name in names}
+    triples = {axis for axes in ("abc", "wpr", "ijk") if {*axes} <= plain.keys() for axis in axes}
+    return tuple(name for p, name in plain.items() if p in triples or _ROTATED.fullmatch(p))
 
 
 def derivatives(names: Sequence[str], joints: Columns) -> dict[str, Columns]:

@@ -61,6 +61,8 @@ DAMAGE = (
 def table(path: Path) -> ArrayTable:
     """The arrays of an archive as columns."""
     found = arrays(path)
+    if "joint_names" in found and "joints" not in found and "joint_positions" in found:
+        found["joints"] = found.pop("joint_positions")
     joints, names = found.get("joints"), found.get("joint_names")
     if joints is None or names is None:
         return ArrayTable(found, events=_events(found))

@@ -12,12 +12,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from leadthrough import check
+from leadthrough import check, sanity
 from leadthrough.check import InvalidInput, ShortRepr
 from leadthrough.io import formats, lerobot, reader_process, robomimic
 from leadthrough.io.files import StrPath
 from leadthrough.io.headers import AngleUnit, QuaternionOrder
-from leadthrough.io.recording import Recording, check_complete, recording
+from leadthrough.io.recording import CLEANED, Recording, check_complete, lost, recording
 from leadthrough.io.table import Ranges, Request, Table, as_request
 from leadthrough.motion import Demonstration, Motion
 from leadthrough.rest import trim
@@ -65,8 +65,8 @@ def read_demonstrations(
         frames: frame and child frame of a transform in a bag.
         joints: an arm's joints by name, with (lower, upper) limits in rad, or (lower, upper, "m")
             for prismatic ones, which stay in m where `angles` are degrees. Columns of
-            these names are its joints, whatever else the file has; as many in `columns` of other
-            names are its joints in this order. Percent refer to the limits.
+            these names are its joints, whatever else the file has; as many in `columns` are those
+            in their names, or else all in this order. Percent refer to the limits.
         rest: s of standing still to keep before and after, >= 0; `math.inf` keeps all of it.
 
     Raises:
@@ -107,6 +107,7 @@ def read_motion(
         raise InvalidInput(
             f"{printable(Path(path))}: expected a file with one motion, got {len(found)}"
         )
+    sanity.clock(found[0].motion.times, printable(Path(path)))
     return found[0].motion
 
 
@@ -230,10 +231,17 @@ def _recordings(path: Path, request: Request) -> list[tuple[Table, Recording]]:
 def _faultless(path: Path, found: Recording, table: Table, request: Request) -> Motion:
     with blaming(path):
         try:
-            return found.motion()
-        except InvalidInput:
+            motion = found.motion()
+        except InvalidInput as error:
             check_complete(table, request)  # knows the place in the file
-            raise
+            cure = CLEANED if error.argument in ("times", "orientations") else ""
+            raise InvalidInput(f"{error}{cure}") from None
+        if (gone := lost(motion.positions)).any():
+            raise InvalidInput(
+                f"{table.place(int(gone.argmax()))}: the position is 0, far from all others, as of "
+                f"a tracker without a target{CLEANED}"
+            )
+        return motion
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from difflib import get_close_matches
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check, sanity
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
@@ -152,7 +152,10 @@ _DEGREE = math.pi / 180.0
 # Joints come this much beyond their limits by the slack of a calibration, rad; percent by rounding.
 _SLACK = 0.1
 _MAX_PERCENT, _END = 100.01, 1e-4
+CLEANED = "; `leadthrough clean` leaves it out, in Python io.read_recordings and preprocess.clean"
 _SPACE = 3  # coordinates of a position
+# Steps of a recording that make sure of its largest, and the leap that is none of a motion's.
+_RECORDED, _LEAP = 20, 3.0
 _SUFFIX = "_recorded"
 
 
@@ -184,9 +187,9 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
     orientations = data.get("orientations")
     if orientations is not None:
         orientations = _quaternions(table, chosen["orientations"], orientations, request)
-    elif not request.columns and (angles_of := headers.rotation_angles(table.names)):
+    elif not request.columns and (rotated := headers.unread_orientations(table.names)):
         sanity.warn(
-            f"columns: {', '.join(angles_of)} are left out; orientations are read as quaternions, "
+            f"columns: {', '.join(rotated)} are left out; orientations are read as quaternions, "
             "such as qw, qx, qy, qz"
         )
     return Recording(
@@ -199,6 +202,15 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
     )
 
 
+def lost(positions: Float64Array) -> NDArray[np.bool_]:
+    """Rows (n,) of zeros that no motion (n, d) comes near: trackers write them without a target."""
+    zero = np.asarray((positions == 0.0).all(axis=1))
+    steps = np.abs(np.diff(positions, axis=0)).max(axis=1, initial=0.0)[~(zero[1:] | zero[:-1])]
+    if len(steps) < _RECORDED or positions.shape[1] < _SPACE:  # a gripper opens at once
+        return np.zeros_like(zero)
+    return zero & bool(np.abs(positions[~zero]).max(axis=1).min() > _LEAP * steps.max())
+
+
 def check_complete(table: Table, request: Request) -> None:
     """Refuses a table with a missing number, and says where it is."""
     for names in _chosen(table, request).values():
@@ -208,8 +220,7 @@ def check_complete(table: Table, request: Request) -> None:
             if len(wrong):
                 raise InvalidInput(
                     f"{table.place(int(wrong[0, 0]))}, column {name!r}: expected a finite number, "
-                    f"got {values[tuple(wrong[0])]}; `leadthrough clean` leaves such samples out, "
-                    "in Python io.read_recordings and preprocess.clean"
+                    f"got {values[tuple(wrong[0])]}{CLEANED}"
                 )
 
 
@@ -232,8 +243,10 @@ def _chosen(table: Table, request: Request) -> dict[str, Columns]:
         chosen |= _of_the_arm(names, request.joints) or _only_motion(table, found, request)
     elif "orientations" in chosen and "positions" not in chosen:
         chosen["positions"] = _only(found["positions"], "positions")
-    if "time" not in chosen and found["time"]:
-        chosen["time"] = _only(found["time"], "time")
+    # A rate stands in for a clock of text, such as 12:30:01.
+    times = [c for c in found["time"] if not request.rate or _of_numbers(table, c[0]) is not None]
+    if "time" not in chosen and times:
+        chosen["time"] = _only(times, "time")
     joints = chosen.get("joints", ())
     if all(headers.unit(name, "joints")[1] is None for name in joints):
         chosen |= headers.derivatives(names, joints) if joints else {}
@@ -321,9 +334,8 @@ def guessed(table: Table, request: Request) -> dict[str, Columns]:
         if found[role]:
             return {role: found[role][0]}
     time = (found["time"][0] if found["time"] else _rising(table))[:1]
-    rest = [
-        name for name in table.names if name not in time and _of_numbers(table, name) is not None
-    ]
+    names = [name for name in table.names if name not in time and not headers.OTHER.search(name)]
+    rest = [name for name in names if _of_numbers(table, name) is not None]
     count = len(request.joints)
     if len(rest) < max(count, 2):
         return {}
@@ -416,10 +428,18 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
     own = tuple(headers.joint(name) for name in columns)
     if request.joints and set(own) <= set(request.joints):
         return own
-    strangers = not set(own) & set(request.joints)
-    if request.columns.get("joints") and strangers and len(own) == len(request.joints):
-        return tuple(request.joints)  # as the user stated
+    if request.columns.get("joints") and (stated := _joints_stated(own, tuple(request.joints))):
+        return stated
     return tuple(headers.unit(name, "joints")[0] for name in columns)
+
+
+def _joints_stated(columns: Columns, joints: Columns) -> Columns:
+    """The joints that names tell (`Elbow` elbow_joint), each another one; or all in their order."""
+    own, arm = ([re.sub(r"[\W_]", "", n.lower()) for n in each] for each in (columns, joints))
+    told = [f[0] for n in own if len(f := [i for i, j in enumerate(arm) if n in j or j in n]) == 1]
+    if sorted(told) == [*range(len(columns))]:
+        return tuple(joints[i] for i in told)
+    return joints if len(columns) == len(joints) and not set(columns) & set(joints) else ()
 
 
 def _back_to_metres(

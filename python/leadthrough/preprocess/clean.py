@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from leadthrough import check, rotations
 from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array, InvalidInput, ShortRepr
 from leadthrough.drawing import Drawn, Panel, spans_over_time
-from leadthrough.io.recording import Recording, recording_of
+from leadthrough.io.recording import Recording, lost, recording_of
 from leadthrough.motion import (
     Demonstration,
     Motion,
@@ -52,7 +52,7 @@ class CleaningReport(Drawn):
     Attributes:
         read: number of samples before cleaning.
         left: number of samples after it.
-        invalid: samples left out because a number was missing or a quaternion was no rotation.
+        invalid: samples left out: a number was missing, a quaternion no rotation, a target lost.
         unordered: number of samples later in the file than a sample of a later time.
         repeated: number of samples left out because another one had the same time.
         flipped: number of quaternions whose sign was changed.
@@ -200,7 +200,7 @@ _TOGETHER = 1000  # samples whose windows are in memory at a time
 _FLOOR = 1e-3  # fraction of a column's range; anything smaller is no spike
 _ANY_GAP = 1e300  # s
 _MAX_RATE = 1e5  # Hz; no arm is recorded so fast
-_MIN_RATE = 0.5  # Hz; times in ms or ns that are read as s look slower
+_MIN_RATE = 1.0  # Hz; times in ms or ns that are read as s, and counters, are as slow
 _MAX_REACH = 20.0  # m from an arm's base
 
 
@@ -346,7 +346,7 @@ def summarize(recording: Recording) -> RecordingSummary:
 
 def _remarks(summary: RecordingSummary) -> tuple[str, ...]:
     remarks = []
-    if summary.rate and not _MIN_RATE <= summary.rate <= _MAX_RATE:
+    if summary.rate and not _MIN_RATE < summary.rate <= _MAX_RATE:
         remarks.append(f"{summary.rate:.3g} Hz: are the times in s?")
     farthest = max(map(abs, (*summary.lower, *summary.upper)))
     if summary.kind == "poses" and farthest > _MAX_REACH:
@@ -403,6 +403,7 @@ def _in_time(times: Float64Array) -> NDArray[np.int64]:
 def _valid(recording: Recording) -> NDArray[np.bool_]:
     numbers = np.column_stack([recording.times, *rows_of(recording).values()])
     valid = np.asarray((np.abs(numbers) < check.MAX_NUMBER).all(axis=1))  # false for NaN
+    valid[valid] = ~lost(recording.positions[valid])
     if recording.orientations is not None:
         lengths = np.linalg.norm(np.where(valid[:, None], recording.orientations, 0.0), axis=1)
         valid &= (lengths > _MIN_LENGTH) & (lengths < 1.0 / _MIN_LENGTH)

@@ -73,6 +73,28 @@ def test_beside_a_singular_wrist_nothing_is_lost(offset):
         assert_found_again(UR3, q, reference)
 
 
+def within_half_turns():
+    limit = re.compile('(lower|upper)="(-?)[0-9.]+"')
+    document = limit.sub(r'\1="\g<2>3.14159265"', UR3.document)
+    return lt.Arm.from_urdf(document, base=UR3.base, tip=UR3.tip)
+
+
+@pytest.mark.parametrize("joint", [2, 4])
+@pytest.mark.parametrize("arm", [UR3, within_half_turns()], ids=["turns", "half turns"])
+def test_however_near_a_singularity_no_configuration_is_lost_and_the_nearest_is_found(arm, joint):
+    rng = np.random.default_rng(8)
+    lower, upper = np.maximum(arm.limits.lower, -np.pi), np.minimum(arm.limits.upper, np.pi)
+    for q, reference in rng.uniform(lower, upper, (1500, 2, 6)):
+        offset = 10.0 ** rng.uniform(-8.0, -2.0)
+        q[joint] = rng.choice([offset, -offset, np.pi - offset, offset - np.pi])
+        if (q < lower).any() or (q > upper).any():
+            continue
+        pose = arm.forward_kinematics(q)
+        assert away(arm.inverse_kinematics_all(*pose, q0=q).q, q).min() < 1e-3
+        nearest = arm.inverse_kinematics_all(*pose, q0=reference).q[0]
+        assert np.linalg.norm(nearest - reference) < np.linalg.norm(q - reference) + 1e-4
+
+
 def test_the_closed_form_finds_all_that_the_search_finds():
     by_search = IkOptions(weights=[1, 1, 1, 1, 1, 1.001])  # weights leave the closed form out
     for name in ("ur3", "kr16"):

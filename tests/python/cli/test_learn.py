@@ -49,6 +49,15 @@ def test_recordings_out_of_step_are_aligned_and_those_of_rhythms_named(tmp_path)
     assert "misaligned" not in run(*shlex.split(cure)).stderr
 
 
+def test_a_clock_that_jumps_is_warned_of_without_that_cure(tmp_path):
+    rows = reach()
+    rows[75:, 0] += 3600.0
+    files = [written(tmp_path, "jumps", rows)]
+    said = run("learn", *files, "--model", "dmp", "-o", tmp_path / "s.npz").stderr
+    assert "no sample from 1.48993 to 3601.51 s" in said
+    assert "--align" not in said
+
+
 def standing_still():
     """How long the learned motion moves slower than a fiftieth of its highest speed, s."""
     motion = lt.load_skill("reach.npz").generate()

@@ -83,10 +83,37 @@ def test_positions_are_told_from_what_else_was_logged_of_the_joints(write, patte
     assert np.array_equal(motion.positions, [[1, 2], [1, 2]])
 
 
+@pytest.mark.parametrize("pattern", ["field.{}{}", "{}_{}", "/joint_states/{}[{}]"])
+def test_numbers_of_joint_states_have_the_names_in_their_cells(write, pattern):
+    names, arm = ["elbow", "lift", "pan"], dict.fromkeys(["pan", "lift", "elbow"], (-4.0, 4.0))
+    fields = [pattern.format(f, i) for f in ("name", "position", "velocity") for i in range(3)]
+    rows = [[k, *names, 3, 2, 1, 6, 5, 4] for k in range(2)]
+    table = [["time", *fields], *rows]
+    motion = lt.read_motion(write("\n".join(",".join(map(str, r)) for r in table)), joints=arm)
+    assert motion.joint_names == ("pan", "lift", "elbow")
+    assert np.array_equal(motion.positions[0], [1, 2, 3])
+    assert np.array_equal(motion.velocities[0], [4, 5, 6])
+    rows[1][1:4] = ["a", "b", "c"]  # another arm's message
+    path = write("\n".join(",".join(map(str, r)) for r in table))
+    refused("no names of positions or joints found", lt.read_motion, path, joints=arm)
+
+
+@pytest.mark.parametrize(
+    "names", ["elbow,shoulder_lift,wrist_1", "Elbow_Joint,Shoulder Lift,WRIST1", "a.elbow,lift,1_j"]
+)
+def test_columns_are_the_joints_that_their_names_tell_or_in_the_order_of_the_arm(write, names):
+    arm = dict.fromkeys(["shoulder_lift_joint", "elbow_joint", "wrist_1_joint"], (-4.0, 4.0))
+    path, columns = write(f"t,{names}\n0,1,2,3\n1,1,2,3\n"), {"joints": names.split(",")}
+    told = lt.read_motion(path, joints=arm, columns=columns).joint_names
+    by_name = ("elbow_joint", "shoulder_lift_joint", "wrist_1_joint")
+    assert told == (tuple(arm) if names.endswith("_j") else by_name)
+
+
 def test_the_table_that_a_ur_records_is_read(write):
     header = "timestamp target_q_0 target_q_1 actual_q_0 actual_q_1 actual_qd_0 actual_qd_1"
-    motion = lt.read_motion(write(f"{header}\n9.5 1 2 3 4 5 6\n9.6 1 2 3.1 4.1 5 6\n"))
-    assert np.array_equal(motion.positions, [[3, 4], [3.1, 4.1]])
+    for each in (header, "t cmd_a_joint cmd_b_joint a_joint b_joint effort_a_joint effort_b_joint"):
+        motion = lt.read_motion(write(f"{each}\n9.5 1 2 3 4 5 6\n9.6 1 2 3.1 4.1 5 6\n"))
+        assert np.array_equal(motion.positions, [[3, 4], [3.1, 4.1]])
 
 
 def test_joints_are_ordered_by_their_numbers(write):
@@ -116,6 +143,9 @@ def test_several_positions_need_a_choice(write):
 
 
 def test_a_rate_stands_in_for_time(write):
+    text = write("time,x,y\n2024-05-01 12:00:00.0,1,2\n2024-05-01 12:00:00.5,3,4\n")
+    assert np.array_equal(lt.read_motion(text, rate=2.0).times, [0, 0.5])
+    refused("column 'time': expected a number, got '2024-05-01 12:00:00.0'", lt.read_motion, text)
     path = write("x,y\n1,2\n3,4\n5,6\n")
     assert np.array_equal(lt.read_motion(path, rate=20).times, [0, 0.05, 0.1])
     refused("rate: the file has no time column", lt.read_motion, path)
@@ -141,6 +171,9 @@ def test_choices_that_are_missing_or_impossible_are_refused(write):
         "# t, x, y\n0, 1, 2\n1, 3, 4",
         "# made by a recorder\n\nt,x,y\n0,1,2\n# paused\n\n1,3,4\n\n",
         '"t","x","y"\n"0",1,2\n1,3.0,4e0\n',
+        "%time,x,y,,\n0,1,2,,\n1,3,4,,\n",
+        "__time,x,y\n0,1,2\n1,3,4\n",
+        "Time (Seconds);X;Y\n0;1;2\n1;3;4\n",
     ],
 )
 def test_dialects_are_understood(write, text):
@@ -164,7 +197,7 @@ def test_dialects_are_understood(write, text):
         ("t,x,y\n0,1,2\n\n1,3,one\n", "line 4, column 'y': expected a number, got 'one'"),
         ("t,x,y\n0,1,2_0\n", "line 2, column 'y': expected a number, got '2_0'"),
         ("t,x,y\n0,1,1e999\n", "line 2, column 'y': expected a finite number, got inf"),
-        ("t,x,y\n0,1,2\n0,3,4\n", "times: expected strictly increasing"),
+        ("t,x,y\n0,1,2\n0,3,4\n", "samples 0 and 1; `leadthrough clean` leaves"),
         ("t,x,y\n1,1,2\n0,3,4\n", "times: expected strictly increasing"),
         ("t,x,y,x\n0,1,2,3\n", "line 1: expected different column names, got 'x' twice"),
         (
@@ -253,6 +286,10 @@ def test_patterns_name_columns_without_their_derivatives(tmp_path):
         ("clock,a,b,c,d", None, "columns['time']=clock columns['joints']=a,b,c,d"),
         ("clock,a,b,c d", None, "columns['time']=clock columns['positions']='a,b,c d'"),
         ("t,x,y,z,q1", None, "such as columns['joints']=q1"),
+        *(
+            (f"t,{name}0,{name}1", None, f"there are t, {name}0, {name}1")
+            for name in ("actual_TCP_pose_", "velocity_joint_", "tau_J", "effort_pan_joint", "dq")
+        ),
         ("t,arm_1,arm_2,a,b", {"joints": ["arm1", "arm2"]}, "columns['joints']=arm_1,arm_2"),
     ],
 )
@@ -317,7 +354,13 @@ def test_percent_of_a_joint_without_limits_are_refused(write):
     refused("angles: .* turn has no limits", lt.read_motion, path, angles="percent", joints=joints)
 
 
-@pytest.mark.parametrize("angles", ["rx,ry,rz", "Roll [deg],Pitch [deg],Yaw [deg]", "rot_x,rot_y"])
+@pytest.mark.parametrize(
+    "angles",
+    [
+        *("rx,ry,rz", "Roll [deg],Pitch [deg],Yaw [deg]", "rot_x,rot_y", "A,B,C"),
+        *("W (deg),P (deg),R", "i,j,k", "tool_qx,tool_qy", "r11,r12", "quat_a,quat_b", "ori.0"),
+    ],
+)
 def test_orientations_that_are_no_quaternions_are_not_left_out_silently(write, angles):
     path = write(f"t,x,y,z,{angles}\n" + "0,1,2,3" + ",0" * len(angles.split(",")))
     with pytest.warns(ImplausibleInputWarning, match="are left out; orientations are read as qua"):

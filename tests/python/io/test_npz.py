@@ -29,6 +29,9 @@ def test_arrays_make_points_poses_or_joints(save):
     assert np.array_equal(poses.orientations, QUATERNIONS)
     joints = lt.read_motion(save(times=TIMES, joints=np.zeros((3, 7), np.float32)))
     assert joints.positions.shape == (3, 7)
+    for key in ("joints", "joint_positions"):
+        path = save(times=TIMES, joint_names=np.array(["b", "a"]), **{key: np.zeros((3, 2))})
+        assert lt.read_motion(path).joint_names == ("b", "a")
 
 
 def test_other_names_can_be_mapped(save):

@@ -45,6 +45,7 @@ def archive(tmp_path):
         ("time_ms,joint_1 [deg],joint_2 (deg)", (500, 90, -180), 0.5, (np.pi / 2, -np.pi)),
         ("timestamp_ns,joint_1_rad,joint_2_rad", (2e9, 20, 1), 2.0, (20, 1)),
         ("t [us],joint_1_deg,joint_2", (3e6, 90, 1), 3.0, (np.pi / 2, 1)),
+        ("Time (Seconds),joint_1 [°],joint_2 [mrad]", (1, 90, 20), 1.0, (np.pi / 2, 0.02)),
     ],
 )
 def test_units_in_names_are_followed(table, header, row, time, angles):

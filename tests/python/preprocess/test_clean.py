@@ -51,6 +51,22 @@ def test_samples_without_a_number_are_left_out():
     assert "3 samples with missing numbers, left out: 40, 41, 99" in str(report)
 
 
+@pytest.mark.parametrize("recording", [POSES, replace(POSES, orientations=None)])
+def test_zeros_of_a_tracker_without_a_target_are_refused_and_left_out(recording, tmp_path):
+    dropped = with_values(recording, "positions", slice(100, 110), 0.0)
+    lt.write_motion(dropped.motion(), tmp_path / "dropped.csv")
+    message = "line 102: the position is 0, far from all others, .*`leadthrough clean`"
+    refused(message, lt.read_motion, tmp_path / "dropped.csv")
+    demonstration, report = clean(with_values(dropped, "positions", 50, np.nan))
+    assert report.invalid == (50, *range(100, 110))
+    assert np.abs(demonstration.motion.positions).max(axis=1).min() > 0.5
+    through = replace(recording, positions=recording.positions - recording.positions[100])
+    assert clean(through)[1].faults == 0  # a motion may pass the origin, and grippers leap from it
+    assert not clean(
+        replace(JOINTS, positions=np.repeat([0.0, 0.04], [101, 100])[:, None].repeat(2, 1))
+    )[1].invalid
+
+
 @pytest.mark.parametrize("late", [0.0, 0.003])
 def test_a_clock_that_starts_again_is_refused_and_a_late_block_is_sorted(late):
     times, line = np.arange(100) * 0.01, np.linspace(0.0, 1.0, 100)[:, None]

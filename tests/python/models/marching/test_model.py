@@ -143,7 +143,7 @@ def double_loop(t):
 @pytest.mark.parametrize("curve", [figure_eight, crossing_spiral, double_loop])
 def test_demonstration_that_crosses_itself_is_followed_through_the_crossing(curve):
     path = curve(np.linspace(0.0, 1.0, 600))
-    skill = lt.FastMarching().fit([lt.Trajectory(np.arange(600.0), path)])
+    skill = lt.FastMarching().fit([lt.Trajectory(np.arange(600.0) / 100.0, path)])
     made = skill.generate().positions
     length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
     assert metrics.frechet_distance(by_arc_length(path, 500), by_arc_length(made, 500)) < (

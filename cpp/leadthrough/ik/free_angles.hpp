@@ -1,0 +1,22 @@
+#pragma once
+
+// Where a target leaves angles of the closed form free, as beside a singular wrist: the connected
+// sets of configurations inside the limits, each by its member nearest to a reference.
+
+#include <vector>
+
+#include "leadthrough/ik/closed_form.hpp"
+
+namespace leadthrough {
+
+// Outside of its limits by so little, rad, a configuration may have one inside that reaches the
+// pose as well.
+constexpr double kBesideLimit = 1e-6;
+
+// Of the sets with `free` free angles, 1 or 2. `walk` holds the slack. Before rounding they are
+// within kBesideLimit of the limits.
+std::vector<JointArray> nearest_members(const Chain& chain, const ClosedForm& form,
+                                        const IkTarget& target, const JointVector& reference,
+                                        const Walk& walk, int free);
+
+}  // namespace leadthrough
