@@ -44,10 +44,10 @@ py::array_t<Eigen::Index> rows_apart_(const RowsRef& q, double tolerance) {
 class GriddedPath {
  public:
   GriddedPath(const VectorRef& breaks, const RowsRef& coefficients, const VectorRef& scale,
-              Eigen::Index points)
+              Eigen::Index points, const VectorRef& also)
       : path_{breaks, coefficients} {
     const Unlocked unlocked;
-    grid_ = make_path_grid(path_, scale, points);
+    grid_ = make_path_grid(path_, scale, points, {also.data(), also.data() + also.size()});
   }
 
   const PathGrid& grid() const { return grid_; }
@@ -133,8 +133,9 @@ void bind_time(py::module_& module) {
   module.def("rows_apart", &rows_apart_, "q"_array, "tolerance"_a);
 
   py::class_<GriddedPath>(module, "TimedPath")
-      .def(py::init<const VectorRef&, const RowsRef&, const VectorRef&, Eigen::Index>(),
-           "breaks"_array, "coefficients"_array, "scale"_array, "points"_a)
+      .def(py::init<const VectorRef&, const RowsRef&, const VectorRef&, Eigen::Index,
+                    const VectorRef&>(),
+           "breaks"_array, "coefficients"_array, "scale"_array, "points"_a, "also"_array)
       .def_property_readonly("length", [](const GriddedPath& path) { return path.grid().length; })
       .def_property_readonly("parameter", [](const GriddedPath& path) { return path.grid().s; })
       .def_property_readonly("slope", [](const GriddedPath& path) { return path.grid().slope; })

@@ -908,7 +908,12 @@ def read_records(block: bytes, layout: RecordLayout) -> tuple[Float64Array, int]
 
 class TimedPath:
     def __init__(
-        self, breaks: Float64Array, coefficients: Float64Array, scale: Float64Array, points: int
+        self,
+        breaks: Float64Array,
+        coefficients: Float64Array,
+        scale: Float64Array,
+        points: int,
+        also: Float64Array,
     ) -> None: ...
     length: Final[Float64Array]
     parameter: Final[Float64Array]

@@ -138,9 +138,10 @@ VectorXd spread(const PolynomialPath& path, Pace& pace, Index points) {
   return s;
 }
 
-// With points at the ends of pieces that cells are too wide for, and inside those.
-std::vector<double> with_short_pieces(const PolynomialPath& path, const VectorXd& s) {
-  std::vector<double> result(s.data(), s.data() + s.size());
+// With some more points, and those at the ends of pieces that cells are too wide for, and inside.
+std::vector<double> with_short_pieces(const PolynomialPath& path, const VectorXd& s,
+                                      std::vector<double> result) {
+  result.insert(result.end(), s.data(), s.data() + s.size());
   for (Index p = 0, i = 0; p < path.pieces(); ++p) {
     const double first = path.breaks[p], width = path.breaks[p + 1] - first;
     while (i + 2 < s.size() && s[i + 1] <= first) ++i;
@@ -182,17 +183,21 @@ VectorXd graded(std::vector<double> s) {
 
 }  // namespace
 
-PathGrid make_path_grid(const PolynomialPath& path, const VectorRef& scale, Index points) {
+PathGrid make_path_grid(const PolynomialPath& path, const VectorRef& scale, Index points,
+                        const std::vector<double>& also) {
   const Index pieces = path.pieces();
   check_argument(pieces > 0 && path.coefficients.rows() >= pieces &&
                      path.coefficients.rows() % pieces == 0 && path.joints() > 0,
                  "path: expected as many rows of coefficients for each piece");
   check_argument(scale.size() == path.joints(), "scale: expected one value a joint");
   check_argument(points > 2 && points <= kMaxGridPoints, "points: expected 3 to kMaxGridPoints");
+  for (const double s : also)
+    check_argument(s > path.breaks[0] && s < path.breaks[pieces],
+                   "also: expected parameters inside the path");
   Pace pace(path, scale);
   PathGrid grid;
   grid.scale = scale;
-  grid.s = graded(with_short_pieces(path, spread(path, pace, points)));
+  grid.s = graded(with_short_pieces(path, spread(path, pace, points), also));
   points = grid.s.size();
   grid.length.resize(points);
   grid.slope.resize(points);

@@ -4,6 +4,7 @@
 // own parameter runs through a stretch without moving much, this one hardly grows.
 
 #include <array>
+#include <vector>
 
 #include "leadthrough/time/polynomial_path.hpp"
 
@@ -24,8 +25,9 @@ constexpr Eigen::Index kMaxGridPoints = 10'000'000;
 
 // `points` points, closer to each other where the path turns. scale: for each joint, what counts
 // as one unit of motion: the fastest that it could be, 0 for a joint that does not count. The path
-// must move.
-PathGrid make_path_grid(const PolynomialPath& path, const VectorRef& scale, Eigen::Index points);
+// must move. also: parameters inside the path that are points too.
+PathGrid make_path_grid(const PolynomialPath& path, const VectorRef& scale, Eigen::Index points,
+                        const std::vector<double>& also = {});
 
 // s by the length in a cell of the grid: the quintic through s, slope and bend of the points on
 // both sides, so that the second derivative is continuous.

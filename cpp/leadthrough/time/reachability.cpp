@@ -131,16 +131,19 @@ class Cell {
   // From x towards `other`, the first x that leaves an acceleration; beyond `other` if none does.
   double outermost(double x, double other) const {
     const double direction = other < x ? -1.0 : 1.0;
+    double before = 0.0;  // of which a step is rounded: it may end slightly beyond the zero
     for (int step = 0; step < kMaxNewtonSteps; ++step) {
       const Line low = floor(x), high = ceiling(x);
       const double length = high.at(x) - low.at(x);
       if (length >= -kRounding * (low.size(x) + high.size(x))) return x;
-      const double slope = high.slope - low.slope;
-      if (slope * direction <= 0.0) break;
-      const double next = x - length / slope;
+      const double slope = high.slope - low.slope, next = x - length / slope;
+      if (slope * direction <= 0.0 && !(std::abs(next - x) <= kRounding * before)) break;
       if (next == x) return x;
+      before = std::abs(x);
       x = next;
-      if ((x - other) * direction > 0.0) break;
+      const double beyond = (x - other) * direction;
+      if (beyond > kRounding * before) break;
+      if (beyond > 0.0) x = other;
     }
     return direction * kInfinity;
   }

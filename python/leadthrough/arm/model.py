@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any, Self
 
 import numpy as np
@@ -106,6 +106,17 @@ class ArmModel(Drawn):
         of its `parent` and `child` link, `kind`, `position`, `rotation`, `axis` and bounds.
         """
         return self._robot
+
+    @cached_property
+    def gravity(self) -> Float64Array:
+        """Acceleration (3,) of gravity, m/s^2 in the base frame, of a robot whose root is upright.
+
+        If free joints lie between root and base, it is that of an upright base.
+        """
+        joints = self._robot.path(self._robot.links[self._robot.tree[0].parent], self.base)
+        known = all(joint.kind == "fixed" for joint in joints)
+        turns = (joint.rotation.T for joint in joints if known)
+        return check.freeze(reduce(lambda down, turn: turn @ down, turns, np.array(GRAVITY)))
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -234,7 +245,7 @@ class ArmModel(Drawn):
         return kinematics.condition_number(self.jacobian(q), weight)
 
     def inverse_dynamics(
-        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike = GRAVITY
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike | None = None
     ) -> Float64Array:
         """Joint torques (joints,) in N m (forces in N for prismatic joints) that produce a motion.
 
@@ -243,26 +254,26 @@ class ArmModel(Drawn):
         the arm, unless these are locked.
 
         Args:
-            gravity: acceleration (3,) of gravity in the base frame, m/s^2.
+            gravity: acceleration (3,) of gravity in the base frame, m/s^2; by default `gravity`.
 
         Raises:
             InvalidRobot: if the URDF states no masses.
         """
         self._require_masses()
         batch, rows = self._rows(q=q, qd=qd, qdd=qdd)
-        pull = check.array(gravity, "gravity", shape=(3,))
+        pull = check.array(self.gravity if gravity is None else gravity, "gravity", shape=(3,))
         torques = kinematics.finite(
             self._dynamics.inverse_dynamics(rows[0], rows[1], rows[2], pull)
         )
         return torques if batch else torques[0]
 
-    def gravity_torques(self, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Float64Array:
+    def gravity_torques(self, q: ArrayLike, *, gravity: ArrayLike | None = None) -> Float64Array:
         """Joint torques (joints,) in N m (N) that hold the arm still against gravity.
 
         They are of the links as in `inverse_dynamics`.
 
         Args:
-            gravity: acceleration (3,) of gravity in the base frame, m/s^2.
+            gravity: acceleration (3,) of gravity in the base frame, m/s^2; by default `gravity`.
 
         Raises:
             InvalidRobot: if the URDF states no masses.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
-from leadthrough.arm import GRAVITY, Arm, HeldObject
+from leadthrough.arm import Arm, HeldObject
 from leadthrough.arm.attachment import Load
 from leadthrough.arm.rigid_transforms import Transforms, checked_grasps
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
@@ -66,7 +66,7 @@ def simulate_held(
     *,
     controller: Controller | None = None,
     disturbances: Disturbances | None = None,
-    gravity: ArrayLike = GRAVITY,
+    gravity: ArrayLike | None = None,
     rate: float = 1000.0,
 ) -> HeldSimulation:
     """A motion of two arms that carry an object, under gravity and a controller of either.
@@ -79,7 +79,7 @@ def simulate_held(
         trajectory: of the joints of both arms, at any rate.
         controller: of either arm, by default a `ComputedTorque`.
         disturbances: of either arm, by default those of real ones.
-        gravity: acceleration (3,) of gravity in the frame of the pair, m/s^2.
+        gravity: acceleration (3,) of gravity in the pair's frame, m/s^2; by default the left arm's.
         rate: of the controllers, Hz, 100 to 1e4.
 
     Raises:
@@ -90,8 +90,9 @@ def simulate_held(
     """
     mujoco = check.package("mujoco", extra="simulation")
     check.instance(held, "held", HeldObject)
-    pull = check.array(gravity, "gravity", shape=(3,))
     carried = _Carried.of(held)
+    own = held.pair.left.gravity
+    pull = check.array(own if gravity is None else gravity, "gravity", shape=(3,))
     period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
     rows = chunk_of(in_order(trajectory, held.joint_names, "trajectory"), held.pair, period).rows
     q = np.concatenate([rows, np.repeat(rows[-1:], round(_SETTLING / period), axis=0)])

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 import leadthrough._core as core
 from leadthrough import check, rotations
-from leadthrough.arm import GRAVITY, Arm, check_arm
+from leadthrough.arm import Arm, check_arm
 from leadthrough.arm.attachment import Load
 from leadthrough.arm.limits import known_acceleration
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath
@@ -38,7 +38,7 @@ def simulate(
     controller: Controller | None = None,
     state: CommandedState | ArrayLike | None = None,
     disturbances: Disturbances | None = None,
-    gravity: ArrayLike = GRAVITY,
+    gravity: ArrayLike | None = None,
     tip_tolerance: float | None = None,
     rate: float = 1000.0,
 ) -> SimulationReport:
@@ -63,7 +63,7 @@ def simulate(
         disturbances: rotors, and the load, friction, delay, encoders and pushes that the controller
             does not know; by default those of a real arm. Errors by a load that is off by more
             than 5 % count as more than the gains allow.
-        gravity: acceleration (3,) of gravity in the base frame, m/s^2.
+        gravity: acceleration (3,) of gravity in the base frame, m/s^2; by default `arm.gravity`.
         tip_tolerance: largest error of the tip, m, > 0, that is acceptable; by default any.
         rate: of the controller, Hz, 100 to 1e4.
 

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm import Arm
-from leadthrough.arm.model import GRAVITY
 from leadthrough.check import Float64Array, ShortRepr
 from leadthrough.guard import CommandedState
 from leadthrough.shapes import SceneLike, as_scene
@@ -103,7 +102,7 @@ class SimulatedArm(ShortRepr):
         controller: makes torques of the commands.
         disturbances: rotors, and the load, friction, delay, encoders and pushes that the controller
             does not know; by default those of a real arm.
-        gravity: acceleration (3,) of gravity in the base frame, m/s^2.
+        gravity: acceleration (3,) of gravity in the base frame, m/s^2; by default `arm.gravity`.
         rate: commands per second, 100 to 1e4.
 
     Raises:
@@ -120,13 +119,13 @@ class SimulatedArm(ShortRepr):
         *,
         controller: Controller | None = None,
         disturbances: Disturbances | None = None,
-        gravity: ArrayLike = GRAVITY,
+        gravity: ArrayLike | None = None,
         rate: float = 1000.0,
     ) -> None:
         self._mujoco = check.package("mujoco", extra="simulation")
         self.arm = arm
         self.period = 1.0 / check.number(rate, "rate", at_least=100.0, at_most=1e4)
-        pull = check.array(gravity, "gravity", shape=(3,))
+        pull = check.array(arm.gravity if gravity is None else gravity, "gravity", shape=(3,))
         unknown = Disturbances() if disturbances is None else disturbances
         self.drives = drives_of(arm, unknown, self.period)
         start = _started(state, len(arm.joint_names))

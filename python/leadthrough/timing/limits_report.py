@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 import leadthrough._core as core
 from leadthrough import check, sanity
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array, LimitsInfeasible, ShortRepr
+from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 from leadthrough.drawing import Drawn, Panel, bars
 from leadthrough.motion import JointTrajectory, computed_joints, in_order, lerp, with_derivatives
 from leadthrough.timing.request import POSITION_ROUNDING
@@ -34,6 +34,7 @@ KINDS: tuple[Kind, ...] = ("velocity", "acceleration", "jerk")
 # A ratio above 1 by less is rounding: differences of accelerations sampled at 1 kHz carry 1e-9
 # rad/s^3 of it, and a position given with seven digits 1e-7 rad.
 ROUNDING = 1e-6
+MAX_SAMPLES = 1e7  # of a motion
 # A limit binds from this fraction of it on: the rest is the time law's own margin.
 _BINDS = 0.95
 _MAX_BAR = 3.0  # of a drawing, in multiples of the limit
@@ -178,6 +179,13 @@ def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Bin
     ]
 
 
+def check_samples(count: float, argument: str = "rate") -> None:
+    """Raises InvalidInput about a rate for more samples than a motion may have."""
+    if not count <= MAX_SAMPLES:
+        expected = f"expected at most {MAX_SAMPLES:.0e} samples; lower the rate"
+        raise InvalidInput(f"{argument}: {expected}, or check that the times are in s")
+
+
 def check_positions(positions: Float64Array, limits: JointLimits) -> None:
     """Raises LimitsInfeasible if a configuration (n, joints) lies outside the position limits."""
     outside = np.maximum(limits.lower - positions, positions - limits.upper).max(axis=0)
@@ -299,6 +307,7 @@ def _standing(motion: JointTrajectory, rests: tuple[bool, bool]) -> JointTraject
 def _played_straight(trajectory: JointTrajectory, rate: float) -> Extremes:
     """Differences over one, two and three periods of a receiver that interpolates linearly."""
     first, last = trajectory.times[[0, -1]]
+    check_samples((last - first) * rate, "linear_rate")
     periods = max(int(np.ceil((last - first) * rate - ROUNDING)), 1)
     clock = first + np.arange(periods + 1) / rate
     played = lerp(clock, trajectory.times, trajectory.positions)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm.model import ArmModel
-from leadthrough.check import Float64Array, Frozen, InvalidInput
+from leadthrough.check import Float64Array, Frozen
 
 Jacobian = Callable[[Float64Array], Float64Array]
 InverseDynamics = Callable[[Float64Array, Float64Array, Float64Array], Float64Array]
@@ -39,7 +39,7 @@ class TipSpeed:
 
     def __post_init__(self) -> None:
         check.number(self.limit, "tip_speed", above=0.0)
-        _check_function(self.jacobian, "jacobian")
+        check.instance(self.jacobian, "jacobian", Callable, "a function")
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +136,13 @@ class Request:
         bounds = (self.earliest_times, self.tip_speed, self.inverse_dynamics)
         return all(bound is None for bound in bounds) and all(self.rests_at_ends)
 
+    def due(self, row: int) -> float:
+        """When a row may be left, s from the start: its earliest time and the rests up to it."""
+        if self.earliest_times is None:
+            return 0.0
+        rested = sum(time for each, time in self.dwell_times.items() if each <= row)
+        return float(self.earliest_times[row] - self.earliest_times[0]) + rested
+
     def between_rests(self, *, first: bool, last: bool) -> Request:
         """The request for a part of the path."""
         return replace(
@@ -173,16 +180,13 @@ def checked_velocity(velocity: ArrayLike | None, name: str, joints: int) -> Floa
 
 def checked_tip_speed(tip_speed: TipSpeed | None) -> TipSpeed | None:
     """The argument, if it is a TipSpeed or None."""
-    if tip_speed is not None and not isinstance(tip_speed, TipSpeed):
-        what = type(tip_speed).__name__
-        raise InvalidInput(f"tip_speed: expected a TipSpeed, got {what}")
+    check.instance(tip_speed, "tip_speed", TipSpeed | None, "a TipSpeed")
     return tip_speed
 
 
 def checked_dynamics(inverse_dynamics: InverseDynamics | None) -> InverseDynamics | None:
     """The argument, if it is a function or None."""
-    if inverse_dynamics is not None:
-        _check_function(inverse_dynamics, "inverse_dynamics")
+    check.instance(inverse_dynamics, "inverse_dynamics", Callable | None, "a function")
     return inverse_dynamics
 
 
@@ -195,8 +199,3 @@ def efforts(
     name = "inverse_dynamics(q, qd, qdd)"
     rows = zip(q, qd, qdd, strict=True)
     return np.array([check.array(dynamics(*row), name, shape=(q.shape[1],)) for row in rows])
-
-
-def _check_function(value: object, name: str) -> None:
-    if not callable(value):
-        raise InvalidInput(f"{name}: expected a function, got {type(value).__name__}")

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
+from leadthrough.check import InvalidInput, LimitsInfeasible
 from leadthrough.motion import JointTrajectory, computed_joints, in_order, moved_events
 from leadthrough.timing import limits_report, request as checks
 from leadthrough.timing.limits_report import KINDS
@@ -242,7 +242,7 @@ def _timed(
     """The motion over all sections, with the rests between them; it satisfies the limits."""
     inner = limits
     for _ in range(_MAX_ATTEMPTS):
-        motion = _joined(sections, inner, request, start=route.start)
+        motion = _joined(route, sections, inner, request)
         timed = _trajectory(motion, path, limits.joint_names)
         used = limits_report.extremes(timed, request.rests_at_ends)
         outside = limits_report.positions_outside(used, limits)
@@ -264,21 +264,24 @@ def _timed(
     )
 
 
-def _joined(
-    sections: Sections, limits: JointLimits, request: Request, *, start: Float64Array
-) -> Samples:
-    """The motions along the sections, one after the other."""
-    motions, begin = list[Samples](), sections.initial_dwell
+def _joined(route: Path, sections: Sections, limits: JointLimits, request: Request) -> Samples:
+    """The motions along the sections, one after the other, with rests until the next is due."""
+    rows = [*(int(part.rows[0]) for part in sections.parts), route.rows - 1]
+    begins = begin = max(sections.initial_dwell, request.due(rows[0]))
+    motions = [Samples.at_rest(route.start, begin, request.rate, (0, rows[0]))]
     for i, part in enumerate(sections.parts):
         if isinstance(part, Lines):
-            motion = time_lines(part, limits, request.rate)
-        else:
-            own = request.between_rests(first=i == 0, last=i == len(sections.parts) - 1)
-            motion = time_section(part, limits, own, begin)
-        motions.append(motion)
+            motions.append(time_lines(part, limits, request.rate))
+            continue
+        own = request.between_rests(first=i == 0, last=i == len(sections.parts) - 1)
+        motions.append(motion := time_section(part, limits, own, begin))
         begin += float(motion.times[-1])
-    moved = Samples.joined(motions) if motions else Samples.at_rest(start)
-    return moved.with_dwell_before(sections.initial_dwell, request.rate)
+        left = max(part.dwell_time, request.due(rows[i + 1]) - begin)
+        if left > 0.0:
+            passed = float(motion.rows[-1]), rows[i + 1]
+            motions.append(Samples.at_rest(motion.positions[-1], left, request.rate, passed))
+            begin += float(motions[-1].times[-1])
+    return Samples.joined(motions[1:] if len(motions) > 1 and begins == 0.0 else motions)
 
 
 def _trajectory(

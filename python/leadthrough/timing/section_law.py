@@ -24,7 +24,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.arm.limits import JointLimits, known_rates, refuse_zeros
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
-from leadthrough.timing.limits_report import check_positions
+from leadthrough.timing.limits_report import MAX_SAMPLES, check_positions, check_samples
 from leadthrough.timing.request import InverseDynamics, Jacobian, Request, efforts
 from leadthrough.timing.sections import Lines, Section
 from leadthrough.trajectories import Spline
@@ -33,8 +33,12 @@ from leadthrough.trajectories import Spline
 _MIN_POINTS, _POINTS_A_PIECE, _MAX_POINTS = 1000, 8, 50_000
 _POINTS_A_SAMPLE = 4  # that has a time of its own: on coarser grids slow parts come early
 _POINTS_OF_SPREAD = 400
+_COARSE = 1.01  # ratio of speeds from which on a grid is too coarse for them
 # If all joints move slightly, those moving by less than this fraction of the most are at rest.
 _FRACTION_AT_REST = 1e-3
+# An end passed at less than this, of the path's length per s, is at rest.
+_SPEED_AT_REST = 1e-9
+_CELLS = 4.0  # that the grid has at least where an end is passed at its speed
 # A velocity may deviate from the path by this, relative to its size.
 _ALONG = 1e-3
 # Parts between bottlenecks may have bottlenecks again; those of parts of parts are passed.
@@ -61,22 +65,14 @@ _STATUSES = (
     "slow_profile",
 )
 
-# The most samples of a motion.
-MAX_SAMPLES = 1e7
 # Joints that move by less, rad or m, are at rest: fitting a constant leaves as much.
 AT_REST = 1e-9
 
 Free = NDArray[np.bool_]
 
 
-def time_section(section: Section, limits: JointLimits, request: Request, begin: float) -> Samples:
-    """The fastest motion along a section, and its rest at the end."""
-    motion = _fastest(section, limits, request, begin, cuts=0)
-    return motion.with_dwell_after(section.dwell_time, request.rate)
-
-
-def _fastest(
-    section: Section, limits: JointLimits, request: Request, begin: float, *, cuts: int
+def time_section(
+    section: Section, limits: JointLimits, request: Request, begin: float, *, cuts: int = 0
 ) -> Samples:
     """The fastest motion along a section that was cut so many times already."""
     last = cuts == _MAX_CUTS
@@ -102,7 +98,7 @@ def _resting(
     motions = list[Samples]()
     for i, part in enumerate(parts):
         own = request.between_rests(first=i == 0, last=i == len(parts) - 1)
-        motions.append(_fastest(part, limits, own, begin, cuts=cuts))
+        motions.append(time_section(part, limits, own, begin, cuts=cuts))
         begin += float(motions[-1].times[-1])
     return Samples.joined(motions)
 
@@ -113,42 +109,58 @@ def _passing(
     """The fastest motion along a section that rests nowhere inside, and its bottlenecks."""
     q = section.spline.evaluate(np.linspace(*section.spline.domain, _POINTS_OF_SPREAD))
     rates = _rates_within(limits, q.max(axis=0) - q.min(axis=0))
-    timed = 0 if request.earliest_times is None else len(section.rows)
-    path = _timed_path(section.spline, rates.scale, points=_POINTS_A_SAMPLE * timed)
+    points = 0 if request.earliest_times is None else _POINTS_A_SAMPLE * len(section.rows)
+    path = _timed_path(section.spline, rates.scale, points=points)
     check_positions(path.positions, limits)
-    speeds = (
-        _end_speed(path, 0, request.start_velocity, "start_velocity"),
-        _end_speed(path, -1, request.end_velocity, "end_velocity"),
-    )
+    speeds = _end_speed(path, 0, request), _end_speed(path, -1, request)
+    if ends := _slow_ends(path, speeds, rates):
+        path = _timed_path(section.spline, rates.scale, points=points, also=ends)
+        speeds = _end_speed(path, 0, request), _end_speed(path, -1, request)
     problem = TimingProblem(path, section, rates, limits, speeds, request.rate, max_delay)
-    effort_fraction, tip_fraction = 1.0, 1.0
+    effort_fraction, tip_fraction = np.ones(len(limits.joint_names)), 1.0
     for _ in range(_MAX_TIGHTENINGS):
         bounds = _bounds(path, limits, request, effort=effort_fraction, tip=tip_fraction)
         law = problem.law(_on_schedule(problem, bounds, request, begin))
         motion = problem.motion(law)
-        tip, effort = _tip_ratio(motion, request), _effort_ratio(motion, limits, request)
-        if max(tip, effort) <= 1.0:
+        tip, effort = _tip_ratio(motion, request), _effort_ratios(motion, limits, request)
+        if max(tip, *effort) <= 1.0:
             return motion, law.bottlenecks
         tip_fraction /= max(tip * _TIGHTER, 1.0)
-        effort_fraction /= max(effort * _TIGHTER, 1.0)
+        effort_fraction /= np.maximum(effort * _TIGHTER, 1.0)
     raise LimitsInfeasible(
         "no motion along the path keeps the tip's speed and the efforts inside their limits",
         joint=limits.joint_names[0],
     )
 
 
-def _timed_path(spline: Spline, scale: Float64Array, *, points: int) -> core.TimedPath:
+def _timed_path(
+    spline: Spline, scale: Float64Array, *, points: int, also: Sequence[float] = ()
+) -> core.TimedPath:
     pieces, terms, joints = spline.coefficients.shape
     points = min(max(points, _MIN_POINTS, _POINTS_A_PIECE * pieces), _MAX_POINTS)
     table = spline.coefficients.reshape(pieces * terms, joints)
-    return core.TimedPath(spline.knots, table, scale, points + 1)
+    return core.TimedPath(spline.knots, table, scale, points + 1, np.array(also, np.float64))
 
 
-def _end_speed(path: core.TimedPath, end: int, velocity: Float64Array | None, name: str) -> float:
+def _slow_ends(path: core.TimedPath, speeds: tuple[float, float], rates: _Rates) -> list[float]:
+    """Parameters near ends that are passed, while averaging goes on, in less than a cell."""
+    bound = rates.jerk > 0.0
+    window = float(np.sqrt(rates.scale[bound] / rates.jerk[bound]).max(initial=0.0))
+    passed = window / _CELLS * np.array(speeds)
+    slow = (passed > 0.0) & (passed < np.diff(path.length)[[0, -1]])
+    at = path.parameter[[0, -1]] + np.array([1.0, -1.0]) * passed * path.slope[[0, -1]]
+    return at[slow].tolist()  # type: ignore[no-any-return]
+
+
+def _end_speed(path: core.TimedPath, end: int, request: Request) -> float:
     """The speed of the path's length at an end."""
+    name = ("start_velocity", "end_velocity")[end]
+    velocity: Float64Array | None = getattr(request, name)
     if velocity is None or not velocity.any():
         return 0.0
-    along = path.first[end]
+    along, size = path.first[end], float(np.linalg.norm(velocity))
+    if size <= _SPEED_AT_REST * path.length[-1] * np.linalg.norm(along):
+        return 0.0
     speed = float(velocity @ along / max(along @ along, 1e-300))
     if speed < 0.0 or np.abs(velocity - speed * along).max() > _ALONG * np.abs(velocity).max():
         raise InvalidInput(f"{name}: expected a velocity along the path, {along}, got {velocity}")
@@ -293,7 +305,7 @@ def _failure(status: str, direction: Float64Array, limits: JointLimits) -> Excep
         need = np.nan_to_num(np.abs(direction) / limits.velocity)
     name = limits.joint_names[int(need.argmax())]
     if status == "too_long":
-        return InvalidInput(f"rate: expected at most {MAX_SAMPLES:.0e} samples; lower the rate")
+        check_samples(math.inf)
     reasons = {
         "no_motion": "no motion along the path keeps the limits",
         "start_too_fast": "start_velocity is faster than the limits allow",
@@ -323,10 +335,10 @@ def _bounds(
     limits: JointLimits,
     request: Request,
     *,
-    effort: float,
+    effort: Float64Array,
     tip: float,
 ) -> _PathBounds:
-    """The bounds of a request, with fractions of the effort limits and of the tip's speed."""
+    """The bounds of a request, with fractions of the tip's speed and of what holding leaves."""
     count = len(path.length)
     empty = np.empty((count, 0))
     bounds = _PathBounds(np.full(count, np.inf), empty, empty, empty, empty)
@@ -335,21 +347,19 @@ def _bounds(
         with np.errstate(divide="ignore"):
             bounds = bounds.slower_than((tip * request.tip_speed.limit / speeds) ** 2)
     if request.inverse_dynamics is not None:
-        allowed = effort * _effort(limits)
-        bounds = _with_efforts(bounds, path, request.inverse_dynamics, allowed)
+        (gain, bend, rest), most = _efforts_along(path, request.inverse_dynamics), _effort(limits)
+        least, most = effort * (-most - rest), effort * (most - rest)
+        bounds = _PathBounds(bounds.fastest, gain, bend, least, most)
         _check_holding(bounds, limits)
     return bounds
 
 
-def _with_efforts(
-    bounds: _PathBounds, path: core.TimedPath, dynamics: InverseDynamics, effort: Float64Array
-) -> _PathBounds:
-    """The bounds, with the joints' efforts kept inside their limits."""
+def _efforts_along(path: core.TimedPath, dynamics: InverseDynamics) -> tuple[Float64Array, ...]:
+    """Efforts (n, joints) of u = 1, of x = 1, and those that hold the arm."""
     still = np.zeros_like(path.positions)
     rest = efforts(dynamics, path.positions, still, still)
     gain = efforts(dynamics, path.positions, still, path.first) - rest
-    bend = efforts(dynamics, path.positions, path.first, path.second) - rest
-    return _PathBounds(bounds.fastest, gain, bend, -effort - rest, effort - rest)
+    return gain, efforts(dynamics, path.positions, path.first, path.second) - rest, rest
 
 
 def _effort(limits: JointLimits) -> Float64Array:
@@ -373,12 +383,16 @@ def _tip_ratio(motion: Samples, request: Request) -> float:
     return float(speeds.max()) / request.tip_speed.limit
 
 
-def _effort_ratio(motion: Samples, limits: JointLimits, request: Request) -> float:
-    if request.inverse_dynamics is None:
-        return 0.0
-    some = motion.some(_JUDGED_SAMPLES)
-    used = efforts(request.inverse_dynamics, some.positions, some.velocities, some.accelerations)
-    return float((np.abs(used) / _effort(limits)).max())
+def _effort_ratios(motion: Samples, limits: JointLimits, request: Request) -> Float64Array:
+    """The fraction (joints,) that is used of the efforts that holding the arm leaves."""
+    dynamics, some = request.inverse_dynamics, motion.some(_JUDGED_SAMPLES)
+    if dynamics is None:
+        return np.zeros(len(limits.joint_names))
+    still = np.zeros_like(some.positions)
+    held = efforts(dynamics, some.positions, still, still)
+    used = efforts(dynamics, some.positions, some.velocities, some.accelerations) - held
+    left = np.maximum(_effort(limits) - np.sign(used) * held, np.finfo(np.float64).tiny)
+    return np.asarray((np.abs(used) / left).max(axis=0))
 
 
 def _tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) -> Float64Array:
@@ -418,8 +432,14 @@ def _paced(
     from scipy.interpolate import PchipInterpolator
 
     clock = PchipInterpolator(parameters, times)
+    given = clock(path.parameter)
     with np.errstate(divide="ignore"):
-        return clock(path.parameter), np.asarray((1.0 / clock(path.parameter, 1) / path.slope) ** 2)
+        speed = 1.0 / clock(path.parameter, 1) / path.slope
+    # Between two points the speed is their mean: beside a pause it would leave out the pause.
+    mean = np.diff(path.length) / np.diff(given)
+    least = np.where(0.5 * (speed[:-1] + speed[1:]) > _COARSE * mean, mean, np.inf)
+    capped = np.minimum.reduce([speed, np.append(least, np.inf), np.append(np.inf, least)])
+    return given, capped**2
 
 
 def hurries(due: Float64Array, arrival: Callable[[Free], Float64Array], *, slack: float) -> Free:
@@ -471,10 +491,17 @@ class Samples:
     accelerations: Float64Array  # rad/s^2 (m/s^2), (n, joints)
 
     @staticmethod
-    def at_rest(q: Float64Array) -> Samples:
-        """A single sample at rest at a configuration (joints,)."""
-        still = np.zeros((1, len(q)))
-        return Samples(np.zeros(1), np.zeros(1), q[None].copy(), still, still)
+    def at_rest(
+        q: Float64Array, time: float = 0.0, rate: float = 1.0, rows: tuple[float, float] = (0, 0)
+    ) -> Samples:
+        """Samples at rest at a configuration (joints,), while the progress goes on."""
+        check_samples(time * rate)
+        count = math.ceil(time * rate - 1e-9) + 1
+        still = np.zeros((count, len(q)))
+        progress = np.linspace(*rows, count)
+        return Samples(
+            np.arange(count) / rate, progress, np.repeat(q[None], count, 0), still, still
+        )
 
     @staticmethod
     def joined(motions: Sequence[Samples]) -> Samples:
@@ -488,17 +515,10 @@ class Samples:
         others = ([vars(m)[name][c] for m, c in pairs] for name in list(vars(motions[0]))[1:])
         return Samples(np.concatenate(times), *map(np.concatenate, others))
 
-    def with_dwell_before(self, time: float, rate: float) -> Samples:
-        """The motion after a rest."""
-        return Samples.joined([self._rest(0, time, rate), self]) if time > 0.0 else self
-
-    def with_dwell_after(self, time: float, rate: float) -> Samples:
-        """The motion followed by a rest."""
-        return Samples.joined([self, self._rest(-1, time, rate)]) if time > 0.0 else self
-
     def with_dwells(self, at: NDArray[np.intp], times: Float64Array, rate: float) -> Samples:
         """The motion with further rests at samples."""
         copies = np.ones(len(self.times), dtype=np.intp)
+        check_samples(float(times.sum()) * rate)
         copies[at] += np.ceil(times * rate - 1e-9).astype(np.intp)
         if (copies == 1).all():
             return self
@@ -510,13 +530,6 @@ class Samples:
     def some(self, count: int) -> Samples:
         """At most `count` evenly spread samples."""
         return self._of(np.unique(np.linspace(0, len(self.times) - 1, count).astype(np.intp)))
-
-    def _rest(self, end: int, time: float, rate: float) -> Samples:
-        """Standing still where the motion begins or ends."""
-        count = math.ceil(time * rate - 1e-9) + 1
-        positions = np.repeat(self.positions[[end]], count, axis=0)
-        still, rows = np.zeros_like(positions), np.repeat(self.rows[end], count)
-        return Samples(np.arange(count) / rate, rows, positions, still, still)
 
     def _of(self, index: NDArray[np.intp]) -> Samples:
         return Samples(*(column[index] for column in vars(self).values()))
@@ -537,7 +550,7 @@ def time_lines(lines: Lines, limits: JointLimits, rate: float) -> Samples:
         MAX_SAMPLES,
     )
     if failed >= 0:
-        raise InvalidInput(f"rate: expected at most {MAX_SAMPLES:.0e} samples; lower the rate")
+        check_samples(math.inf)
     line = np.repeat(np.arange(len(steps)), steps)
     rests = np.cumsum(np.concatenate([[0], steps]))
     share, speed, push = (column[:, None] for column in np.vstack([np.zeros((1, 3)), shares]).T)

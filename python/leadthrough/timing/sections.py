@@ -23,6 +23,10 @@ Rows = NDArray[np.intp]
 
 
 _SAME_PLACE = 1e-12  # rad or m
+# Samples that stay within this, rad (m), for so many s are a pause: shorter ones are also steps of
+# an encoder between which an arm moves on.
+_STILL, _PAUSE = 5e-6, 0.1
+_LONGER = 10.0  # times the usual time between samples that are farther apart
 # Rows beyond each end of a part, by which a cubic between rows is the same as with all of them.
 _BESIDE = 3
 
@@ -165,7 +169,23 @@ def _cut_samples(times: Float64Array, q: Float64Array, request: Request) -> Sect
         kept, parameters, spline = _fitted(times[part], q[part], request)
         return Section(spline, first + kept, parameters)
 
-    return between({0, *request.dwell_times, len(q) - 1}, section, dwell_times=request.dwell_times)
+    stops = {0, *request.dwell_times, len(q) - 1}
+    if request.earliest_times is not None:
+        q = q.copy()
+        for first, last in _pauses(times, q, min(0.5 * request.path_tolerance, _STILL)):
+            q[first : last + 1] = q[first if last < len(q) - 1 else last]
+            stops |= {int(first), int(last)}
+    return between(stops, section, dwell_times=request.dwell_times)
+
+
+def _pauses(times: Float64Array, q: Float64Array, tolerance: float) -> Rows:
+    """The first and the last row of each place at which the samples stay for a while."""
+    first = core.rows_apart(np.ascontiguousarray(q), tolerance)
+    last = np.append(first[1:] - 1, len(q) - 1)
+    stay, usual = times[last] - times[first], np.median(np.diff(times[first], append=times[-1]))
+    # A slow motion stays near each of its samples, but at none of them.
+    still = (q[first] == q[last]).all(axis=1) | (stay > _LONGER * usual)
+    return np.asarray(np.stack([first, last], axis=1)[still & (stay >= _PAUSE)])
 
 
 def _cut_curve(path: Curve, request: Request) -> Sections:

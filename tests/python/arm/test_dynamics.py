@@ -5,6 +5,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 import pytest
+from foreign_arms import urdf_in_package
 from pinocchio_peer import Peer
 from refusals import raised, refused
 from urdfs import one_joint
@@ -58,6 +59,20 @@ def assert_same_dynamics(arm, peer, motions):
 
 def test_dynamics_agree_with_pinocchio(held, motions):
     assert_same_dynamics(*held, motions)
+
+
+def test_gravity_pulls_down_in_the_frame_of_the_root_where_the_base_is_turned():
+    path = urdf_in_package("example-robot-data", "icub.urdf")
+    torso = {"torso_pitch": 0.6, "torso_roll": 0.5, "torso_yaw": 0.8}
+    ends = {"base": "chest", "tip": "l_hand"}
+    arm = lt.Arm.from_urdf(path, **ends)
+    held = lt.Arm.from_urdf(path, **ends, locked_joints=torso)
+    q = np.random.default_rng(3).uniform(-1.0, 1.0, (5, len(arm.joint_names)))
+    peer = Peer(held, path, torso)
+    np.testing.assert_allclose(
+        held.gravity_torques(q), [peer.gravity(each) for each in q], atol=1e-10
+    )
+    np.testing.assert_array_equal(arm.gravity, (0.0, 0.0, -9.81))  # the torso may stand anyhow
 
 
 def test_dynamics_of_the_bundled_robots_agree_with_pinocchio(robots_by_name):

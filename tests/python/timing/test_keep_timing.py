@@ -38,6 +38,37 @@ def test_a_curve_reaches_no_knot_before_its_time():
     assert reached == pytest.approx(3.0, abs=0.1)
 
 
+def test_pauses_keep_their_time_and_their_events():
+    """Three rests of 3 s, before, between and after two reaches of 2 s, and nothing but a rest."""
+    rise = tr.minimum_jerk_time_scaling(np.linspace(0.0, 1.0, 501))
+    share = np.concatenate([np.zeros(750), rise, np.ones(750), 1.0 + rise, np.full(750, 2.0)])
+    times = 0.004 * np.arange(len(share))
+    events = [lt.Event(times[row], "wait") for row in (200, 1600, 3200)]
+    noise = np.random.default_rng(1).normal(0.0, 1e-6, (len(share), 7))
+    for still in (share, np.zeros_like(share)):
+        way = MIDDLE + 0.1 * still[:, None]
+        shown = lt.JointTrajectory(times, way, events=events)
+        kept = lt.keep_timing(shown, PANDA)
+        assert kept.duration == pytest.approx(shown.duration, abs=0.1)
+        assert [each.time for each in kept.events] == pytest.approx([0.8, 6.4, 12.8], abs=0.1)
+        late = np.interp(times, kept.times, kept.positions[:, 0]) - way[:, 0]
+        assert np.abs(late).max() < 0.003
+    kept = lt.keep_timing(lt.JointTrajectory(times, MIDDLE + 0.1 * share[:, None] + noise), PANDA)
+    crossed = [np.interp(MIDDLE[0] + at, kept.positions[:, 0], kept.times) for at in (0.01, 0.11)]
+    assert min(np.subtract(crossed, np.interp([0.1, 1.1], share, times))) > -1e-3
+
+
+def test_times_that_are_not_in_seconds_are_refused_instead_of_filling_the_memory():
+    far = lt.JointTrajectory([0.0, 1e12], np.stack([MIDDLE, MIDDLE]))
+    for call in (
+        lambda: check_limits(far, PANDA, linear_rate=125.0),
+        lambda: lt.keep_timing(far, PANDA),
+        lambda: lt.retime(np.stack([MIDDLE, MIDDLE + 0.1]), PANDA, dwell_times={0: 1e12}),
+    ):
+        with pytest.raises(InvalidInput, match=r"rate: .* samples; .* times are in s"):
+            call()
+
+
 def hasty():
     """Six seconds with two stretches that are shown much faster than the arm can pass them."""
     share = np.linspace(0.0, 1.0, 601)
