@@ -9,7 +9,7 @@ peers to 1e-5.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from frame import Benchmark
 from judge import Judge, quaternion, random_configurations, urdf_of
-from peers import TRAC_IK_TOLERANCE, Solve, eaik, toolbox, trac_ik
+from peers import TRAC_IK_TOLERANCE, Solve, eaik, ssik, toolbox, trac_ik
 
 import leadthrough as lt
 
@@ -32,7 +32,7 @@ def benchmarks(*, quick: bool) -> Iterator[Benchmark]:
     for name in ("panda",) if quick else ("panda", "ur3", "tiago"):
         arm, urdf = lt.Arm.load(name), urdf_of(name)
         yield from _rows(name, arm, Judge(arm, urdf), urdf, count)
-    yield _all_configurations(count)
+    yield from _all_configurations(count)
 
 
 def _rows(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> Iterator[Benchmark]:
@@ -65,34 +65,51 @@ def _rows(name: str, arm: lt.Arm, judge: Judge, urdf: Path, count: int) -> Itera
         )
 
 
-def _all_configurations(count: int) -> Benchmark:
-    """Ours are inside the limits, by the turns nearest to a posture; the peer's are as they come.
+def _all_configurations(count: int) -> Iterator[Benchmark]:
+    """Ours are inside the limits, by the turns nearest to a posture; EAIK's are as they come.
 
     The error is the fraction of the peer's configurations, as far as its own kinematics confirm
     them, that ours lack.
     """
-    arm, peer = lt.Arm.load("ur3"), eaik(urdf_of("ur3"))
+    arm, urdf = lt.Arm.load("ur3"), urdf_of("ur3")
     shown = random_configurations(arm, count, seed=2)
-    poses, targets = [arm.forward_kinematics(q) for q in shown], [peer.fwdKin(q) for q in shown]
+    poses = [arm.forward_kinematics(q) for q in shown]
+    closed, written = eaik(urdf), ssik(arm, urdf)
 
-    def missed(ours: Sequence[lt.IkSolutions], peers: Sequence[Any]) -> float:
-        missing = 0
-        for own, found, target in zip(ours, peers, targets, strict=True):
-            for q in found.Q:
-                apart = np.abs(np.remainder(own.q - q + np.pi, 2.0 * np.pi) - np.pi).max(axis=1)
-                real = np.abs(peer.fwdKin(q) - target).max() < TOLERANCE
-                missing += real and apart.min(initial=np.inf) > SAME
-        return missing / count
+    def nearest(target: Any, q0: Any) -> list[Any]:
+        found = written["solve"](target, q_seed=q0, enumerate_windings=False)
+        return [solution.q for solution in found]
 
-    return Benchmark(
-        f"ur3: all configurations of {count} poses",
-        ours=lambda call: arm.inverse_kinematics_all(*poses[call], q0=shown[call - 1]),
-        peer=lambda call: peer.IK(targets[call]),
-        peer_name="EAIK",
-        error=missed,
-        tolerance=0.0,
-        calls=count,
-    )
+    peers: dict[str, tuple[Callable[..., Any], Callable[..., Any]]] = {
+        "EAIK": (closed.fwdKin, lambda target, _: closed.IK(target).Q),
+        "ssik": (written["fk"], nearest),
+    }
+    for name, (forward, solve) in peers.items():
+        targets = [forward(q) for q in shown]
+        yield Benchmark(
+            f"ur3: all configurations of {count} poses",
+            ours=lambda call: arm.inverse_kinematics_all(*poses[call], q0=shown[call - 1]),
+            peer=partial(_call, solve, targets, np.roll(shown, 1, axis=0)),
+            peer_name=name,
+            error=partial(_missed, forward, targets),
+            tolerance=0.0,
+            calls=count,
+        )
+
+
+def _missed(
+    forward: Callable[..., Any],
+    targets: Sequence[Any],
+    ours: Sequence[lt.IkSolutions],
+    peers: Sequence[Any],
+) -> float:
+    missing = 0
+    for own, found, target in zip(ours, peers, targets, strict=True):
+        for q in found:
+            apart = np.abs(np.remainder(own.q - q + np.pi, 2.0 * np.pi) - np.pi).max(axis=1)
+            real = np.abs(forward(q) - target).max() < TOLERANCE
+            missing += real and apart.min(initial=np.inf) > SAME
+    return missing / len(targets)
 
 
 def _call(solve: Solve, targets: Sequence[Any], seeds: Any, call: int) -> Any:

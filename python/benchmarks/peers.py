@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from tempfile import NamedTemporaryFile
+from runpy import run_path
+from tempfile import NamedTemporaryFile, TemporaryDirectory
 from typing import Any
 
 import roboticstoolbox as rtb
@@ -42,6 +45,17 @@ def toolbox(arm: lt.Arm, urdf: Path) -> Solve:
 def eaik(urdf: Path) -> Any:
     """The closed form of EAIK, of an arm whose URDF has no other joints."""
     return UrdfRobot(str(urdf))
+
+
+def ssik(arm: lt.Arm, urdf: Path) -> dict[str, Any]:
+    """The functions of the solver that ssik writes for an arm: its fastest from Python."""
+    with TemporaryDirectory() as folder:
+        solver = Path(folder) / "solver.py"
+        command = [Path(sys.executable).with_name("ssik"), "build", urdf, "--out", solver]
+        subprocess.run(
+            [*command, "--base", arm.base, "--ee", arm.tip], check=True, capture_output=True
+        )
+        return run_path(str(solver))
 
 
 def trac_ik(arm: lt.Arm, urdf: Path) -> Solve:
