@@ -16,6 +16,8 @@ constexpr double kSame = 1e-6;
 
 // Twice the largest error of a tangent that forward kinematics could accept.
 constexpr double kSlack = 2e-6;
+// Sets go on beside the tangents at their ends.
+constexpr double kSlackOfSets = 1e-10;
 // Errors of the equations of an arm that deviates, in units of the deviation: of solutions that
 // are tried, and of those beside which others may be missing.
 constexpr double kTried = 4.0, kUncertain = 12.0;
@@ -36,13 +38,13 @@ class Enumeration {
   }
 
   Configurations run() {
-    Walk walk = new_walk();
+    Walk walk = new_walk(kSlack);
     Candidates candidates;
     leadthrough::solve(form_, {*target_.rotation, target_.position}, 0.0, walk, candidates);
     for (int k = 0; k < candidates.count; ++k) add(candidates.at[static_cast<std::size_t>(k)].q);
     for (int free = 1; free <= std::min(walk.free, 2); ++free)
       for (const JointArray& q :
-           nearest_members(chain_, form_, target_, reference_, new_walk(), free))
+           nearest_members(chain_, form_, target_, reference_, new_walk(kSlackOfSets), free))
         add(q);
     result_.uncertain = !form_.exact() && (walk.near || walk.free > 0 || missed_);
     if (!result_.found.empty()) result_.status = IkStatus::kConverged;
@@ -50,9 +52,9 @@ class Enumeration {
   }
 
  private:
-  Walk new_walk() const {
+  Walk new_walk(double slack) const {
     Walk walk;
-    walk.slack = kSlack;
+    walk.slack = slack;
     if (form_.exact()) return walk;
     walk.slack += kTried * form_.deviation;
     walk.margin = kUncertain * form_.deviation;
