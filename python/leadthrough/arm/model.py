@@ -24,6 +24,7 @@ from leadthrough.shapes import Shape, Solid
 GRAVITY = (0.0, 0.0, -9.81)
 _IDENTITY = (1.0, 0.0, 0.0, 0.0)
 _NO_INERTIA = ((0.0, 0.0, 0.0),) * 3
+_AT_REST = 1e-6  # rad/s (m/s): less is rounding, which dry friction would take for a direction
 
 _WRIST = 0.1  # m, around the axes of a wrist
 
@@ -267,6 +268,28 @@ class ArmModel(Drawn):
         )
         return torques if batch else torques[0]
 
+    @cached_property
+    def damping(self) -> Float64Array:
+        """Viscous friction (joints,) that the URDF states, N m s/rad (N s/m)."""
+        return self._stated("damping")
+
+    @cached_property
+    def friction(self) -> Float64Array:
+        """Dry friction (joints,) that the URDF states, N m (N)."""
+        return self._stated("friction")
+
+    def motor_torques(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike | None = None
+    ) -> Float64Array:
+        """Joint torques as `inverse_dynamics`, and those that friction takes: all of the motors'.
+
+        That is damping qd + friction sign(qd); below 1e-6 rad/s (m/s), at rest, dry friction is 0.
+        """
+        torques = self.inverse_dynamics(q, qd, qdd, gravity=gravity)
+        speed = np.asarray(qd, dtype=np.float64)
+        way = np.sign(speed) * (np.abs(speed) > _AT_REST)
+        return np.asarray(torques + self.damping * speed + self.friction * way)
+
     def gravity_torques(self, q: ArrayLike, *, gravity: ArrayLike | None = None) -> Float64Array:
         """Joint torques (joints,) in N m (N) that hold the arm still against gravity.
 
@@ -297,6 +320,10 @@ class ArmModel(Drawn):
         matrices = kinematics.finite(self._dynamics.mass_matrix(rows))
         shaped = matrices.reshape(len(rows), joints, joints)
         return shaped if batch else shaped[0]
+
+    def _stated(self, name: str) -> Float64Array:
+        stated = {joint.name: getattr(joint, name) for joint in self._robot.tree}
+        return check.freeze(np.array([stated[joint] for joint in self.joint_names]))
 
     def _rows(self, **values: ArrayLike) -> tuple[bool, list[Float64Array]]:
         """Whether the values are batches, and each as checked rows (m, joints)."""

@@ -194,7 +194,7 @@ def efforts(
     dynamics: InverseDynamics, q: Float64Array, qd: Float64Array, qdd: Float64Array
 ) -> Float64Array:
     """Efforts (n, joints) of states (n, joints), N m (N)."""
-    if getattr(dynamics, "__func__", None) is ArmModel.inverse_dynamics:
+    if getattr(dynamics, "__func__", None) in (ArmModel.inverse_dynamics, ArmModel.motor_torques):
         return dynamics(q, qd, qdd)  # all at once
     name = "inverse_dynamics(q, qd, qdd)"
     rows = zip(q, qd, qdd, strict=True)
