@@ -71,6 +71,12 @@ class ArmModel(Drawn):
         return core.Dynamics(self._chain)
 
     @cached_property
+    def _resistance(self) -> Float64Array:
+        """Damping, N m s/rad (N s/m), and dry friction, N m (N), of the URDF: rows (2, joints)."""
+        joints = {each.name: (each.damping, each.friction) for each in self._robot.tree}
+        return np.array([joints[name] for name in self.joint_names]).T
+
+    @cached_property
     def _closed_form(self) -> core.ClosedForm | None:
         """The structure by which all configurations of a pose are enumerated."""
         return core.recognize(self._chain)
@@ -268,16 +274,6 @@ class ArmModel(Drawn):
         )
         return torques if batch else torques[0]
 
-    @cached_property
-    def damping(self) -> Float64Array:
-        """Viscous friction (joints,) that the URDF states, N m s/rad (N s/m)."""
-        return self._stated("damping")
-
-    @cached_property
-    def friction(self) -> Float64Array:
-        """Dry friction (joints,) that the URDF states, N m (N)."""
-        return self._stated("friction")
-
     def motor_torques(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike | None = None
     ) -> Float64Array:
@@ -286,9 +282,10 @@ class ArmModel(Drawn):
         That is damping qd + friction sign(qd); below 1e-6 rad/s (m/s), at rest, dry friction is 0.
         """
         torques = self.inverse_dynamics(q, qd, qdd, gravity=gravity)
+        damping, friction = self._resistance
         speed = np.asarray(qd, dtype=np.float64)
         way = np.sign(speed) * (np.abs(speed) > _AT_REST)
-        return np.asarray(torques + self.damping * speed + self.friction * way)
+        return np.asarray(torques + damping * speed + friction * way)
 
     def gravity_torques(self, q: ArrayLike, *, gravity: ArrayLike | None = None) -> Float64Array:
         """Joint torques (joints,) in N m (N) that hold the arm still against gravity.
@@ -320,10 +317,6 @@ class ArmModel(Drawn):
         matrices = kinematics.finite(self._dynamics.mass_matrix(rows))
         shaped = matrices.reshape(len(rows), joints, joints)
         return shaped if batch else shaped[0]
-
-    def _stated(self, name: str) -> Float64Array:
-        stated = {joint.name: getattr(joint, name) for joint in self._robot.tree}
-        return check.freeze(np.array([stated[joint] for joint in self.joint_names]))
 
     def _rows(self, **values: ArrayLike) -> tuple[bool, list[Float64Array]]:
         """Whether the values are batches, and each as checked rows (m, joints)."""

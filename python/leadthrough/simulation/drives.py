@@ -131,6 +131,7 @@ def drives_of(arm: Arm, given: Disturbances, period: float) -> Drives:
             f"payload: expected 1 for an arm that carries nothing, got {payload:g}; "
             "state its load first; in Python, by arm.with_payload or arm.with_attached"
         )
+    damping, friction = arm._resistance
     own = core.Chain(arm._robot, arm.base, arm.tip)
     effort = stricter(own.effort, arm.limits.effort)
     slides = _slides(arm)
@@ -147,8 +148,8 @@ def drives_of(arm: Arm, given: Disturbances, period: float) -> Drives:
 
     return Drives(
         payload,
-        resisting("friction", given.friction, arm.friction),
-        resisting("damping", given.damping, arm.damping),
+        resisting("friction", given.friction, friction),
+        resisting("damping", given.damping, damping),
         general["delay"] if given.delay is None else round(given.delay / period),
         known("encoder", given.encoder, steps),
         _felt(

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.model import ArmModel
-from leadthrough.check import Float64Array, Frozen
+from leadthrough.check import Float64Array, Frozen, InvalidInput
 
 Jacobian = Callable[[Float64Array], Float64Array]
 InverseDynamics = Callable[[Float64Array, Float64Array, Float64Array], Float64Array]
@@ -199,3 +200,16 @@ def efforts(
     name = "inverse_dynamics(q, qd, qdd)"
     rows = zip(q, qd, qdd, strict=True)
     return np.array([check.array(dynamics(*row), name, shape=(q.shape[1],)) for row in rows])
+
+
+def known_efforts(limits: JointLimits) -> Float64Array:
+    """The effort limits (joints,), N m (N), which have to be known."""
+    if limits.effort is None:
+        raise InvalidInput("limits: expected effort limits beside inverse_dynamics, got none")
+    names = [name for name, most in zip(limits.joint_names, limits.effort, strict=True) if not most]
+    if names:
+        raise InvalidInput(
+            "limits: expected effort limits > 0 beside inverse_dynamics, got 0 of "
+            f"{', '.join(names)}; a file of limits states them"
+        )
+    return limits.effort

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 import leadthrough._core as core
 from leadthrough.arm.limits import JointLimits
-from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
-from leadthrough.timing.request import InverseDynamics, efforts
+from leadthrough.check import Float64Array, LimitsInfeasible
+from leadthrough.timing.request import InverseDynamics, efforts, known_efforts
 
 _LEAST_ROOM = 1e-9  # N m (N), of torque left for viscous friction; less is none
 _CREEP = 1e-2  # times a motion's speed, at which dry friction is nearly all that resists it
@@ -28,7 +28,7 @@ def torque_rows(
 ) -> tuple[Float64Array, ...]:
     """Rows (n, joints) lower <= gain u + bend x <= upper: gain, bend, lower and upper."""
     gain, bend, rest, viscous, dry = _efforts_along(path, dynamics)
-    most = _effort(limits)
+    most = known_efforts(limits)
     lower = fraction * (-most - rest - np.minimum(dry, 0.0))
     upper = fraction * (most - rest - np.maximum(dry, 0.0))
     _check_holding(most - np.abs(rest), (lower > 0.0) | (upper < 0.0), limits)
@@ -54,7 +54,7 @@ def torque_ratios(
         return np.zeros(q.shape[1])
     held = efforts(dynamics, q, _CREEP * qd, np.zeros_like(q))
     used = efforts(dynamics, q, qd, qdd) - held
-    left = np.maximum(_effort(limits) - np.sign(used) * held, np.finfo(np.float64).tiny)
+    left = np.maximum(known_efforts(limits) - np.sign(used) * held, np.finfo(np.float64).tiny)
     return np.asarray((np.abs(used) / left).max(axis=0))
 
 
@@ -69,12 +69,6 @@ def _efforts_along(path: core.TimedPath, dynamics: InverseDynamics) -> tuple[Flo
     resisted = 0.5 * (ahead - back)
     viscous = 0.5 * (faster[0] - faster[1]) - resisted
     return gain, 0.5 * (ahead + back) - rest, rest, viscous, resisted - viscous
-
-
-def _effort(limits: JointLimits) -> Float64Array:
-    if limits.effort is None:
-        raise InvalidInput("limits: expected effort limits beside inverse_dynamics, got none")
-    return limits.effort
 
 
 def _check_holding(left: Float64Array, stuck: NDArray[np.bool_], limits: JointLimits) -> None:
