@@ -123,11 +123,7 @@ def _passing(
         bounds = _bounds(path, rates, limits, request, effort=effort_fraction, tip=tip_fraction)
         law = problem.law(_on_schedule(problem, bounds, request, begin))
         motion = problem.motion(law)
-        some = motion.some(_JUDGED_SAMPLES)
-        tip = _tip_ratio(some, request)
-        effort = torque_ratios(
-            request.inverse_dynamics, limits, some.positions, some.velocities, some.accelerations
-        )
+        tip, effort = _ratios(motion.some(_JUDGED_SAMPLES), limits, request)
         if max(tip, *effort) <= 1.0:
             return motion, law.bottlenecks
         tip_fraction /= max(tip * _TIGHTER, 1.0) ** harder
@@ -358,11 +354,15 @@ def _bounds(
     return bounds
 
 
-def _tip_ratio(some: Samples, request: Request) -> float:
-    if request.tip_speed is None:
-        return 0.0
-    speeds = _tip_speeds(request.tip_speed.jacobian, some.positions, some.velocities)
-    return float(speeds.max()) / request.tip_speed.limit
+def _ratios(some: Samples, limits: JointLimits, request: Request) -> tuple[float, Float64Array]:
+    """Fractions of the tip's speed, and of the efforts (joints,), that a motion needs."""
+    states, tip, effort = list(vars(some).values())[2:], 0.0, np.zeros(some.positions.shape[1])
+    if request.tip_speed is not None:
+        speeds = _tip_speeds(request.tip_speed.jacobian, *states[:2])
+        tip = float(speeds.max()) / request.tip_speed.limit
+    if request.inverse_dynamics is not None:
+        effort = torque_ratios(request.inverse_dynamics, limits, *states)
+    return tip, effort
 
 
 def _tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) -> Float64Array:

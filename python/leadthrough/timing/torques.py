@@ -8,7 +8,6 @@ viscous (w + x / w) / 2, and up to 2 w at least viscous x / (2 w): rows with the
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 import leadthrough._core as core
 from leadthrough.arm.limits import JointLimits
@@ -31,7 +30,11 @@ def torque_rows(
     most = known_efforts(limits)
     lower = fraction * (-most - rest - np.minimum(dry, 0.0))
     upper = fraction * (most - rest - np.maximum(dry, 0.0))
-    _check_holding(most - np.abs(rest), (lower > 0.0) | (upper < 0.0), limits)
+    stuck = np.flatnonzero(((lower > 0.0) | (upper < 0.0)).any(axis=0))
+    if len(stuck):
+        name, held = limits.joint_names[stuck[0]], (np.abs(rest) <= most)[:, stuck[0]].all()
+        does = "overcome its friction" if held else "hold the arm"
+        raise LimitsInfeasible(f"{name} cannot {does} along the path", joint=name)
     room = np.maximum(np.where(viscous > 0.0, upper, -lower), _LEAST_ROOM)
     slow = np.divide(np.abs(path.first), scale, out=np.zeros_like(rest), where=scale > 0.0)
     slow = np.maximum(slow, np.abs(viscous) / room).max(axis=1, keepdims=True)
@@ -43,15 +46,10 @@ def torque_rows(
 
 
 def torque_ratios(
-    dynamics: InverseDynamics | None,
-    limits: JointLimits,
-    q: Float64Array,
-    qd: Float64Array,
-    qdd: Float64Array,
+    dynamics: InverseDynamics, limits: JointLimits, q: Float64Array, *rates: Float64Array
 ) -> Float64Array:
     """The fraction (joints,) that is used of the torques that weight and dry friction leave."""
-    if dynamics is None:
-        return np.zeros(q.shape[1])
+    qd, qdd = rates
     held = efforts(dynamics, q, _CREEP * qd, np.zeros_like(q))
     used = efforts(dynamics, q, qd, qdd) - held
     left = np.maximum(known_efforts(limits) - np.sign(used) * held, np.finfo(np.float64).tiny)
@@ -69,11 +67,3 @@ def _efforts_along(path: core.TimedPath, dynamics: InverseDynamics) -> tuple[Flo
     resisted = 0.5 * (ahead - back)
     viscous = 0.5 * (faster[0] - faster[1]) - resisted
     return gain, 0.5 * (ahead + back) - rest, rest, viscous, resisted - viscous
-
-
-def _check_holding(left: Float64Array, stuck: NDArray[np.bool_], limits: JointLimits) -> None:
-    joints = np.flatnonzero(stuck.any(axis=0))
-    if len(joints):
-        does = "hold the arm" if (left[:, joints[0]] < 0.0).any() else "overcome its friction"
-        name = limits.joint_names[joints[0]]
-        raise LimitsInfeasible(f"{name} cannot {does} along the path", joint=name)
