@@ -212,7 +212,6 @@ def _fit_and_kernel(basis: Basis) -> tuple[Float64Array, Float64Array]:
     return fit, kernel
 
 
-@lru_cache(maxsize=16)
 def weights_of_values(basis: Basis) -> Float64Array:
     """The map (k, n) from values at `_phases` to the weights of the nearest curve."""
     return np.asarray(np.linalg.pinv(basis(prior_phases(basis)), rcond=1e-6))
