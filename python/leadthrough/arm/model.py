@@ -24,6 +24,7 @@ from leadthrough.shapes import Shape, Solid
 GRAVITY = (0.0, 0.0, -9.81)
 _IDENTITY = (1.0, 0.0, 0.0, 0.0)
 _NO_INERTIA = ((0.0, 0.0, 0.0),) * 3
+_AT_REST = 1e-6  # rad/s (m/s): less is rounding, which dry friction would take for a direction
 
 _WRIST = 0.1  # m, around the axes of a wrist
 
@@ -68,6 +69,12 @@ class ArmModel(Drawn):
     @cached_property
     def _dynamics(self) -> core.Dynamics:
         return core.Dynamics(self._chain)
+
+    @cached_property
+    def _resistance(self) -> Float64Array:
+        """Damping, N m s/rad (N s/m), and dry friction, N m (N), of the URDF: rows (2, joints)."""
+        joints = {each.name: (each.damping, each.friction) for each in self._robot.tree}
+        return np.array([joints[name] for name in self.joint_names]).T
 
     @cached_property
     def _closed_form(self) -> core.ClosedForm | None:
@@ -266,6 +273,19 @@ class ArmModel(Drawn):
             self._dynamics.inverse_dynamics(rows[0], rows[1], rows[2], pull)
         )
         return torques if batch else torques[0]
+
+    def motor_torques(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, gravity: ArrayLike | None = None
+    ) -> Float64Array:
+        """Joint torques as `inverse_dynamics`, and those that friction takes: all of the motors'.
+
+        That is damping qd + friction sign(qd); below 1e-6 rad/s (m/s), at rest, dry friction is 0.
+        """
+        torques = self.inverse_dynamics(q, qd, qdd, gravity=gravity)
+        damping, friction = self._resistance
+        speed = np.asarray(qd, dtype=np.float64)
+        way = np.sign(speed) * (np.abs(speed) > _AT_REST)
+        return np.asarray(torques + damping * speed + friction * way)
 
     def gravity_torques(self, q: ArrayLike, *, gravity: ArrayLike | None = None) -> Float64Array:
         """Joint torques (joints,) in N m (N) that hold the arm still against gravity.

@@ -98,9 +98,7 @@ def learn(
     demonstrations = reading.trimmed(_chosen(demonstrations, number), resting)
     demonstrations = _without(demonstrations, drop or [])
     if arm is not None:
-        recorded = demonstrations
-        demonstrations = [_of_the_arm(arm, each, as_joints=as_joints) for each in recorded]
-        _refuse_too_fast(ctx, arm, recorded)
+        demonstrations = _of_the_arm(ctx, arm, demonstrations, as_joints=as_joints)
     if align:
         demonstrations = lt.preprocess.align_by_time_warping(demonstrations)
     chosen = _asked_for(model, parameter, demonstrations)
@@ -262,19 +260,25 @@ def _chosen(
 
 
 def _of_the_arm(
-    arm: lt.Arm, demonstration: lt.Demonstration, *, as_joints: bool
-) -> lt.Demonstration:
-    """The demonstration with the arm's own joints, or the poses of its tip."""
+    ctx: typer.Context, arm: lt.Arm, recorded: Sequence[lt.Demonstration], *, as_joints: bool
+) -> list[lt.Demonstration]:
+    """The recordings with the arm's own joints, no faster than it can move, or its tip's poses."""
     from leadthrough.cli import robot as robots
 
-    if not isinstance(demonstration.motion, lt.JointTrajectory):
-        if as_joints:
+    found, kept = dict[str, str](), []
+    for each in recorded:
+        motion = each.motion
+        if isinstance(motion, lt.JointTrajectory):
+            own = robots.own_joints(arm, motion, each.name)
+            found[each.name] = _too_fast(arm, own)
+            motion = own if as_joints else arm.poses(own)
+        elif as_joints:
             raise lt.errors.InvalidInput(
-                f"--joints: expected recordings of joints, {demonstration.name} has none"
+                f"--joints: expected recordings of joints, {each.name} has none"
             )
-        return demonstration
-    own = robots.own_joints(arm, demonstration.motion, demonstration.name)
-    return replace(demonstration, motion=own if as_joints else arm.poses(own))
+        kept.append(replace(each, motion=motion))
+    _refuse_named(ctx, {name: text for name, text in found.items() if text}, len(kept))
+    return kept
 
 
 def _without(
@@ -297,21 +301,6 @@ def _refuse_contradictions(ctx: typer.Context, demonstrations: Sequence[lt.Demon
     _refuse_named(
         ctx, {demonstrations[i].name: text for i, text in found.items()}, len(demonstrations)
     )
-
-
-def _refuse_too_fast(
-    ctx: typer.Context, arm: lt.Arm, demonstrations: Sequence[lt.Demonstration]
-) -> None:
-    """Refuses recordings of joints that move faster than the arm can."""
-    from leadthrough.cli import robot as robots
-
-    found = {
-        each.name: text
-        for each in demonstrations
-        if isinstance(each.motion, lt.JointTrajectory)
-        and (text := _too_fast(arm, robots.own_joints(arm, each.motion, each.name)))
-    }
-    _refuse_named(ctx, found, len(demonstrations))
 
 
 def _too_fast(arm: lt.Arm, motion: lt.JointTrajectory) -> str:

@@ -58,8 +58,8 @@ def retime(
             default 1e-4,1e-3. A recording's white noise is smoothed first, and how much is printed.
         keep_timing: Reach no point of the path earlier than it does now.
         tip_speed: Speed limit of the tip, in m/s.
-        torques: Also keep within 90 % of the joint torque limits; what is left is for the
-            controller, which has to bear friction and loads that the model does not know.
+        torques: Also keep within 90 % of the joint torque limits, with the URDF's friction; what
+            is left is for the controller, which has to bear what the model does not know.
         start: Joint positions, such as 0,-0.5,1, at which the arm rests before; an approach from
             there onto the motion is written with it.
     """
@@ -85,7 +85,7 @@ def retime(
         rate=rate,
         path_tolerance=tolerance,
         tip_speed=None if tip_speed is None else lt.timing.TipSpeed(tip_speed, arm.jacobian),
-        inverse_dynamics=arm.inverse_dynamics if torques else None,
+        inverse_dynamics=arm.motor_torques if torques else None,
     )
     with output.busy("timing"):
         timed = law(path)
@@ -106,7 +106,7 @@ def retime(
     units = {"duration_before": "s", "duration": "s", "rate": "Hz", "smoothed": "rad (m)"}
     output.facts(found, as_json=as_json, units=units)
     unbound, total = limited.get(_NO_LIMIT, 0.0), sum(limited.values())
-    if (path_tolerance or 0.0) < _ROUNDED and unbound > 0.5 * total:
+    if not torques and (path_tolerance or 0.0) < _ROUNDED and unbound > 0.5 * total:
         output.note(
             f"for {unbound / total:.0%} of the time no limit binds: small bends of the path, "
             "such as tremor, hold the motion back; a larger --path-tolerance, up to 1e-2, rounds "
@@ -204,7 +204,7 @@ def guard(
     scene = lt.Scene(parse.obstacles(obstacle), margin)
     recorded = 1.0 / float(np.diff(joints.times).min(initial=1.0))
     per_second = recorded if rate is None else rate
-    dynamics = arm.inverse_dynamics if torques else None
+    dynamics = arm.motor_torques if torques else None
     admits = lt.Guard(
         arm, scene, rate=per_second, max_samples=sys.maxsize, inverse_dynamics=dynamics
     )

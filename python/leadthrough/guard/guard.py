@@ -72,7 +72,7 @@ class Guard(ShortRepr):
             of a chunk that has to be changed at most a sixteenth, and fewer where it has to run
             much more slowly. The rest is cut off, with the reason "cut short".
         inverse_dynamics: maps q, velocities and accelerations (n, joints) to efforts, such as
-            `arm.inverse_dynamics`, in which a payload counts; with it, the efforts of all commands
+            `arm.motor_torques`, in which a payload counts; with it, the efforts of all commands
             satisfy their limits as well.
 
     Raises:

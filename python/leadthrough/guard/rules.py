@@ -18,7 +18,7 @@ from leadthrough.arm.limits import known_rates
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.guard.admission import CommandedState, parts_of
 from leadthrough.shapes import Scene, compiled
-from leadthrough.timing.request import InverseDynamics, checked_dynamics, efforts
+from leadthrough.timing.request import InverseDynamics, checked_dynamics, efforts, known_efforts
 
 ALL_WORK = sys.maxsize
 _WORK_OF_STOP = 4000  # pairs of shapes that are looked at along a stop
@@ -178,21 +178,10 @@ def rules_for(
     """The rules of an arm in a scene."""
     check_arms(arm)
     if torques is not None:
-        _require_efforts(arm.limits)
+        known_efforts(arm.limits)
     limits = step_limits(arm.limits, period)
     guarded = guarded_scene(arm, scene, period)
     return Rules(arm.limits, period, limits, guarded, checked_dynamics(torques))
-
-
-def _require_efforts(limits: JointLimits) -> None:
-    if limits.effort is None:
-        raise InvalidInput("limits: expected effort limits beside inverse_dynamics, got none")
-    names = [name for name, most in zip(limits.joint_names, limits.effort, strict=True) if not most]
-    if names:
-        raise InvalidInput(
-            "limits: expected effort limits > 0 beside inverse_dynamics, got 0 of "
-            f"{', '.join(names)}; a file of limits states them"
-        )
 
 
 def row_of(state: CommandedState | ArrayLike, joints: int) -> Float64Array:

@@ -106,8 +106,8 @@ def piece_count(rows: Float64Array) -> int:
     """The number of cubic pieces that hold curves (k, n, width) but for tremor; 0 if none do."""
     count, extents = _PIECES, np.linalg.norm(np.ptp(rows, axis=1), axis=1)
     while count <= min(_MAX_PIECES, rows.shape[1] // _ROWS_A_PIECE):
-        missed = [np.linalg.norm(smoothed(each, count) - each, axis=1).max() for each in rows]
-        if (np.array(missed) <= _TREMOR * extents).all():
+        missed = (np.linalg.norm(smoothed(each, count) - each, axis=1).max() for each in rows)
+        if all(each <= _TREMOR * extent for each, extent in zip(missed, extents, strict=True)):
             return count
         count *= 2
     return 0

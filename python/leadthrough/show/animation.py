@@ -237,17 +237,6 @@ class Animation(ShortRepr):
         rotation = rotations.to_matrix(self.orientations[frame, item.link][None])[0]
         return np.asarray(boxes[item.mesh] @ rotation.T + self.positions[frame, item.link])
 
-    def poses_at(self, time: float) -> tuple[Float64Array, Float64Array]:
-        """Positions (links, 3) and orientations (links, 4) at a time, s; held beyond the ends."""
-        last = len(self.times) - 1
-        i = int(np.clip(np.searchsorted(self.times, time) - 1, 0, max(last - 1, 0)))
-        j = min(i + 1, last)
-        span = self.times[j] - self.times[i]
-        passed = float(np.clip((time - self.times[i]) / span, 0.0, 1.0)) if span > 0.0 else 0.0
-        position = (1.0 - passed) * self.positions[i] + passed * self.positions[j]
-        orientation = (1.0 - passed) * self.orientations[i] + passed * self.orientations[j]
-        return position, orientation / np.linalg.norm(orientation, axis=1, keepdims=True)
-
 
 def _box(mesh: Surface) -> Float64Array:
     """The corners (8, 3) of the box around a surface."""

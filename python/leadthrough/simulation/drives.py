@@ -131,15 +131,14 @@ def drives_of(arm: Arm, given: Disturbances, period: float) -> Drives:
             f"payload: expected 1 for an arm that carries nothing, got {payload:g}; "
             "state its load first; in Python, by arm.with_payload or arm.with_attached"
         )
-    stated = {joint.name: joint for joint in arm.robot.tree}
+    damping, friction = arm._resistance
     own = core.Chain(arm._robot, arm.base, arm.tip)
     effort = stricter(own.effort, arm.limits.effort)
     slides = _slides(arm)
     scale = np.where(np.isfinite(effort), effort, _guessed_effort(arm, slides))
     steps = np.where(slides, general["encoder_of_slides"], general["encoder"])
 
-    def resisting(name: str, value: ArrayLike | None) -> Float64Array:
-        urdf = np.array([getattr(stated[joint], name) for joint in arm.joint_names])
+    def resisting(name: str, value: ArrayLike | None, urdf: Float64Array) -> Float64Array:
         if value is None:
             return np.where(urdf > 0.0, urdf, _tabled(arm, name, scale))
         return urdf + per_joint(value, name, arm, at_least=0.0)
@@ -149,8 +148,8 @@ def drives_of(arm: Arm, given: Disturbances, period: float) -> Drives:
 
     return Drives(
         payload,
-        resisting("friction", given.friction),
-        resisting("damping", given.damping),
+        resisting("friction", given.friction, friction),
+        resisting("damping", given.damping, damping),
         general["delay"] if given.delay is None else round(given.delay / period),
         known("encoder", given.encoder, steps),
         _felt(

@@ -57,6 +57,9 @@ def plant(
     spec, drives = specified(
         arm, motors=motors, drive_damping=drive_damping, gravity=gravity, period=period
     )
+    # One arm is one island: to look for more takes a twentieth of a step.
+    flags = check.package("mujoco", extra="simulation").mjtDisableBit
+    spec.option.disableflags |= flags.mjDSBL_ISLAND
     for i, shape in enumerate(obstacles):
         add_parts(spec, spec.worldbody.add_body(name=f"obstacle {i}"), shape.convex_parts())
     own = core.Chain(arm._robot, arm.base, arm.tip)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leadthrough import check
+from leadthrough.arm.limits import JointLimits
 from leadthrough.arm.model import ArmModel
-from leadthrough.check import Float64Array, Frozen
+from leadthrough.check import Float64Array, Frozen, InvalidInput
 
 Jacobian = Callable[[Float64Array], Float64Array]
 InverseDynamics = Callable[[Float64Array, Float64Array, Float64Array], Float64Array]
@@ -194,8 +195,21 @@ def efforts(
     dynamics: InverseDynamics, q: Float64Array, qd: Float64Array, qdd: Float64Array
 ) -> Float64Array:
     """Efforts (n, joints) of states (n, joints), N m (N)."""
-    if getattr(dynamics, "__func__", None) is ArmModel.inverse_dynamics:
+    if getattr(dynamics, "__func__", None) in (ArmModel.inverse_dynamics, ArmModel.motor_torques):
         return dynamics(q, qd, qdd)  # all at once
     name = "inverse_dynamics(q, qd, qdd)"
     rows = zip(q, qd, qdd, strict=True)
     return np.array([check.array(dynamics(*row), name, shape=(q.shape[1],)) for row in rows])
+
+
+def known_efforts(limits: JointLimits) -> Float64Array:
+    """The effort limits (joints,), N m (N), which have to be known."""
+    if limits.effort is None:
+        raise InvalidInput("limits: expected effort limits beside inverse_dynamics, got none")
+    names = [name for name, most in zip(limits.joint_names, limits.effort, strict=True) if not most]
+    if names:
+        raise InvalidInput(
+            "limits: expected effort limits > 0 beside inverse_dynamics, got 0 of "
+            f"{', '.join(names)}; a file of limits states them"
+        )
+    return limits.effort

@@ -74,8 +74,8 @@ def retime(
         end_velocity: velocity (joints,) along the path at its end, instead of rest; the last step
             may then be shorter or longer than the others by half.
         tip_speed: the largest speed of the tip.
-        inverse_dynamics: maps q, velocities and accelerations to efforts; with it, the efforts
-            satisfy their limits as well.
+        inverse_dynamics: maps q, velocities and accelerations to efforts, such as
+            `arm.motor_torques`; with it, the efforts satisfy their limits as well.
 
     Returns:
         Samples at `rate`, with the velocities and accelerations of the time law, so that the

@@ -25,8 +25,9 @@ from leadthrough import check
 from leadthrough.arm.limits import JointLimits, known_rates, refuse_zeros
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible
 from leadthrough.timing.limits_report import MAX_SAMPLES, check_positions, check_samples
-from leadthrough.timing.request import InverseDynamics, Jacobian, Request, efforts
+from leadthrough.timing.request import Jacobian, Request
 from leadthrough.timing.sections import Lines, Section
+from leadthrough.timing.torques import torque_ratios, torque_rows
 from leadthrough.trajectories import Spline
 
 # Points of the grid over a path: the fewest, for each of its pieces, and the most.
@@ -118,15 +119,15 @@ def _passing(
         speeds = _end_speed(path, 0, request), _end_speed(path, -1, request)
     problem = TimingProblem(path, section, rates, limits, speeds, request.rate, max_delay)
     effort_fraction, tip_fraction = np.ones(len(limits.joint_names)), 1.0
-    for _ in range(_MAX_TIGHTENINGS):
-        bounds = _bounds(path, limits, request, effort=effort_fraction, tip=tip_fraction)
+    for harder in range(1, _MAX_TIGHTENINGS + 1):
+        bounds = _bounds(path, rates, limits, request, effort=effort_fraction, tip=tip_fraction)
         law = problem.law(_on_schedule(problem, bounds, request, begin))
         motion = problem.motion(law)
-        tip, effort = _tip_ratio(motion, request), _effort_ratios(motion, limits, request)
+        tip, effort = _ratios(motion.some(_JUDGED_SAMPLES), limits, request)
         if max(tip, *effort) <= 1.0:
             return motion, law.bottlenecks
-        tip_fraction /= max(tip * _TIGHTER, 1.0)
-        effort_fraction /= np.maximum(effort * _TIGHTER, 1.0)
+        tip_fraction /= max(tip * _TIGHTER, 1.0) ** harder
+        effort_fraction /= np.maximum(effort * _TIGHTER, 1.0) ** harder
     raise LimitsInfeasible(
         "no motion along the path keeps the tip's speed and the efforts inside their limits",
         joint=limits.joint_names[0],
@@ -332,6 +333,7 @@ class _PathBounds:
 
 def _bounds(
     path: core.TimedPath,
+    rates: _Rates,
     limits: JointLimits,
     request: Request,
     *,
@@ -347,52 +349,20 @@ def _bounds(
         with np.errstate(divide="ignore"):
             bounds = bounds.slower_than((tip * request.tip_speed.limit / speeds) ** 2)
     if request.inverse_dynamics is not None:
-        (gain, bend, rest), most = _efforts_along(path, request.inverse_dynamics), _effort(limits)
-        least, most = effort * (-most - rest), effort * (most - rest)
-        bounds = _PathBounds(bounds.fastest, gain, bend, least, most)
-        _check_holding(bounds, limits)
+        rows = torque_rows(path, rates.scale, request.inverse_dynamics, limits, effort)
+        bounds = _PathBounds(bounds.fastest, *rows)
     return bounds
 
 
-def _efforts_along(path: core.TimedPath, dynamics: InverseDynamics) -> tuple[Float64Array, ...]:
-    """Efforts (n, joints) of u = 1, of x = 1, and those that hold the arm."""
-    still = np.zeros_like(path.positions)
-    rest = efforts(dynamics, path.positions, still, still)
-    gain = efforts(dynamics, path.positions, still, path.first) - rest
-    return gain, efforts(dynamics, path.positions, path.first, path.second) - rest, rest
-
-
-def _effort(limits: JointLimits) -> Float64Array:
-    if limits.effort is None:
-        raise InvalidInput("limits: expected effort limits beside inverse_dynamics, got none")
-    return limits.effort
-
-
-def _check_holding(bounds: _PathBounds, limits: JointLimits) -> None:
-    sinks = (bounds.lower > 0.0) | (bounds.upper < 0.0)
-    if sinks.any():
-        name = limits.joint_names[int(np.argmax(sinks.any(axis=0)))]
-        raise LimitsInfeasible(f"{name} cannot hold the arm along the path", joint=name)
-
-
-def _tip_ratio(motion: Samples, request: Request) -> float:
-    if request.tip_speed is None:
-        return 0.0
-    some = motion.some(_JUDGED_SAMPLES)
-    speeds = _tip_speeds(request.tip_speed.jacobian, some.positions, some.velocities)
-    return float(speeds.max()) / request.tip_speed.limit
-
-
-def _effort_ratios(motion: Samples, limits: JointLimits, request: Request) -> Float64Array:
-    """The fraction (joints,) that is used of the efforts that holding the arm leaves."""
-    dynamics, some = request.inverse_dynamics, motion.some(_JUDGED_SAMPLES)
-    if dynamics is None:
-        return np.zeros(len(limits.joint_names))
-    still = np.zeros_like(some.positions)
-    held = efforts(dynamics, some.positions, still, still)
-    used = efforts(dynamics, some.positions, some.velocities, some.accelerations) - held
-    left = np.maximum(_effort(limits) - np.sign(used) * held, np.finfo(np.float64).tiny)
-    return np.asarray((np.abs(used) / left).max(axis=0))
+def _ratios(some: Samples, limits: JointLimits, request: Request) -> tuple[float, Float64Array]:
+    """Fractions of the tip's speed, and of the efforts (joints,), that a motion needs."""
+    states, tip, effort = list(vars(some).values())[2:], 0.0, np.zeros(some.positions.shape[1])
+    if request.tip_speed is not None:
+        speeds = _tip_speeds(request.tip_speed.jacobian, *states[:2])
+        tip = float(speeds.max()) / request.tip_speed.limit
+    if request.inverse_dynamics is not None:
+        effort = torque_ratios(request.inverse_dynamics, limits, *states)
+    return tip, effort
 
 
 def _tip_speeds(jacobian: Jacobian, q: Float64Array, velocities: Float64Array) -> Float64Array:

@@ -75,6 +75,27 @@ def test_gravity_pulls_down_in_the_frame_of_the_root_where_the_base_is_turned():
     np.testing.assert_array_equal(arm.gravity, (0.0, 0.0, -9.81))  # the torso may stand anyhow
 
 
+@pytest.mark.parametrize(
+    ("urdf", "base", "tip"),
+    [("icub.urdf", "chest", "l_hand"), ("z1.urdf", "link00", "link06")],
+)
+def test_motors_bear_the_friction_that_pinocchio_reads(urdf, base, tip):
+    path = urdf_in_package("example-robot-data", urdf)
+    arm = lt.Arm.from_urdf(path, base=base, tip=tip)
+    arm = lt.Arm.from_urdf(path, base=base, tip=tip, locked_joints=others(path, arm))
+    peer = Peer(arm, path, arm.locked_joints)
+    q, qd, qdd = np.random.default_rng(4).uniform(-1.0, 1.0, (3, 5, len(arm.joint_names)))
+    qd[0] = 0.0
+    damping, dry = peer.model.damping[peer.order], peer.model.upperDryFrictionLimit[peer.order]
+    assert damping.any()
+    needed = [peer.torques(*row) for row in zip(q, qd, qdd, strict=True)]
+    needed += damping * qd + dry * np.sign(qd)
+    np.testing.assert_allclose(arm.motor_torques(q, qd, qdd), needed, atol=1e-10)
+    np.testing.assert_array_equal(
+        arm.motor_torques(q[1], qd[1], qdd[1]), arm.motor_torques(q, qd, qdd)[1]
+    )
+
+
 def test_dynamics_of_the_bundled_robots_agree_with_pinocchio(robots_by_name):
     for arm, path in robots_by_name:
         motions = np.random.default_rng(2).uniform(-2, 2, (5, 3, len(arm.joint_names)))

@@ -16,6 +16,12 @@ FLAGS = [
 ]  # fmt: skip
 
 
+def places_at(scene, time):
+    """Positions (links, 3) of a scene's links, held beyond the ends as the page does."""
+    columns = scene.positions.reshape(len(scene.times), -1).T
+    return np.array([np.interp(time, scene.times, each) for each in columns]).reshape(-1, 3)
+
+
 @pytest.fixture(scope="session")
 def joints(panda):
     """A second in which all joints of the Panda turn by a little."""

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
+from show.conftest import places_at
 
 import leadthrough as lt
 from leadthrough.show import open_view, page
@@ -114,7 +115,7 @@ def test_arm_in_the_file_moves_as_the_scene_says(html, moving):
     seek(html, 2.5)
     assert share_that_changed(first, picture(html)) > 0.02
     columns = np.array(html.evaluate(ANGLES)).reshape(4, 4)
-    position, _ = moving.poses_at(2.5)
+    position = places_at(moving, 2.5)
     assert np.allclose(columns[3, :3], position[-1], atol=1e-4)
 
 
@@ -255,7 +256,7 @@ def test_a_click_on_the_path_goes_to_that_time_and_one_beside_it_nowhere(html, m
     html.evaluate("leadthrough.scenes[0].home()")
     seek(html, 0.0)
     for at in (1.0, 2.6):
-        tip, _ = moving.poses_at(at)
+        tip = places_at(moving, at)
         x, y, _ = html.evaluate(f"leadthrough.scenes[0].onCanvas({tip[moving.tip].tolist()})")
         html.mouse.click(x, y)
         assert html.evaluate("leadthrough.scenes[0].time") == pytest.approx(at, abs=0.1)

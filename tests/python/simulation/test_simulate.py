@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from foreign_arms import urdf_in_package
 from motions import minimum_jerk
 from refusals import refused
 from simulation.conftest import AWAY, HOME, IDEAL, disturbed
@@ -51,6 +52,20 @@ def test_an_arm_of_some_tonnes_does_not_run_away():
     report = lt.simulate(arm, motion, disturbances=IDEAL)
     assert report.ok, report
     assert np.abs(report.torques).max() > 0.98 * 3000 * 9.81  # that of gravity, by hand
+
+
+@pytest.mark.parametrize("torques", ["motor_torques", "inverse_dynamics"])
+def test_joints_slowed_by_more_friction_than_torque_are_timed_as_they_move(torques):
+    """The iCub's wrist has 1 N m s/rad and 0.45 N m."""
+    path = urdf_in_package("example-robot-data", "icub.urdf")
+    arm = lt.Arm.from_urdf(path, base="chest", tip="l_hand")
+    fast = {"acceleration": np.full(7, 30.0), "jerk": np.full(7, 600.0)}
+    limits = replace(arm.limits, velocity=np.full(7, 5.0), **fast)
+    way = np.linspace(0.0, 1.0, 50)[:, None] * np.array([0.1, 0.1, 0.1, 0.1, 0.5, 0.3, 0.2])
+    reserved = replace(limits, effort=0.9 * limits.effort)
+    motion = lt.retime(arm._chain.middle + way, reserved, inverse_dynamics=getattr(arm, torques))
+    report = lt.simulate(replace(arm, limits=limits), motion)
+    assert report.ok == (torques == "motor_torques"), str(report)
 
 
 def test_equal_calls_have_equal_answers(loaded, swing, simulated):

@@ -381,8 +381,10 @@ def _at(table: Float64Array, kernels: Kernels, phases: Float64Array) -> Float64A
 def _responses(kernels: Kernels, phases: Float64Array) -> tuple[Float64Array, Float64Array]:
     """Errors (n, weights) that each function alone makes, and the last value and slope of them."""
     values, last = [], []
+    # Of several groups the last would be kept, and never asked for first.
+    alone = _each_alone if len(kernels.centres) <= _TOGETHER else _each_alone.__wrapped__
     for first in range(0, len(kernels.centres), _TOGETHER):
-        forces, channels = _each_alone(kernels, first)
+        forces, channels = alone(kernels, first)
         rest = np.zeros(channels)
         still = course("hoffmann", Ends(rest, rest, rest, rest))
         made, slopes = core.dmp_rollout(forces, still, rest, rest, phases)

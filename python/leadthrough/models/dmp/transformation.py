@@ -83,7 +83,9 @@ class Kernels:
 
     def _computed(self, rows: slice, some: slice) -> Float64Array:
         values, regressor = self.tables(rows, some)
-        return np.asarray(values / self._sums[rows, None] * regressor)
+        values /= self._sums[rows, None]
+        values *= regressor
+        return values
 
     @cached_property
     def parts(self) -> list[slice]:

@@ -127,8 +127,7 @@ class Basis(ShortRepr):
 
 def smooth_prior(basis: Basis, spread: Float64Array) -> Float64Array:
     """Covariance (d k, d k) of the weights of columns that vary alike at all phases."""
-    fit, inner = _fit_and_kernel(basis)
-    one = _INNER * product(product(fit, inner), fit.T) + _ROUGH * np.eye(basis.count)
+    one = _INNER * _in_between(basis) + _ROUGH * np.eye(basis.count)
     if not basis.is_rhythmic:
         ends = lines(basis)
         one += ends @ ends.T
@@ -137,12 +136,11 @@ def smooth_prior(basis: Basis, spread: Float64Array) -> Float64Array:
 
 def inner_prior(basis: Basis) -> Float64Array:
     """Covariance (k, k) of the weights of one column's deviations that vanish at both ends."""
-    fit, inner = _fit_and_kernel(basis)
     free = np.eye(basis.count)
     if not basis.is_rhythmic:
         rows = basis(np.array([0.0, 1.0]))
         free -= np.linalg.pinv(rows) @ rows
-    return np.asarray(product(product(fit, inner), fit.T) + _ROUGH * free)
+    return np.asarray(_in_between(basis) + _ROUGH * free)
 
 
 def shaped_prior(basis: Basis, curves: Float64Array) -> Float64Array:
@@ -187,6 +185,13 @@ def _profiled(basis: Basis, ends: Float64Array, profile: Float64Array) -> Float6
         inside = product(product(reached, inner), reached.T)
         result[column, :, column] = (ramps * of_ends) @ ramps.T + inside
     return result.reshape(len(ends) * basis.count, -1)
+
+
+@lru_cache(maxsize=16)
+def _in_between(basis: Basis) -> Float64Array:
+    """Covariance (k, k) of the weights of a column between its ends, which are fixed."""
+    fit, inner = _fit_and_kernel(basis)
+    return np.asarray(product(product(fit, inner), fit.T))
 
 
 @lru_cache(maxsize=16)

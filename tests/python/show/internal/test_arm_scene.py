@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from refusals import refused
+from show.conftest import places_at
 
 import leadthrough as lt
 from leadthrough.show.arm_scene import arm_scene, distribution_of, readouts
@@ -33,14 +34,8 @@ def test_tip_of_the_scene_goes_where_the_arm_goes(panda):
     for time in (0.0, 0.7, 1.234, 2.0):
         q = [np.interp(time, joints.times, column) for column in joints.positions.T]
         position, _ = panda.forward_kinematics(np.array(q))
-        found, _ = made.poses_at(time)
+        found = places_at(made, time)
         assert np.allclose(found[made.links.index(panda.tip)], position, atol=1e-4)
-
-
-def test_poses_are_held_before_and_after_the_motion(panda):
-    made = arm_scene(panda, swing(panda))
-    assert np.array_equal(made.poses_at(-1.0)[0], made.positions[0])
-    assert np.array_equal(made.poses_at(9.0)[0], made.positions[-1])
 
 
 def test_each_kind_of_thing_has_its_layer(panda, shown):
