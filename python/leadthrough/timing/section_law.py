@@ -356,7 +356,8 @@ def _bounds(
 
 def _ratios(some: Samples, limits: JointLimits, request: Request) -> tuple[float, Float64Array]:
     """Fractions of the tip's speed, and of the efforts (joints,), that a motion needs."""
-    states, tip, effort = list(vars(some).values())[2:], 0.0, np.zeros(some.positions.shape[1])
+    states = some.positions, some.velocities, some.accelerations
+    tip, effort = 0.0, np.zeros(some.positions.shape[1])
     if request.tip_speed is not None:
         speeds = _tip_speeds(request.tip_speed.jacobian, *states[:2])
         tip = float(speeds.max()) / request.tip_speed.limit
