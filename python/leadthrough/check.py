@@ -264,7 +264,6 @@ def value_text(value: object) -> str:
 
 
 def numbers_text(values: Any) -> str:  # Any: an array of numbers (n,)
-    """Numbers as (0.3, 0, 0.59)."""
     texts = (f"{0.0 if abs(value) < 1e-12 else value:.4g}" for value in values)
     return f"({', '.join(texts)})"
 
@@ -477,7 +476,6 @@ def prefixed(words: object) -> Iterator[None]:
 
 
 def choice(value: object, name: str, options: Collection[Text]) -> Text:
-    """`value`, if it is one of several texts."""
     if isinstance(value, str):
         for option in options:
             if option == value:

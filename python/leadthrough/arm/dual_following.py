@@ -230,7 +230,6 @@ def divided(motion: PoseTrajectory, parts: NDArray[np.int_]) -> PoseTrajectory:
 
 
 def shape_seen_from(shape: ShapeT, T_frame_shape: Transforms) -> ShapeT:
-    """A shape in another frame."""
     at = T_frame_shape @ Transforms.of((shape.position, shape.orientation), "shape")
     return shape.at(at.positions[0], at.orientations[0])
 

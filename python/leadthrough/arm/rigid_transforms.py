@@ -36,7 +36,6 @@ class Transforms:
 
     @staticmethod
     def identity() -> Transforms:
-        """The pose of a frame in itself."""
         return Transforms(np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]]))
 
     def __matmul__(self, other: Transforms) -> Transforms:

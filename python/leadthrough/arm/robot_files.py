@@ -129,15 +129,12 @@ def _only_leaf(robot: core.Robot) -> str:
 
 @dataclass(frozen=True)
 class RobotFiles:
-    """Paths of a robot's files."""
-
     urdf: Path  # the robot description
     limits: Path | None = None  # the limits file; None if there is none
     mesh_folders: tuple[Path, ...] = ()  # where its meshes are looked for besides
 
 
 def find_robot(name: str) -> RobotFiles:
-    """The files of a robot."""
     if isinstance(name, str):
         _refuse_path(name)
         for search in (_own, _of_example_robot_data, _of_robot_descriptions):
@@ -151,7 +148,6 @@ def find_robot(name: str) -> RobotFiles:
 
 
 def own_names() -> list[str]:
-    """The names of the robots that come with the package."""
     return [folder.name for folder in _folders()]
 
 
@@ -410,7 +406,9 @@ def convex_parts(vertices: Float64Array, faces: NDArray[np.int64]) -> tuple[Floa
     return tuple(hull.points[hull.vertices] for hull in hulls)
 
 
-def _cut_parts(triangles: Float64Array, hull: Any, axes: frozenset[int], cuts: int = 0) -> list[Any]:
+def _cut_parts(
+    triangles: Float64Array, hull: Any, axes: frozenset[int], cuts: int = 0
+) -> list[Any]:
     """The hulls of triangles (n, 3, 3), after `cuts` cuts normal to these axes."""
     if cuts == _MAX_CUTS or _gap(triangles, hull, min({0, 1, 2} - axes)) < _MAX_GAP:
         return [hull]

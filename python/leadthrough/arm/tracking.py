@@ -73,7 +73,6 @@ class Tracker:
 
     @property
     def tolerance(self) -> core.IkTolerance:
-        """The errors that count as reached."""
         return tolerance(*self.allowed)
 
     def along(self, start: Start) -> Track:

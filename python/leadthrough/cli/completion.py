@@ -48,7 +48,6 @@ Complete = Callable[[str], list[str]]
 
 
 def one_of(*values: str) -> Complete:
-    """Completion of one of several values."""
     return lambda incomplete: _beginning(values, incomplete)
 
 
@@ -76,7 +75,6 @@ def anything(incomplete: str) -> list[str]:
 
 
 def formats(incomplete: str) -> list[str]:
-    """Names of the formats that motions can be written in."""
     known = lt.io.formats.FORMATS
     return _beginning((each.name for each in known if each.write is not None), incomplete)
 
@@ -102,7 +100,6 @@ def links(ctx: typer.Context, incomplete: str) -> list[str]:
 
 
 def models(incomplete: str) -> list[str]:
-    """Names of the models, those that other packages add included."""
     return _beginning(lt.models.model_names(), incomplete)
 
 

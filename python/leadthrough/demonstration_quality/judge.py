@@ -372,7 +372,6 @@ class LeftOut:
         return Task(errors, arguments, {"material": self._file})
 
     def _done(self, todo: Sequence[Task]) -> list[Float64Array]:
-        """The errors of each task."""
         self._outcomes(todo)
         return [
             np.array([row["error"] for row in self._store.rows(task.key) or ()]) for task in todo

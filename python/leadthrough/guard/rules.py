@@ -175,7 +175,6 @@ class Rules:
 def rules_for(
     arm: Arm | DualArm, scene: Scene, period: float, torques: InverseDynamics | None = None
 ) -> Rules:
-    """The rules of an arm in a scene."""
     check_arms(arm)
     if torques is not None:
         _require_efforts(arm.limits)
@@ -206,7 +205,6 @@ def row_of(state: CommandedState | ArrayLike, joints: int) -> Float64Array:
 
 
 def step_limits(limits: JointLimits, period: float) -> core.StepLimits:
-    """Limits at a rate."""
     for name in ("velocity", "acceleration", "jerk"):
         value = getattr(limits, name)
         if value is None or not (np.isfinite(value) & (value > 0.0)).all():

@@ -132,7 +132,6 @@ class LeRobotWriter:
             self._write_about()
 
     def close(self) -> None:
-        """Writes what is left, and what is about all episodes."""
         if self._frames:
             self._write_frames()
         if self._about:
@@ -307,7 +306,6 @@ class RobomimicWriter:
             yield
 
     def add(self, episode: Episode) -> None:
-        """Writes an episode."""
         group = self._data.create_group(f"demo_{self._count}")
         count = len(episode.q)
         seen = _observed(episode)
@@ -330,7 +328,6 @@ class RobomimicWriter:
         self._frames += count
 
     def close(self) -> None:
-        """Writes what is about all episodes."""
         layout = self._layout
         arguments = {
             "env_name": layout.task,

@@ -95,7 +95,6 @@ def written_blocks(rows: Float64Array, layout: core.RecordLayout) -> Iterator[st
 
 
 def checked_path(path: object) -> Path:
-    """`path`, if it is one."""
     if not isinstance(path, str | os.PathLike):
         raise InvalidInput(f"path: expected a path, got {path!r}")
     return Path(path)
@@ -225,7 +224,6 @@ class ReadLimits:
 
 
 def read_bytes(path: Path, limits: ReadLimits) -> bytes:
-    """All bytes of a file."""
     limits.bytes(path.stat().st_size, "the file")
     with path.open("rb") as file:
         found = file.read(MAX_BYTES + 1)  # a file may grow

@@ -59,7 +59,6 @@ class Posture:
     rows: Float64Array  # (201, joints) rad or m
 
     def along(self, times: Float64Array, phases: ArrayLike) -> JointTrajectory:
-        """The joints of a motion."""
         at = np.asarray(phases)
         rows = lerp(at, NODES, self.rows)
         return JointTrajectory(times, rows, joint_names=self.names)
@@ -262,7 +261,6 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
 
     @staticmethod
     def from_archive(settings: dict[str, Any], arrays: Any) -> Coordinates:
-        """The coordinates that `settings` and `arrays` took apart."""
         shape = (len(NODES), 4)
         return Coordinates(
             check.choice(settings["chart"], "chart", _TYPES),

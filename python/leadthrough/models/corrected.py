@@ -222,7 +222,6 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> CorrectedSkill[Any]:
-    """The skill that `CorrectedSkill.to_archive` took apart."""
     at = check.array(arrays["at"], "at", shape=("k",))
     offsets = check.array(arrays["offsets"], "offsets", shape=(len(at), "width"))
     modes = check.array(arrays["mode"], "mode", shape=(len(at),))

@@ -98,7 +98,6 @@ class Shape(ShortRepr, ABC):
 
     @cached_property
     def _compiled(self) -> core.Shape:
-        """The shape as the compiled core takes it."""
         return self._compile()
 
     @cached_property
@@ -180,19 +179,16 @@ class PointBased(Shape):
 
     @property
     def middle(self) -> Float64Array:
-        """Centre (3,), m, of the ball and of the box that bound it, in the base frame."""
         lower, upper = self._corners
         return 0.5 * (lower + upper)
 
     @property
     def half_extents(self) -> Float64Array:
-        """Half the edges (3,), m, of its bounding box parallel to the base's axes."""
         lower, upper = self._corners
         return 0.5 * (upper - lower) + self._rounding
 
     @cached_property
     def bounding_radius(self) -> float:
-        """Radius of the ball around its middle that contains it, m."""
         return float(length(self._outline() - self.middle).max()) + self._rounding
 
     @cached_property

@@ -158,11 +158,9 @@ class LiveSession:
         )
 
     def greeting(self) -> list[str]:
-        """Messages to a browser that has just opened the page."""
         return [self.drawn.message(moves=self.motion is not None), self._state()]
 
     def hear(self, message: str) -> None:
-        """Takes a message of a browser, of any content."""
         try:
             said = json.loads(message)
             handler = self._HANDLERS[str(said["do"])]
@@ -172,7 +170,6 @@ class LiveSession:
             handler(self, said)
 
     def advance(self, dt: float) -> list[str]:
-        """Messages to all browsers, dt s after the last call."""
         with self._telling():
             self._go_on(dt)
         told, self._messages = self._messages, []
@@ -198,13 +195,11 @@ class LiveSession:
         """The last browser has closed the page."""
 
     def close(self) -> None:
-        """Ends the session."""
         self.left()
         if self._planning is not None:
             self._planning.close()
 
     def request(self, change: Change) -> None:
-        """Plans anew after a change."""
         if self._planning is not None:
             self._planning.request(change)
 
@@ -262,7 +257,6 @@ class LiveSession:
         return True
 
     def _worded(self, verdict: str, how: str) -> str:
-        """An answer's verdict, and how it was found, in words."""
         return f"{how}. {verdict}"
 
     def _facts(self) -> dict[str, Any]:
@@ -423,7 +417,6 @@ class PageServer:
         return f"http://127.0.0.1:{self._port}/{self._token}/"
 
     def close(self) -> None:
-        """Stops the server."""
         self._closing.set()
         self._thread.join()
 

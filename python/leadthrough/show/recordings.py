@@ -103,7 +103,6 @@ class Recordings:
         return self.source
 
     def path(self, name: str) -> Path:
-        """The file of a demonstration."""
         return self.folder / f"{name}.csv"
 
     def _remember(self, index: int) -> Path:

@@ -96,11 +96,9 @@ class Teaching(LiveSession):
 
     @property
     def idle(self) -> bool:
-        """Whether all that was asked for has been answered."""
         return self._lesson is None and not self._to_save and super().idle
 
     def greeting(self) -> list[str]:
-        """Messages to a browser that has just opened the page."""
         scene, state = super().greeting()
         return [scene, self.led.message(), state]
 

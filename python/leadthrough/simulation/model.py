@@ -53,7 +53,6 @@ def plant(
     gravity: Float64Array,
     period: float,
 ) -> Plant:
-    """The model of an arm among obstacles."""
     spec, drives = specified(
         arm, motors=motors, drive_damping=drive_damping, gravity=gravity, period=period
     )
@@ -184,7 +183,6 @@ def _balanced(inertia: Float64Array, link: str) -> Float64Array:
 
 
 def add_parts(spec: Any, body: Any, parts: Iterable[ConvexPart]) -> None:
-    """Adds convex parts to a body of a MuJoCo model that is being specified."""
     mujoco = check.package("mujoco", extra="simulation")
     for part in parts:
         kind = getattr(mujoco.mjtGeom, f"mjGEOM_{part.kind.upper()}")
@@ -292,7 +290,6 @@ def _load(mass: float, center: Float64Array, inertia: Float64Array) -> Load:
 
 
 def _sum(bodies: list[Load]) -> Load:
-    """Rigid bodies as one."""
     mass = sum(body.mass for body in bodies)
     if mass == 0.0:
         return bodies[0]

@@ -44,7 +44,6 @@ class Process:
         self._closed = False
 
     def do(self, job: Job, files: Mapping[str, str]) -> Report:
-        """The report on a job, whatever becomes of the process."""
         attempts, began, ended = 0, time.perf_counter(), ""
         while attempts < MAX_ATTEMPTS and not self._closed:
             attempts += 1
@@ -170,7 +169,6 @@ def _stored(report: Report, job: Job) -> Report:
 
 
 def _as_text(error: BaseException) -> dict[str, str]:
-    """An error as text."""
     return {
         "error": type(error).__name__,
         "message": str(error),

@@ -126,7 +126,6 @@ class Request:
 
     @property
     def rests_at_ends(self) -> tuple[bool, bool]:
-        """Whether the motion rests at its start, and at its end."""
         start, end = self.start_velocity, self.end_velocity
         return start is None or not start.any(), end is None or not end.any()
 
@@ -144,7 +143,6 @@ class Request:
         return float(self.earliest_times[row] - self.earliest_times[0]) + rested
 
     def between_rests(self, *, first: bool, last: bool) -> Request:
-        """The request for a part of the path."""
         return replace(
             self,
             start_velocity=self.start_velocity if first else None,

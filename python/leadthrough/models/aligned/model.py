@@ -194,7 +194,6 @@ class AlignedMeanSkill(FittedSkill[MotionT_co]):
 
 
 def _learned(model: AlignedMean, motions: Sequence[MotionT]) -> AlignedMeanSkill[MotionT]:
-    """The skill of demonstrations of one mode."""
     columns, reference = columns_of(motions)
     scale = scale_of(columns, motions[0].positions.shape[1])
     clocks = [each.times - each.times[0] for each in motions]
@@ -219,7 +218,6 @@ def _learned(model: AlignedMean, motions: Sequence[MotionT]) -> AlignedMeanSkill
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> AlignedMeanSkill:
-    """The skill from the settings and arrays that `AlignedMeanSkill.to_archive` returned."""
     coordinates = Coordinates.from_archive(settings, arrays)
     rows = check.frozen(arrays["rows"], "rows", shape=(2, "k", "n", coordinates.width))
     clocks = check.frozen(arrays["clocks"], "clocks", shape=rows.shape[:3])

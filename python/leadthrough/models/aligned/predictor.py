@@ -60,7 +60,6 @@ class Predictor:
 
     @cached_property
     def options(self) -> list[Option]:
-        """All options, by their phases."""
         kinds = [(np.inf, ROTATED)] * self.rotating + [(prior, 0.0) for prior in _PRIORS]
         return [Option(phase, w, *kind) for phase in (0, 1) for kind in kinds for w in _WIDTHS]
 

@@ -85,7 +85,6 @@ class Channels(Generic[StateT]):
     def constraints(
         self, obstacles: Sequence[Shape], limits: tuple[ArrayLike, ArrayLike] | None
     ) -> Constraints:
-        """The constraints of a query."""
         return check_constraints(
             obstacles, limits, dimensions=self.dimensions, channels=self.limited
         )
@@ -181,7 +180,6 @@ class PointChannels(Channels[core.PointState]):
 
     @property
     def limited(self) -> int:
-        """All of them."""
         return len(self.system.ends.start)
 
     @cached_property

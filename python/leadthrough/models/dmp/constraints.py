@@ -55,7 +55,6 @@ def check_constraints(
     dimensions: int | None,
     channels: int | None,
 ) -> Constraints:
-    """The obstacles and limits of a query."""
     shapes = check_shapes(obstacles)
     if shapes and dimensions not in (2, 3):
         raise UnsupportedQuery(

@@ -80,7 +80,6 @@ def ends_of(query: CheckedQuery, learned: Ends, duration: float) -> Ends:
 
 
 def moved_ends(learned: Ends, start: Target | None, goal: Target | None) -> Ends:
-    """Ends with another start and goal."""
     return learned.moved(_or(start, "start", learned.start), _or(goal, "goal", learned.goal))
 
 
@@ -91,7 +90,6 @@ def _or(value: Target | None, name: str, nominal: Float64Array) -> Float64Array:
 def course_through(
     learned: TransformationSystem, direct: core.DmpCourse, ends: Ends, via: Via, *, count: int
 ) -> core.DmpCourse:
-    """A course made to pass via points."""
     if len(via) == 0:
         return direct
     phases, points = _via(via, count)

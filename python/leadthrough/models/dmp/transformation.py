@@ -155,13 +155,11 @@ class TransformationSystem(ShortRepr):
         return course(self.form, self.ends)
 
     def arrays(self) -> dict[str, Float64Array]:
-        """Its arrays by name, for a file."""
         overlap = np.array([self.overlap])
         return {"weights": self.weights, **vars(self.ends), "overlap": overlap}
 
     @staticmethod
     def from_arrays(form: str, weights: int, arrays: Mapping[str, Any]) -> TransformationSystem:
-        """The system of which a file has the `arrays`."""
         known = check.frozen(arrays["weights"], "weights", shape=(weights, "channels"))
         ends = [
             check.frozen(arrays[field.name], field.name, shape=(known.shape[1],))
@@ -207,7 +205,6 @@ def _node_phases(weights: int) -> Float64Array:
 
 
 def tabulated(kernels: Kernels, weights: Float64Array) -> core.DmpForces:
-    """Forces as the compiled core takes them."""
     nodes = [kernels.features(rows) @ weights for rows in kernels.parts]
     return core.DmpForces(np.concatenate(nodes), kernels.fade, RATE, kernels.rhythmic)
 

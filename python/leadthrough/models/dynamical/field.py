@@ -255,7 +255,6 @@ def _ending(
 def stability_report(
     field: Field, positions: Float64Array, count: int, around: float, rng: np.random.Generator
 ) -> StabilityReport:
-    """The report of a system."""
     low, high = positions.min(axis=0), positions.max(axis=0)
     lower, upper = low - around * (high - low), high + around * (high - low)
     half = count // 2

@@ -256,7 +256,6 @@ def pose_of(place: Any) -> tuple[Any, Any]:
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> DynamicalSkill:
-    """The skill from the settings and arrays that `DynamicalSkill.to_archive` returned."""
     coordinates = Coordinates.from_archive(settings, arrays)
     kind = entry_of_class(settings["name"]).load()
     own = {

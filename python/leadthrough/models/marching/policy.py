@@ -96,7 +96,6 @@ class Policy(ShortRepr):
 
     @cached_property
     def _compiled(self) -> core.MarchingPolicy:
-        """The policy as the compiled core takes it."""
         grid, speeds, disc = self.grid, self.speeds, self.barrier
         return core.MarchingPolicy(
             self.arrival,

@@ -147,7 +147,6 @@ def adapted(mixture: Mixture, points: Float64Array, before: float, *, poses: boo
 
 
 def _units_of(mixture: Mixture, *, poses: bool) -> Units:
-    """Units of the points that a mixture stands for."""
     middle = mixture.weights @ mixture.means
     variances = np.einsum("kii->ki", mixture.covariances) + (mixture.means - middle) ** 2
     own = Units(middle, np.sqrt(mixture.weights @ variances))

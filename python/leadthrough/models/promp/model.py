@@ -505,7 +505,6 @@ class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> ProMPSkill:
-    """The skill from the settings and arrays that `ProMPSkill.to_archive` returned."""
     model = _model_of(settings)
     basis, coordinates = _basis_of(model), Coordinates.from_archive(settings, arrays)
     size = coordinates.width * basis.count
