@@ -63,7 +63,8 @@ def limits_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
     """Position and its three derivatives of all joints over time, as fractions of the limits."""
     figure = Figure(figsize=(9.0, 7.5), layout="constrained")
     panels = figure.subplots(4, 1, sharex=True)
-    middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
+    with np.errstate(invalid="ignore"):  # a joint that turns without end has no middle
+        middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
     _draw_fractions(panels[0], trajectory.times, (trajectory.positions - middle) / half, "position")
     rates = (limits.velocity, limits.acceleration, limits.jerk)
     names = ("velocity", "acceleration", "jerk")

@@ -19,7 +19,6 @@ import leadthrough._core as core
 from leadthrough import check, rotations
 from leadthrough.check import FitError, Float64Array, UnsupportedQuery
 from leadthrough.models.dmp import transformation
-from leadthrough.models.dmp.constraints import Constraints, check_constraints, roll, step_within
 from leadthrough.models.dmp.orientation import OrientationCoordinates
 from leadthrough.models.dmp.progress import (
     COARSE_PHASES,
@@ -36,11 +35,15 @@ from leadthrough.models.dmp.progress import (
     speeds_of,
 )
 from leadthrough.models.dmp.query import (
+    Constraints,
     as_pose,
     check_channels,
+    check_constraints,
     course_through,
     ends_of,
     pose_acceleration,
+    roll,
+    step_within,
 )
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem, end_of, scaled_by
 from leadthrough.models.queries import CheckedQuery
