@@ -211,12 +211,7 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
         return rotations.squad(NODES, self.reference, inside)
 
     def motion(
-        self,
-        times: Float64Array,
-        phases: Float64Array,
-        columns: Float64Array,
-        velocities: Float64Array | None = None,
-        accelerations: Float64Array | None = None,
+        self, times: Float64Array, phases: Float64Array, columns: Float64Array
     ) -> MotionT_co:
         """A motion of the demonstrated type."""
         happening = moved_events(self.events, phases, times)
@@ -227,7 +222,7 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
         elif self.kind == "joints":
             names = self.joint_names
             made = with_derivatives(
-                JointTrajectory(times, columns, velocities, accelerations, names, happening)
+                JointTrajectory(times, columns, joint_names=names, events=happening)
             )
         else:
             given = self.orientations(columns[:, 3:], phases)
