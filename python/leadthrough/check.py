@@ -244,7 +244,6 @@ def _short_repr(self: ShortRepr) -> str:
 
 
 def one_line(value: ShortRepr) -> str:
-    """The text of an object inside that of another."""
     return f"{type(value).__name__}({', '.join(value._repr_parts())})"
 
 

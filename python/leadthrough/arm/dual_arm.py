@@ -91,7 +91,6 @@ class DualArm(CollisionQueries, ShortRepr):
 
     @cached_property
     def _placement(self) -> Transforms:
-        """Pose of the right base in the left base frame."""
         return Transforms.identity() if self.base is None else Transforms.of(self.base, "base")
 
     @cached_property

@@ -299,7 +299,6 @@ class ArmModel(Drawn):
         return shaped if batch else shaped[0]
 
     def _rows(self, **values: ArrayLike) -> tuple[bool, list[Float64Array]]:
-        """Whether the values are batches, and each as checked rows (m, joints)."""
         return kinematics.joint_rows(self._chain, **values)
 
     def _require_masses(self) -> None:

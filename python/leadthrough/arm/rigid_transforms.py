@@ -47,7 +47,6 @@ class Transforms:
         return Transforms(self.positions + rotated, rotations.compose(first, second))
 
     def single(self) -> tuple[Float64Array, Float64Array]:
-        """The first of the poses."""
         return self.positions[0], self.orientations[0]
 
     def matrices(self) -> Float64Array:

@@ -323,7 +323,6 @@ def _root(folder: Path) -> Path:
 
 
 def moves(robot: core.Robot) -> bool:
-    """Whether a joint of the robot moves."""
     return any(joint.kind not in _NOT_OF_AN_ARM for joint in robot.tree)
 
 

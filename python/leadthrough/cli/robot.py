@@ -93,7 +93,6 @@ def refuse(need: str, **given: object) -> None:
 
 
 def joints_in(arm: lt.Arm, file: Path) -> lt.JointTrajectory:
-    """The arm's joints of the only motion in a file."""
     return own_joints(arm, reading.one_motion(file, joints=ranges(arm)), str(file))
 
 

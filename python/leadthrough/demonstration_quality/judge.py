@@ -416,7 +416,6 @@ def uncertainties(
 
 
 def goals_of(motions: Sequence[Motion]) -> Float64Array:
-    """The positions (m, d) at which motions end."""
     return np.array([each.positions[-1] for each in motions])
 
 

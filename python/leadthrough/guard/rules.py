@@ -28,8 +28,6 @@ _LOOK_AHEAD = 16  # rows of it
 
 @dataclass(frozen=True, eq=False)
 class StoppingTrajectory:
-    """Commands to rest."""
-
     rows: Float64Array  # (n, 3 joints), one a period, the last at rest
     executed: int  # how many of them come before the arm brakes
 

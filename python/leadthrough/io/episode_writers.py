@@ -66,7 +66,6 @@ class Layout:
 
     @property
     def state(self) -> tuple[str, ...]:
-        """Names of the joints, and of the gripper."""
         return (*self.joints, "gripper") if self.has_gripper else self.joints
 
 

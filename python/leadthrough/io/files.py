@@ -242,7 +242,6 @@ def read_text(path: Path, limits: ReadLimits, *, most: int = _MAX_TEXT) -> str:
 
 
 def not_text() -> InvalidInput:
-    """The error for a file that should be text and is none."""
     return InvalidInput("expected UTF-8 text, got other bytes")
 
 
@@ -270,7 +269,6 @@ def _refuse_more(unit: str, count: int, bound: int, what: str) -> None:
 
 
 def load_yaml(path: Path) -> object:
-    """The plain values in a YAML file."""
     return parsed_yaml(read_text(path, ReadLimits(), most=_MAX_YAML_BYTES))
 
 

@@ -80,7 +80,6 @@ class Posture:
         return self.rows[:, check.column_order(self.names, names, "joints")]
 
     def reversed(self) -> Posture:
-        """The joints from the end to the start."""
         return Posture(self.names, self.rows[::-1].copy())
 
     @staticmethod

@@ -147,7 +147,6 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
 
     @property
     def _offsets(self) -> Float64Array:
-        """Those of the corrections (k, width), also of none."""
         return np.array([each.offset for each in self.corrections] or np.empty((0, 0)))
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
@@ -189,7 +188,6 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         return np.asarray(covered / (covered[-1] or 1.0))
 
     def _apart(self, one: Any, other: Any) -> Any:
-        """Distance of fractions of the path."""
         gap = np.abs(one - other)
         return np.minimum(gap % 1.0, -gap % 1.0) if self._rhythmic else gap
 

@@ -148,7 +148,6 @@ def _features(rows: Float64Array) -> Float64Array:
 
 
 def _with_mean_ends(rows: Float64Array) -> Float64Array:
-    """Curves (k, n, width) shifted to their mean ends."""
     return with_ends(rows, *rows[:, [0, -1]].mean(axis=0))
 
 

@@ -107,7 +107,6 @@ class Shape(ShortRepr, ABC):
 
     @property
     def _fields(self) -> dict[str, Any]:
-        """Its dataclass fields by their names."""
         return {each.name: getattr(self, each.name) for each in fields(self)}  # type: ignore[arg-type]
 
     def form(self) -> str:

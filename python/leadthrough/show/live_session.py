@@ -146,7 +146,6 @@ class LiveSession:
 
     @property
     def drawn(self) -> LiveScene:
-        """All that the page draws."""
         planner = self.planner
         skill, via = (None, ()) if planner is None else (planner.asked_skill(), planner.via)
         planned = self.answer if self.answer and self.answer.joints is self.motion else None
@@ -248,7 +247,6 @@ class LiveSession:
     # Differences of sessions.
 
     def _shown(self) -> JointTrajectory | None:
-        """The motion that the page shows."""
         return self.motion
 
     def _place(self, scene: Scene) -> bool:

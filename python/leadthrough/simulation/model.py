@@ -240,7 +240,6 @@ def _add_joints(
 
 
 def _body_name(name: str) -> str:
-    """Name in the model of a body of a collision report."""
     return name if name == ATTACHED else LINK + name
 
 

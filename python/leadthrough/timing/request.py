@@ -172,7 +172,6 @@ def checked_dwell_times(dwell_times: Mapping[int, float] | None, rows: int) -> d
 
 
 def checked_velocity(velocity: ArrayLike | None, name: str, joints: int) -> Float64Array | None:
-    """A velocity (joints,), or None."""
     return None if velocity is None else check.frozen(velocity, name, shape=(joints,))
 
 

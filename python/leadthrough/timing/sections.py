@@ -138,7 +138,6 @@ class Path:
 
     @property
     def joints(self) -> int:
-        """How many joints move along it."""
         return len(self.start)
 
 
@@ -442,7 +441,6 @@ def fit_within(
 
 
 def _quintics(knots: Float64Array, table: Float64Array) -> Spline:
-    """The spline of pieces whose coefficients are rows of a table."""
     return Spline(knots, table.reshape(len(knots) - 1, _DEGREE + 1, -1))
 
 

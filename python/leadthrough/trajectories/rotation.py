@@ -299,7 +299,6 @@ def _slopes(squared: Float64Array) -> tuple[Float64Array, ...]:
 
 
 def products(matrices: Float64Array, vectors: Float64Array) -> Float64Array:
-    """The products of matrices (n, 3, 3) and vectors (n, 3)."""
     return np.asarray(np.einsum("nij,nj->ni", matrices, vectors))
 
 

@@ -376,7 +376,6 @@ def _rows(task: Task, outcome: Outcome, store: Store) -> list[Row]:
 
 
 def name_of(arm: Arm) -> str:
-    """An arm, as certificates name it."""
     return f"{arm.robot.name} {arm.base} to {arm.tip}"
 
 

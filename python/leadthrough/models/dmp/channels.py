@@ -227,7 +227,6 @@ class PointChannels(Channels[core.PointState]):
         return core.PointState(state.course, value, state.slope, state.phase, state.duration)
 
     def acceleration(self, coupling: ArrayLike) -> Float64Array:
-        """A coupling (d,) as it is."""
         return check_channels(coupling, "coupling", len(self.system.ends.goal))
 
     def motion(

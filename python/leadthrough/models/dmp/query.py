@@ -142,7 +142,6 @@ class Constraints:
 
     @property
     def are_none(self) -> bool:
-        """Whether there are no obstacles and no limits."""
         return not self.obstacles and len(self.lower) == 0
 
 

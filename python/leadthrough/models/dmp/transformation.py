@@ -121,7 +121,6 @@ class Ends(ShortRepr):
         return all(mine is theirs or mine.tolist() == theirs.tolist() for mine, theirs in pairs)
 
     def moved(self, start: Float64Array, goal: Float64Array) -> Ends:
-        """With another start and goal (channels,)."""
         return Ends(start, goal, self.start_slope, self.goal_slope)
 
     def joined(self, other: Ends) -> Ends:
@@ -141,17 +140,14 @@ class TransformationSystem(ShortRepr):
 
     @property
     def kernels(self) -> Kernels:
-        """The kernels that the weights belong to."""
         return kernels_of(self.form, len(self.weights), self.overlap)
 
     @cached_property
     def forces(self) -> core.DmpForces:
-        """The learned force, tabulated."""
         return tabulated(self.kernels, self.weights)
 
     @cached_property
     def demonstrated_course(self) -> core.DmpCourse:
-        """The course between the ends as demonstrated."""
         return course(self.form, self.ends)
 
     def arrays(self) -> dict[str, Float64Array]:
@@ -170,7 +166,6 @@ class TransformationSystem(ShortRepr):
 
 
 def kernels_of(form: str, weights: int, overlap: float = OVERLAP) -> Kernels:
-    """The kernels of a form for a number of weights."""
     return von_mises_kernels(weights) if form == RHYTHMIC else gaussian_kernels(weights, overlap)
 
 

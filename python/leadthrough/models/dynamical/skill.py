@@ -175,7 +175,6 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
         return self.field.velocity(x) * self.scale * (self.pace / self.demonstrated_duration)
 
     def _seconds(self, duration: float) -> float:
-        """A duration of the system in s."""
         return duration * self.demonstrated_duration / self.pace
 
     def _situation(self, start: Target | None, goal: Target | None) -> Situation[MotionT_co]:

@@ -329,7 +329,6 @@ class Steps:
         return joint.T, (likelihood + self._of_before(coefficients)) / self._count()
 
     def maximise(self, responsibilities: Float64Array) -> Blocks:
-        """The most likely components, given responsibilities."""
         return self._of_sums(self._sums(responsibilities))
 
     def _sums(self, responsibilities: Float64Array) -> Sums:

@@ -302,7 +302,6 @@ def _chosen(known: Sequence[Experience], wanted: NDArray[np.bool_]) -> list[Expe
 
 
 def _is_random_walk(known: Sequence[Experience]) -> bool:
-    """Whether there is a single demonstration and it is a random walk, which shows no path."""
     return len(known) == 1 and known[0].is_random_walk
 
 

@@ -185,7 +185,6 @@ class Sampled(Generic[MotionT_co]):
 
     @property
     def points(self) -> Float64Array:
-        """The points (n, 1 + d) of all motions."""
         return np.concatenate(self.rows)
 
     @property

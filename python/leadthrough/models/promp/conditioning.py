@@ -296,8 +296,6 @@ def _is_determined(skill: Primitive, phases: Float64Array, columns: NDArray[np.i
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """An end that a query asks for."""
-
     name: str  # argument that asks for it
     phase: float  # 0 at the start, 1 at the end
     values: Float64Array  # the first columns (p,) there
