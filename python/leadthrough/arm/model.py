@@ -76,7 +76,6 @@ class ArmModel(Drawn):
 
     @cached_property
     def _collision(self) -> core.CollisionModel:
-        """The collision shapes of the robot and the pairs of them to check."""
         ends = self.base, self.tip
         return collision_model(self._robot, self._chain, ends, self.mesh_folders, self.attached)
 

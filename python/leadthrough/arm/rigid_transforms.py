@@ -58,7 +58,6 @@ class Transforms:
         return Transforms(self.positions, rotations.align_signs(self.orientations))
 
     def inverse(self) -> Self:
-        """The poses of the other frame in this one."""
         back = rotations.inverse(self.orientations)
         positions = -np.einsum("nij,nj->ni", rotations.to_matrix(back), self.positions)
         return type(self)(positions, back)

@@ -215,7 +215,6 @@ def step_limits(limits: JointLimits, period: float) -> core.StepLimits:
 
 
 def guarded_scene(arm: Arm | DualArm, scene: Scene, period: float) -> core.GuardedScene:
-    """The arm in a scene, as the core takes them."""
     growth = [speed * period for speed in scene.speeds]
     margins = scene.margin, scene.self_collision_margin
     return core.GuardedScene(arm._collision, compiled(scene.shapes), growth, *margins)

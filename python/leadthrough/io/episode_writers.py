@@ -22,7 +22,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -327,6 +327,7 @@ class RobomimicWriter:
         self._frames += count
 
     def close(self) -> None:
+        """Writes what is about all episodes."""
         layout = self._layout
         arguments = {
             "env_name": layout.task,
@@ -353,14 +354,7 @@ def _observed(episode: Episode) -> dict[str, Any]:
     return rows
 
 
-class EpisodeWriter(Protocol):
-    """Writes episodes in their order, with memory for some of them."""
-
-    def add(self, episode: Episode) -> None:
-        """Writes an episode."""
-
-    def close(self) -> None:
-        """Writes what is about all episodes."""
+EpisodeWriter = LeRobotWriter | RobomimicWriter
 
 
 def writes_hdf5(path: StrPath) -> bool:

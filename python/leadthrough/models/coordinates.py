@@ -74,7 +74,6 @@ class Posture:
         return JointTrajectory(times, positions, joint_names=self.names)
 
     def in_order(self, names: tuple[str, ...]) -> Float64Array:
-        """The rows with their columns in the order of `names`."""
         if self.names == names:
             return self.rows
         return self.rows[:, check.column_order(self.names, names, "joints")]

@@ -521,7 +521,6 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> FramedSkill:
 def _one_each(
     frames: Sequence[Sequence[Frame]], count: int, size: int, *, poses: bool
 ) -> list[Frame]:
-    """The one frame of each of several demonstrations or situations."""
     given = checked_frames(frames, count, size, poses=poses)
     if len(given[0]) != 1:
         raise InvalidInput(f"frames: expected a sequence of one Frame, got {len(given[0])}")

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from http import HTTPStatus
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
@@ -157,9 +157,11 @@ class LiveSession:
         )
 
     def greeting(self) -> list[str]:
+        """Messages to a browser that has just opened the page."""
         return [self.drawn.message(moves=self.motion is not None), self._state()]
 
     def hear(self, message: str) -> None:
+        """Takes a message of a browser, of any content."""
         try:
             said = json.loads(message)
             handler = self._HANDLERS[str(said["do"])]
@@ -169,6 +171,7 @@ class LiveSession:
             handler(self, said)
 
     def advance(self, dt: float) -> list[str]:
+        """Messages to all browsers, dt s after the last call."""
         with self._telling():
             self._go_on(dt)
         told, self._messages = self._messages, []
@@ -323,7 +326,6 @@ def _moved(shape: Shape, said: dict[str, Any]) -> Shape:
 
 
 def vector(said: dict[str, Any], name: str) -> Float64Array:
-    """Three numbers of a message."""
     value = said.get(name)
     if value is None:
         raise InvalidInput(f"{name}: expected three numbers, got none")
@@ -374,26 +376,10 @@ def _is_from_here(request: Request, port: int) -> bool:
 _MAX_MESSAGE = 65536
 
 
-class Session(Protocol):
-    """A live page's other side; all methods are called from one thread."""
-
-    def greeting(self) -> Sequence[str]:
-        """Messages to a browser that has just opened the page."""
-
-    def hear(self, message: str) -> None:
-        """Takes a message of a browser, of any content."""
-
-    def advance(self, dt: float) -> Sequence[str]:
-        """Messages to all browsers, dt s after the last call."""
-
-    def left(self) -> None:
-        """The last browser has closed the page."""
-
-
 class PageServer:
     """A page, and a websocket between all browsers that show it and a session."""
 
-    def __init__(self, document: str, session: Session, *, port: int, period: float) -> None:
+    def __init__(self, document: str, session: LiveSession, *, port: int, period: float) -> None:
         try:
             import websockets  # noqa: F401, PLC0415
         except ImportError:

@@ -155,7 +155,6 @@ class Recordings:
         ]
 
     def _taken(self) -> set[str]:
-        """Names of demonstrations and of files beside them."""
         return {each.name for each in self.demonstrations} | {
             path.stem for path in self.folder.glob("*.csv")
         }

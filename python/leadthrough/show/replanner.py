@@ -397,7 +397,6 @@ class Replanning:
         return found
 
     def _begin(self) -> None:
-        """Starts the next answer, unless one is under way."""
         if self._job is None and (self._changes or self._is_coarse):
             changes, self._changes = self._changes, []
             self._is_coarse = bool(changes)

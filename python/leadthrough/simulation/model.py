@@ -244,7 +244,6 @@ def _body_name(name: str) -> str:
 
 
 def _unchecked_pairs(arm: Arm) -> Iterable[tuple[str, str]]:
-    """Pairs of bodies that collision checks leave out."""
     try:
         return arm.collision_pairs.left_out
     except InvalidRobot:

@@ -62,7 +62,6 @@ class Process:
         return Report(job.key, here(), time.perf_counter() - began, attempts, failure=failure)
 
     def close(self) -> None:
-        """Ends the process, also in the midst of a job."""
         self._closed = True
         self._ending()
 

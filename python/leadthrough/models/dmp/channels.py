@@ -187,7 +187,6 @@ class PointChannels(Channels[core.PointState]):
 
     @cached_property
     def progress(self) -> Progress:
-        """The same for all channels."""
         speeds = speeds_of(self._replay.velocities)
         return progress_of(np.repeat(speeds[:, None], len(self.system.ends.start), axis=1))
 
@@ -198,7 +197,6 @@ class PointChannels(Channels[core.PointState]):
         return Part(MOVING if self.joint_names is None else JOINTS, slopes, extent)
 
     def as_demonstrated(self, duration: float) -> core.PointState:
-        """The state at the start of the demonstrated motion."""
         ends = self.system.ends
         course = self.system.demonstrated_course
         return core.PointState(course, ends.start, ends.start_slope, 0.0, duration)

@@ -94,7 +94,6 @@ class OrientationCoordinates(ShortRepr):
         near: Float64Array,
         velocity: Float64Array = _ZERO,
     ) -> tuple[Float64Array, Float64Array]:
-        """Coordinates of an orientation, and their slope."""
         if self.representation == "log":
             near = _ZERO
         return core.dmp_coordinates(self.curve, offset, phase, orientation, velocity, near)

@@ -278,7 +278,6 @@ class Steps:
         self._least = least
 
     def bounded_by(self, least: float) -> Steps:
-        """The steps for the same points with another least variance."""
         other = copy(self)
         other._least = least
         return other

@@ -53,7 +53,6 @@ def timed(
 
 
 def _spline(route: Route, timing: str) -> CubicSpline:
-    """Progress along a route over normalised time."""
     if timing == "speed_map":
         return _from_rest_to_rest(progress_by_speed(route.path, route.speed))
     timed_by = () if timing == "constant" else route.used
