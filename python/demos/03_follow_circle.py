@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.show import plot
+from leadthrough.show.plot import limits_figure
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("panda")
@@ -33,5 +33,5 @@ joints = lt.keep_timing(followed, arm.limits, rate=400.0)
 reached, _ = arm.forward_kinematics(followed.positions)
 print(f"tool error at most {np.abs(reached - circle).max():.1e} m")
 print(f"slowed from {asked.duration:.2f} s to {joints.duration:.2f} s")
-plot.joint_figure(joints, arm.limits).savefig(folder / "circle.png", dpi=110)
+limits_figure(joints, arm.limits).savefig(folder / "circle.png", dpi=110)
 print(f"wrote {folder / 'circle.png'}")

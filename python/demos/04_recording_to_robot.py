@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import leadthrough as lt
-from leadthrough.show import plot
+from leadthrough.show.plot import limits_figure
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 arm = lt.Arm.load("ur3")
@@ -34,7 +34,7 @@ for name in ("velocity", "acceleration", "jerk"):
     print(f"{name}: {peaks[0].ratio:.0%} of the limit -> {peaks[1].ratio:.0%} ({peaks[1].joint})")
 
 lt.io.joint_trajectory.write_json(joints, folder / "recording.json")
-plot.joint_figure(joints, arm.limits).savefig(folder / "recording.png", dpi=110)
+limits_figure(joints, arm.limits).savefig(folder / "recording.png", dpi=110)
 print(f"slowed from {asked.duration:.2f} s to {joints.duration:.2f} s")
 print(f"the gripper closes at {joints.events[0].time:.2f} s instead of {gripped.time:.2f} s")
 print(f"wrote {folder / 'recording.json'} and {folder / 'recording.png'}")

@@ -244,7 +244,6 @@ def _short_repr(self: ShortRepr) -> str:
 
 
 def one_line(value: ShortRepr) -> str:
-    """The text of an object inside that of another."""
     return f"{type(value).__name__}({', '.join(value._repr_parts())})"
 
 
@@ -264,7 +263,6 @@ def value_text(value: object) -> str:
 
 
 def numbers_text(values: Any) -> str:  # Any: an array of numbers (n,)
-    """Numbers as (0.3, 0, 0.59)."""
     texts = (f"{0.0 if abs(value) < 1e-12 else value:.4g}" for value in values)
     return f"({', '.join(texts)})"
 
@@ -477,7 +475,6 @@ def prefixed(words: object) -> Iterator[None]:
 
 
 def choice(value: object, name: str, options: Collection[Text]) -> Text:
-    """`value`, if it is one of several texts."""
     if isinstance(value, str):
         for option in options:
             if option == value:

@@ -112,7 +112,6 @@ class Sampled(Drawn):
         return [span, *self._summary(), *([f"events {', '.join(names)}"] if names else [])]
 
     def _summary(self) -> list[str]:
-        """Summary of the columns."""
         first, last = (numbers_text(row) for row in self.positions[[0, -1]])
         return [f"{first} to {last}"]
 
@@ -340,7 +339,6 @@ def joints_with(motion: Motion) -> JointTrajectory | None:
 
 
 def checked_motion(value: MotionT, name: str) -> MotionT:
-    """`value`, if it is a motion."""
     if not isinstance(value, Motion):
         raise InvalidInput(
             f"{name}: expected a Trajectory, PoseTrajectory or JointTrajectory, "
@@ -528,7 +526,6 @@ def _slopes(times: Float64Array, values: Float64Array, *, at_rest: bool) -> Floa
 
 
 def _checked_events(value: object, times: Float64Array) -> Events:
-    """Events in the order of their times."""
     if not isinstance(value, Sequence):
         raise check.refused("events", "a sequence of Event", type(value).__name__)
     for i, each in enumerate(value):
@@ -590,5 +587,4 @@ def plain_events(events: Events) -> list[list[float | str]]:
 
 
 def events_of_plain(value: Iterable[tuple[float, str]]) -> Events:
-    """The events of [time, name] pairs, as `plain_events` makes them."""
     return tuple(Event(*each) for each in value)

@@ -81,7 +81,6 @@ class Speeds:
 
 
 def speeds_of(motion: Motion, window: float) -> Speeds:
-    """The speeds of a motion."""
     groups = [_slopes(motion.times, motion.positions, window)]
     if isinstance(motion, PoseTrajectory):
         # A unit quaternion moves by half the angle.

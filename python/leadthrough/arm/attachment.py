@@ -19,8 +19,6 @@ _INERTIA_TOLERANCE = 1e-6
 
 @dataclass(frozen=True, eq=False, init=False)
 class Load(ShortRepr):
-    """A rigid body."""
-
     mass: float  # in kg, >= 0
     center: Float64Array  # centre of mass (3,) in m
     inertia: Float64Array  # tensor (3, 3) about the centre of mass in kg m^2

@@ -91,7 +91,6 @@ class DualArm(CollisionQueries, ShortRepr):
 
     @cached_property
     def _placement(self) -> Transforms:
-        """Pose of the right base in the left base frame."""
         return Transforms.identity() if self.base is None else Transforms.of(self.base, "base")
 
     @cached_property
@@ -295,7 +294,6 @@ class DualArm(CollisionQueries, ShortRepr):
         return timed(self.limits, path, q, "slow")
 
     def _options(self, options: FollowOptions) -> tuple[FollowOptions, FollowOptions]:
-        """Options of either arm."""
         if options.free:
             raise InvalidInput("free: expected none, as both arms hold the object; remove it")
         posture = options.posture
@@ -313,7 +311,6 @@ class DualArm(CollisionQueries, ShortRepr):
         return in_order(joints, self.joint_names, "motion")
 
     def _checked(self, q: ArrayLike) -> Float64Array:
-        """A configuration, or a batch."""
         joints = len(self.joint_names)
         return check.array_of_rank(q, "q", shapes=((joints,), ("m", joints)))
 

@@ -215,7 +215,6 @@ def located(samples: Sequence[Carried], base: Transforms) -> BaseLocation:
 
 
 def _averaged(rows: Float64Array, size: int) -> Float64Array:
-    """Means of neighbouring rows."""
     count = len(rows) // size
     return np.ascontiguousarray(rows[: size * count].reshape(count, size, -1).mean(axis=1))
 

@@ -95,7 +95,6 @@ class Side:
         return np.vstack([solve(count=_POSTURES, q0=self.first[0]).q, *others])
 
     def _fail(self, error: IkFailure) -> NoReturn:
-        """Raises the error with the arm's name in front."""
         error.args = (f"{self.name} arm: {error}",)
         raise error from None
 
@@ -199,7 +198,6 @@ def _paired(left: Iterator[Float64Array], right: Iterator[Float64Array]) -> Iter
 def motions_of(
     arms: tuple[Arm, Arm], joints: JointTrajectory
 ) -> tuple[JointTrajectory, JointTrajectory]:
-    """The motions of the left and the right arm in one of both."""
     left, right = (arm.joint_names for arm in arms)
     every = range(len(left) + len(right))
     return (
@@ -230,13 +228,11 @@ def divided(motion: PoseTrajectory, parts: NDArray[np.int_]) -> PoseTrajectory:
 
 
 def shape_seen_from(shape: ShapeT, T_frame_shape: Transforms) -> ShapeT:
-    """A shape in another frame."""
     at = T_frame_shape @ Transforms.of((shape.position, shape.orientation), "shape")
     return shape.at(at.positions[0], at.orientations[0])
 
 
 def _is_clear(test: CollisionTest, q: Float64Array) -> bool:
-    """Whether some of the samples keep the margins."""
     return all(test.clear_rows(np.ascontiguousarray(q[::_COARSE])))
 
 

@@ -247,7 +247,6 @@ def timed(
 
 
 def checked_options(options: FollowOptions | None) -> FollowOptions:
-    """The options, by default those of `FollowOptions()`."""
     if options is None:
         return FollowOptions()
     if not isinstance(options, FollowOptions):

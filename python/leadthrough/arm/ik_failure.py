@@ -72,7 +72,6 @@ def failure(
 
 
 def with_reason(failure: IkFailure, reason: str) -> IkFailure:
-    """The failure with a reason added to its message."""
     same = copy(failure)
     same.args = (f"{failure}; {reason}",)
     return same

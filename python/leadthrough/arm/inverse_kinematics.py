@@ -219,7 +219,6 @@ def many_starts(
 
 
 def random_seed(seed: int) -> int:
-    """A checked seed of the random number generator."""
     if not isinstance(seed, int) and check.rank(seed) > 0:
         raise InvalidInput(
             "seed: expected an integer, the seed of the random number generator, got an array; "

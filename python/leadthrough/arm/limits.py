@@ -267,7 +267,6 @@ def checked_values(values: Mapping[str, float]) -> Mapping[str, float]:
 
 
 def require_inside(values: Mapping[str, float], limits: JointLimits) -> None:
-    """Check values against the limits of an arm."""
     bounds = zip(limits.joint_names, limits.lower, limits.upper, strict=True)
     for name, lower, upper in bounds:
         if name in values and not lower <= values[name] <= upper:

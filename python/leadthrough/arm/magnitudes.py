@@ -29,7 +29,6 @@ def values(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float6
 
 
 def frozen(value: ArrayLike, name: str, *, shape: Sequence[int | str]) -> Float64Array:
-    """A read-only copy of `value`, checked as by `values`."""
     return check.freeze(values(value, name, shape=shape).copy())
 
 

@@ -83,7 +83,6 @@ class ArmModel(Drawn):
 
     @cached_property
     def _collision(self) -> core.CollisionModel:
-        """The collision shapes of the robot and the pairs of them to check."""
         ends = self.base, self.tip
         return collision_model(self._robot, self._chain, ends, self.mesh_folders, self.attached)
 
@@ -319,7 +318,6 @@ class ArmModel(Drawn):
         return shaped if batch else shaped[0]
 
     def _rows(self, **values: ArrayLike) -> tuple[bool, list[Float64Array]]:
-        """Whether the values are batches, and each as checked rows (m, joints)."""
         return kinematics.joint_rows(self._chain, **values)
 
     def _require_masses(self) -> None:

@@ -36,7 +36,6 @@ class Transforms:
 
     @staticmethod
     def identity() -> Transforms:
-        """The pose of a frame in itself."""
         return Transforms(np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]]))
 
     def __matmul__(self, other: Transforms) -> Transforms:
@@ -48,7 +47,6 @@ class Transforms:
         return Transforms(self.positions + rotated, rotations.compose(first, second))
 
     def single(self) -> tuple[Float64Array, Float64Array]:
-        """The first of the poses."""
         return self.positions[0], self.orientations[0]
 
     def matrices(self) -> Float64Array:
@@ -60,7 +58,6 @@ class Transforms:
         return Transforms(self.positions, rotations.align_signs(self.orientations))
 
     def inverse(self) -> Self:
-        """The poses of the other frame in this one."""
         back = rotations.inverse(self.orientations)
         positions = -np.einsum("nij,nj->ni", rotations.to_matrix(back), self.positions)
         return type(self)(positions, back)

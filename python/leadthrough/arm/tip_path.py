@@ -71,7 +71,6 @@ class TipPath:
         return compiled(IkOptions(free=self.free, nullspace_gain=nullspace_gain), 0)
 
     def only(self, samples: slice | NDArray[np.intp]) -> TipPath:
-        """The path of these samples alone."""
         orientations = self.orientations[samples] if len(self.orientations) else self.orientations
         postures = self.postures[samples]
         own = (self.times[samples], self.positions[samples], orientations)
@@ -202,7 +201,6 @@ class CollisionTest:
 
     @cached_property
     def shapes(self) -> list[core.Shape]:
-        """The obstacles as the core takes them."""
         return shapes.compiled(self.scene.shapes)
 
     @cached_property

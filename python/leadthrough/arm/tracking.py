@@ -73,7 +73,6 @@ class Tracker:
 
     @property
     def tolerance(self) -> core.IkTolerance:
-        """The errors that count as reached."""
         return tolerance(*self.allowed)
 
     def along(self, start: Start) -> Track:
@@ -252,8 +251,6 @@ def _orientation_error(chain: core.Chain, path: TipPath, track: Track) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """An initial posture."""
-
     q: Float64Array  # (joints,) at the first sample
     rate: float  # of the motion towards the preferred postures from there, 1/s
 

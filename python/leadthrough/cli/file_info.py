@@ -30,8 +30,6 @@ _WRAPPED: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class FileInfo(ShortRepr):
-    """A summary of one file."""
-
     path: str  # the file
     format: str  # the name of its format, for people
     kind: str  # "recordings", "skill" or "robot"
@@ -41,7 +39,6 @@ class FileInfo(ShortRepr):
     problem: str | None = None
 
     def as_dict(self) -> dict[str, Any]:
-        """The fields as values that JSON knows."""
         return {
             "path": self.path,
             "format": self.format,

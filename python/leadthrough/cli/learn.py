@@ -284,7 +284,6 @@ def _of_the_arm(
 def _without(
     demonstrations: Sequence[lt.Demonstration], names: list[str]
 ) -> list[lt.Demonstration]:
-    """The recordings without some, by their names."""
     from leadthrough import check
 
     known = [each.name for each in demonstrations]

@@ -360,8 +360,6 @@ def _approach(clearance: lt.arm.Clearance, as_json: bool) -> object:
 
 
 class ControllerName(StrEnum):
-    """Values of --controller."""
-
     COMPUTED_TORQUE = "computed-torque"
     POSITION_SERVO = "position-servo"
     JOINT_IMPEDANCE = "joint-impedance"
@@ -524,7 +522,6 @@ def _push(text: str) -> lt.simulation.Push:
 
 
 def _simulation_facts(report: lt.SimulationReport, *, as_json: bool) -> dict[str, object]:
-    """Results of a simulation, by name."""
     joint = int(report.torque_fractions.argmax())
     worst = int(abs(report.errors).max(axis=0).argmax())
     name, fraction = report.arm.joint_names[joint], float(report.torque_fractions[joint])

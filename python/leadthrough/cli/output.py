@@ -47,7 +47,6 @@ def line(ctx: typer.Context, *words: str | Path) -> str:
 
 
 def advise(text: str) -> None:
-    """Prints what to do next."""
     print("next:", text)
 
 
@@ -269,7 +268,6 @@ def _is_infeasible(error: Exception) -> bool:
 
 
 def print_json(kind: str, message: str, argument: str | None) -> None:
-    """Prints an error as the only JSON object on stdout."""
     error = {"type": kind, "message": message, "argument": argument}
     print(json.dumps({"error": error}, allow_nan=False))
 

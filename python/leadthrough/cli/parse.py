@@ -27,7 +27,6 @@ _FILE = re.compile(rf"(?s)(.*?)(?:,({_NUMBER}))?(?:@([-+\d.eE,/]+))?")
 
 
 def numbers(text: str, name: str) -> Float64Array:
-    """Numbers separated by commas."""
     try:
         return np.array([float(part) for part in text.split(",")])
     except ValueError:
@@ -48,7 +47,6 @@ def obstacle(text: str) -> Shape:
 
 
 def obstacles(given: Sequence[str] | None) -> list[Shape]:
-    """The shapes of an option that may be repeated."""
     return [obstacle(text) for text in given or ()]
 
 

@@ -18,7 +18,6 @@ Ask = Callable[[str, str | None], str]
 
 
 def taken(question: str, proposal: str | None) -> str:
-    """The proposal, printed with its question."""
     if proposal is None:
         raise lt.errors.InvalidInput(
             f"--yes: there is no proposal for the {question}; give the option, or leave --yes out"

@@ -100,19 +100,16 @@ def _report_rests(recordings: Sequence[lt.Demonstration], kept: Sequence[lt.Demo
 
 
 def one_motion(file: Path, *, joints: Ranges | None = None) -> Motion:
-    """The only motion in a file."""
     refuse_skills([file])
     return lt.io.read_motion(file, joints=joints)
 
 
 def first_table(file: Path, request: Request) -> Table:
-    """The columns of the first recording in a file."""
     with blaming(file):
         return lt.io.formats.of_file(file).tables(file, request)[0]
 
 
 def saved_skill(file: Path) -> lt.models.Skill:
-    """The skill in a file."""
     if not file.is_file():
         raise lt.errors.InvalidInput(f"{file}: no such file")
     if file.suffix.lower() != SKILL:
@@ -125,7 +122,6 @@ def saved_skill(file: Path) -> lt.models.Skill:
 
 
 def refuse_skills(files: Sequence[Path]) -> None:
-    """Refuses skills where recordings or motions are due."""
     for file in files:
         if file.suffix.lower() == SKILL and file.is_file() and _is_skill(file):
             raise lt.errors.InvalidInput(

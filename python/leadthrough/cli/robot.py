@@ -50,7 +50,6 @@ _NUMBERED = re.compile(
 
 
 def load(name: str, details: ArmDetails) -> lt.Arm:
-    """The arm of a robot, by its name, or of a URDF, by its path."""
     named: Any = {"base": details.base, "tip": details.tip, "limits": details.limits}
     with output.naming(name="--robot", path_or_xml="--robot"):
         if _is_path(name):
@@ -68,7 +67,6 @@ def mesh_folders(given: Path | None) -> list[Path]:
 
 
 def urdf_of(name: str) -> Path:
-    """The URDF of a robot that `load` takes."""
     return Path(name) if _is_path(name) else find_robot(name).urdf
 
 
@@ -95,7 +93,6 @@ def refuse(need: str, **given: object) -> None:
 
 
 def joints_in(arm: lt.Arm, file: Path) -> lt.JointTrajectory:
-    """The arm's joints of the only motion in a file."""
     return own_joints(arm, reading.one_motion(file, joints=ranges(arm)), str(file))
 
 

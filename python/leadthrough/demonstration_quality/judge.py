@@ -372,7 +372,6 @@ class LeftOut:
         return Task(errors, arguments, {"material": self._file})
 
     def _done(self, todo: Sequence[Task]) -> list[Float64Array]:
-        """The errors of each task."""
         self._outcomes(todo)
         return [
             np.array([row["error"] for row in self._store.rows(task.key) or ()]) for task in todo
@@ -417,7 +416,6 @@ def uncertainties(
 
 
 def goals_of(motions: Sequence[Motion]) -> Float64Array:
-    """The positions (m, d) at which motions end."""
     return np.array([each.positions[-1] for each in motions])
 
 

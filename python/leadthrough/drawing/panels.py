@@ -66,7 +66,6 @@ class Panel:
     rows: Sequence[str] = ()  # names of the rows y = 0, 1, ... from the top on; then y has no ticks
 
     def colour(self, index: int) -> str:
-        """The colour of one of the lines."""
         return (
             self.lines[index].colour or palette.LIGHT_AND_DARK[index % len(palette.LIGHT_AND_DARK)]
         )

@@ -150,7 +150,6 @@ class Chunk:
     whole: bool = True  # whether it has all samples that were given
 
     def first(self, count: int) -> Chunk:
-        """The first samples alone."""
         if count >= len(self.rows):
             return self
         states = None if self.states is None else self.states[:count]

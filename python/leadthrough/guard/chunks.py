@@ -215,7 +215,6 @@ class Chunks(ShortRepr):
         return state
 
     def _due(self, stamp: float, count: int) -> int:
-        """Number of the actions of a chunk that are still due."""
         due = stamp + self._step * np.arange(count) > self.time
         return int(np.count_nonzero(due)) if stamp >= self._observed else 0
 

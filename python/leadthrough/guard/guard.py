@@ -427,7 +427,6 @@ _RATES: tuple[Kind, ...] = ("velocity", "acceleration", "jerk")
 
 
 def not_finite(rows: Float64Array, names: tuple[str, ...], times: Float64Array) -> Reason | None:
-    """The first number that is none."""
     at = _first(~np.isfinite(rows))
     return None if at is None else Reason("not finite", float(times[at[0]]), names[at[1]])
 

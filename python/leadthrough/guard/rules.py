@@ -28,8 +28,6 @@ _LOOK_AHEAD = 16  # rows of it
 
 @dataclass(frozen=True, eq=False)
 class StoppingTrajectory:
-    """Commands to rest."""
-
     rows: Float64Array  # (n, 3 joints), one a period, the last at rest
     executed: int  # how many of them come before the arm brakes
 
@@ -175,7 +173,6 @@ class Rules:
 def rules_for(
     arm: Arm | DualArm, scene: Scene, period: float, torques: InverseDynamics | None = None
 ) -> Rules:
-    """The rules of an arm in a scene."""
     check_arms(arm)
     if torques is not None:
         known_efforts(arm.limits)
@@ -195,7 +192,6 @@ def row_of(state: CommandedState | ArrayLike, joints: int) -> Float64Array:
 
 
 def step_limits(limits: JointLimits, period: float) -> core.StepLimits:
-    """Limits at a rate."""
     for name in ("velocity", "acceleration", "jerk"):
         value = getattr(limits, name)
         if value is None or not (np.isfinite(value) & (value > 0.0)).all():
@@ -208,7 +204,6 @@ def step_limits(limits: JointLimits, period: float) -> core.StepLimits:
 
 
 def guarded_scene(arm: Arm | DualArm, scene: Scene, period: float) -> core.GuardedScene:
-    """The arm in a scene, as the core takes them."""
     growth = [speed * period for speed in scene.speeds]
     margins = scene.margin, scene.self_collision_margin
     return core.GuardedScene(arm._collision, compiled(scene.shapes), growth, *margins)

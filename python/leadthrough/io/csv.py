@@ -106,7 +106,6 @@ class TextTable(Table):
 
 
 def read_table(path: Path) -> TextTable:
-    """The table in a file."""
     limits = ReadLimits()
     count = _count_lines(path, limits)
     try:

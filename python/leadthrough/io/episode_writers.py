@@ -22,7 +22,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +66,6 @@ class Layout:
 
     @property
     def state(self) -> tuple[str, ...]:
-        """Names of the joints, and of the gripper."""
         return (*self.joints, "gripper") if self.has_gripper else self.joints
 
 
@@ -132,7 +131,6 @@ class LeRobotWriter:
             self._write_about()
 
     def close(self) -> None:
-        """Writes what is left, and what is about all episodes."""
         if self._frames:
             self._write_frames()
         if self._about:
@@ -307,7 +305,6 @@ class RobomimicWriter:
             yield
 
     def add(self, episode: Episode) -> None:
-        """Writes an episode."""
         group = self._data.create_group(f"demo_{self._count}")
         count = len(episode.q)
         seen = _observed(episode)
@@ -357,14 +354,7 @@ def _observed(episode: Episode) -> dict[str, Any]:
     return rows
 
 
-class EpisodeWriter(Protocol):
-    """Writes episodes in their order, with memory for some of them."""
-
-    def add(self, episode: Episode) -> None:
-        """Writes an episode."""
-
-    def close(self) -> None:
-        """Writes what is about all episodes."""
+EpisodeWriter = LeRobotWriter | RobomimicWriter
 
 
 def writes_hdf5(path: StrPath) -> bool:

@@ -95,7 +95,6 @@ def written_blocks(rows: Float64Array, layout: core.RecordLayout) -> Iterator[st
 
 
 def checked_path(path: object) -> Path:
-    """`path`, if it is one."""
     if not isinstance(path, str | os.PathLike):
         raise InvalidInput(f"path: expected a path, got {path!r}")
     return Path(path)
@@ -225,7 +224,6 @@ class ReadLimits:
 
 
 def read_bytes(path: Path, limits: ReadLimits) -> bytes:
-    """All bytes of a file."""
     limits.bytes(path.stat().st_size, "the file")
     with path.open("rb") as file:
         found = file.read(MAX_BYTES + 1)  # a file may grow
@@ -244,7 +242,6 @@ def read_text(path: Path, limits: ReadLimits, *, most: int = _MAX_TEXT) -> str:
 
 
 def not_text() -> InvalidInput:
-    """The error for a file that should be text and is none."""
     return InvalidInput("expected UTF-8 text, got other bytes")
 
 
@@ -272,7 +269,6 @@ def _refuse_more(unit: str, count: int, bound: int, what: str) -> None:
 
 
 def load_yaml(path: Path) -> object:
-    """The plain values in a YAML file."""
     return parsed_yaml(read_text(path, ReadLimits(), most=_MAX_YAML_BYTES))
 
 

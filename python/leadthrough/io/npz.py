@@ -73,7 +73,6 @@ def table(path: Path) -> ArrayTable:
 
 
 def arrays(path: Path) -> dict[str, NDArray[Any]]:  # Any: of whatever type the archive has
-    """The arrays of an archive, by name."""
     with (
         refusing_damage(".npz archive of plain arrays", damage=DAMAGE),
         warnings.catch_warnings(),  # NumPy warns of headers as Python 2 wrote them

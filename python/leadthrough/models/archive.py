@@ -273,7 +273,6 @@ class FittedSkill(Drawn, Generic[MotionT_co]):
         npz.write_tables(path, self.kind, self._tables())
 
     def _tables(self) -> Mapping[str, Any]:
-        """Tables by name, for `export`."""
         raise self._not_exported()
 
     def _not_exported(self) -> UnsupportedQuery:
@@ -448,7 +447,6 @@ def write(
     certificate: Certificate | None = None,
     choice: Choice | None = None,
 ) -> None:
-    """Writes a skill to a file."""
     head = {"format": FORMAT, "version": VERSION, "kind": kind, "settings": dict(settings)}
     if certificate is not None:
         head[_CERTIFICATE] = certificate.to_settings()

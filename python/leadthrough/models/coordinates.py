@@ -59,7 +59,6 @@ class Posture:
     rows: Float64Array  # (201, joints) rad or m
 
     def along(self, times: Float64Array, phases: ArrayLike) -> JointTrajectory:
-        """The joints of a motion."""
         at = np.asarray(phases)
         rows = lerp(at, NODES, self.rows)
         return JointTrajectory(times, rows, joint_names=self.names)
@@ -75,13 +74,11 @@ class Posture:
         return JointTrajectory(times, positions, joint_names=self.names)
 
     def in_order(self, names: tuple[str, ...]) -> Float64Array:
-        """The rows with their columns in the order of `names`."""
         if self.names == names:
             return self.rows
         return self.rows[:, check.column_order(self.names, names, "joints")]
 
     def reversed(self) -> Posture:
-        """The joints from the end to the start."""
         return Posture(self.names, self.rows[::-1].copy())
 
     @staticmethod
@@ -212,12 +209,7 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
         return rotations.squad(NODES, self.reference, inside)
 
     def motion(
-        self,
-        times: Float64Array,
-        phases: Float64Array,
-        columns: Float64Array,
-        velocities: Float64Array | None = None,
-        accelerations: Float64Array | None = None,
+        self, times: Float64Array, phases: Float64Array, columns: Float64Array
     ) -> MotionT_co:
         """A motion of the demonstrated type."""
         happening = moved_events(self.events, phases, times)
@@ -228,7 +220,7 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
         elif self.kind == "joints":
             names = self.joint_names
             made = with_derivatives(
-                JointTrajectory(times, columns, velocities, accelerations, names, happening)
+                JointTrajectory(times, columns, joint_names=names, events=happening)
             )
         else:
             given = self.orientations(columns[:, 3:], phases)
@@ -262,7 +254,6 @@ class Coordinates(ShortRepr, Generic[MotionT_co]):
 
     @staticmethod
     def from_archive(settings: dict[str, Any], arrays: Any) -> Coordinates:
-        """The coordinates that `settings` and `arrays` took apart."""
         shape = (len(NODES), 4)
         return Coordinates(
             check.choice(settings["chart"], "chart", _TYPES),

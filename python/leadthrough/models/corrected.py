@@ -147,7 +147,6 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
 
     @property
     def _offsets(self) -> Float64Array:
-        """Those of the corrections (k, width), also of none."""
         return np.array([each.offset for each in self.corrections] or np.empty((0, 0)))
 
     def to_archive(self) -> tuple[dict[str, Any], Arrays]:
@@ -189,7 +188,6 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
         return np.asarray(covered / (covered[-1] or 1.0))
 
     def _apart(self, one: Any, other: Any) -> Any:
-        """Distance of fractions of the path."""
         gap = np.abs(one - other)
         return np.minimum(gap % 1.0, -gap % 1.0) if self._rhythmic else gap
 
@@ -222,7 +220,6 @@ class CorrectedSkill(FittedSkill[MotionT_co]):
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> CorrectedSkill[Any]:
-    """The skill that `CorrectedSkill.to_archive` took apart."""
     at = check.array(arrays["at"], "at", shape=("k",))
     offsets = check.array(arrays["offsets"], "offsets", shape=(len(at), "width"))
     modes = check.array(arrays["mode"], "mode", shape=(len(at),))

@@ -1,7 +1,8 @@
 """Demonstrations as curves over a common phase, apart from their timing, and their modes.
 
 Two phases: the fraction of the arc length, and an elastic one that brings each demonstration to
-the mean of all by dynamic programming (Sakoe and Chiba 1978) on position and tangent.
+the mean of all by dynamic programming (Sakoe and Chiba 1978) on position and tangent. The timing is
+a progress: the fraction of the path covered over normalised time.
 """
 
 from __future__ import annotations
@@ -15,10 +16,11 @@ from numpy.typing import NDArray
 from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.models.coordinates import mean_orientations
-from leadthrough.motion import Motion, PoseTrajectory, lerp
+from leadthrough.motion import Motion, PoseTrajectory, lerp, normalised_times
 from leadthrough.noise import without_noise
 from leadthrough.preprocess.align import FREE, MIN_TURN, TURNING, warp
 from leadthrough.preprocess.moved_ends import with_ends
+from leadthrough.preprocess.resample import arc_length
 from leadthrough.preprocess.smooth import in_pieces
 
 # Rows of a curve: as few as keep all samples within a fraction of the extent, doubled from the
@@ -146,7 +148,6 @@ def _features(rows: Float64Array) -> Float64Array:
 
 
 def _with_mean_ends(rows: Float64Array) -> Float64Array:
-    """Curves (k, n, width) shifted to their mean ends."""
     return with_ends(rows, *rows[:, [0, -1]].mean(axis=0))
 
 
@@ -212,3 +213,50 @@ def _lifted(motion: PoseTrajectory, reference: Float64Array) -> Float64Array:
     """Rotation vectors (n, 3) from a reference (1, 4), continuous, the last at most pi long."""
     back = rotations.inverse(np.repeat(reference, len(motion.times), 0))
     return rotations.lift(rotations.compose(back, motion.orientations), anchor="goal")
+
+
+PROGRESS_SAMPLES = 1001  # of progress, at evenly spaced normalised times
+# Fraction of the duration over which the speed is averaged twice: the acceleration becomes
+# continuous, and recorded speeds lose their noise.
+_SMOOTHING = 0.035
+
+
+def progress_of(times: Float64Array, path: Float64Array) -> Float64Array:
+    """The fraction of a path covered at evenly spaced normalised times, (1001,) from 0 to 1."""
+    covered = arc_length(path)
+    fraction = covered / covered[-1] if covered[-1] > 0 else np.linspace(0.0, 1.0, len(path))
+    return np.interp(np.linspace(0, 1, PROGRESS_SAMPLES), normalised_times(times), fraction)
+
+
+def uniform_progress() -> Float64Array:
+    """Progress at constant speed, (1001,)."""
+    return np.linspace(0.0, 1.0, PROGRESS_SAMPLES)
+
+
+def weighted_median(values: Float64Array, weights: Float64Array) -> float:
+    """The median of values (k,) that count as much as their weights (k,)."""
+    order = np.argsort(values, kind="stable")
+    fraction = weights[order] / weights.sum()
+    return float(np.interp(0.5, np.cumsum(fraction) - 0.5 * fraction, values[order]))
+
+
+def speed_of(progress: Float64Array) -> Float64Array:
+    """The smoothed change of a progress (1001,) from sample to sample, (1001,)."""
+    from scipy.ndimage import uniform_filter1d
+
+    speed = np.gradient(progress)
+    for _ in range(2):
+        speed = uniform_filter1d(speed, int(_SMOOTHING * PROGRESS_SAMPLES), mode="nearest")
+    return np.asarray(speed)
+
+
+def smoothed_progress(progress: Float64Array) -> Float64Array:
+    """The progress (1001,), smoothed, with its own speeds at the start and at the end."""
+    even = uniform_progress()
+    ahead = progress - even
+    width = int(_SMOOTHING * PROGRESS_SAMPLES) | 1
+    # Mirrored through both ends, where it is 0, by as much as two averages take away.
+    ahead = np.concatenate([-ahead[width - 1 : 0 : -1], ahead, -ahead[-2 : -width - 1 : -1]])
+    for _ in range(2):
+        ahead = np.convolve(ahead, np.full(width, 1.0 / width), mode="valid")
+    return np.asarray(np.maximum.accumulate(np.clip(even + ahead, 0.0, 1.0)))

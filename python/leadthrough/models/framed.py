@@ -125,7 +125,6 @@ class Frame(ShortRepr):
 def checked_frames(
     frames: Sequence[Sequence[Frame]], count: int, size: int, *, poses: bool
 ) -> list[tuple[Frame, ...]]:
-    """The frames of each of several demonstrations."""
     if not isinstance(frames, Sequence) or len(frames) != count:
         got = len(frames) if isinstance(frames, Sequence) else type(frames).__name__
         raise check.refused("frames", f"one sequence of frames per demonstration, {count}", got)
@@ -379,7 +378,6 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         return self.skill
 
     def _seen(self, query: CheckedQuery) -> CheckedQuery:
-        """A query seen from the frame."""
         return replace(
             query,
             start=self._local(query.start, "start"),
@@ -400,7 +398,6 @@ class FramedSkill(SteppedSkill[MotionT_co]):
             )
 
     def _via(self, via: Via) -> Via:
-        """Via points seen from the frame."""
         if len(via) == 0:
             return ()
         if not all(isinstance(pair, tuple | list) and len(pair) == 2 for pair in via):
@@ -411,7 +408,6 @@ class FramedSkill(SteppedSkill[MotionT_co]):
         return [(pair[0], point) for pair, point in zip(via, seen, strict=True)]
 
     def _velocity(self, velocity: ArrayLike | None, name: str) -> Float64Array | None:
-        """A velocity seen from the frame; None for None."""
         if velocity is None:
             return None
         given = check.array(velocity, name, shape=self.frame.origin.shape)
@@ -517,7 +513,6 @@ class FramedState:
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> FramedSkill:
-    """The skill that `FramedSkill.to_archive` took apart."""
     skill: Any = from_archived(settings["kind"], settings["skill"], prefixed(arrays, "skill_"))
     frame = Frame(arrays["origin"], arrays["axes"])
     return FramedSkill(Framed(skill.model), skill, frame, bool(settings["poses"]))
@@ -526,7 +521,6 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> FramedSkill:
 def _one_each(
     frames: Sequence[Sequence[Frame]], count: int, size: int, *, poses: bool
 ) -> list[Frame]:
-    """The one frame of each of several demonstrations or situations."""
     given = checked_frames(frames, count, size, poses=poses)
     if len(given[0]) != 1:
         raise InvalidInput(f"frames: expected a sequence of one Frame, got {len(given[0])}")

@@ -88,7 +88,6 @@ def _best(errors: dict[str, float]) -> str:
 
 
 def _models(candidates: Sequence[str | Model], motion: Motion) -> dict[str, Model]:
-    """The candidates for a type of motion, by name."""
     kind = "points"
     if isinstance(motion, PoseTrajectory | JointTrajectory):
         kind = "poses" if isinstance(motion, PoseTrajectory) else "joints"

@@ -49,8 +49,6 @@ class OutsideTargets(UserWarning):
 
 @dataclass(frozen=True, eq=False)
 class Entry(ShortRepr):
-    """A skill, and what it is for."""
-
     task: str  # name of the task
     subtask: str  # name of the part of the task
     target: Float64Array  # (d,), demonstrated target of the subtask

@@ -221,7 +221,6 @@ def generate_all(
 
 
 def checked_threads(threads: int) -> int:
-    """The number of threads, if it is 1 to 256."""
     return check.integer(threads, "threads", at_least=1, at_most=_MAX_THREADS)
 
 

@@ -57,7 +57,6 @@ class ModelEntry:
 
 
 def _system(name: str, model: str) -> ModelEntry:
-    """The row of a dynamical system of the package."""
     folder = "leadthrough.models.dynamical"
     return ModelEntry(
         name, f"{folder}.{model}", ("dynamical",), restore=f"{folder}.skill:from_archive"

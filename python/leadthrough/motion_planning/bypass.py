@@ -77,7 +77,6 @@ def _beside(
 
 
 def _cut(posture: Any, path: TipMotion, rows: slice) -> Any:
-    """The preferred posture for some samples of a path."""
     if not isinstance(posture, JointTrajectory):
         return posture
     at = posture.times[0] + normalised_times(path.times)[rows] * posture.duration
@@ -121,7 +120,6 @@ def _from_rest_to_rest(
 
 
 def _with_events(part: JointTrajectory, path: TipMotion, first: int, last: int) -> JointTrajectory:
-    """With the events between two samples of the path."""
     ends = path.times[[first, last]]
     between = tuple(each for each in path.events if ends[0] < each.time < ends[1])
     return replace(part, events=moved_events(between, ends, part.times[[0, -1]]))

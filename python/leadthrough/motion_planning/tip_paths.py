@@ -105,7 +105,6 @@ class BlockedSegment:
 
     @property
     def samples(self) -> NDArray[np.int64]:
-        """The tested samples in the segment."""
         return self.tested[self.first : self.last + 1]
 
     @property
@@ -209,8 +208,6 @@ class Query(ShortRepr):
 
 
 class TipPaths:
-    """The paths for one query."""
-
     def __init__(self, skill: Skill[Motion], query: Query, ik: CollisionFreeIk) -> None:
         self._skill = skill
         self._query = query
@@ -221,7 +218,6 @@ class TipPaths:
         self._past = -1  # the sample at which the arm is past the part
 
     def first(self) -> TipMotion:
-        """The path that the skill makes for the tip alone."""
         return self._generated(())
 
     def another(self, path: TipMotion, failure: IkFailure) -> TipMotion:

@@ -333,7 +333,6 @@ def _entries(values: Sequence[Any], name: str) -> list[Any]:
 
 
 def _count(maps: int, sources: int) -> int:
-    """Number of problems that the maps and sources make."""
     count = max(maps, sources)
     if {maps, sources} - {1, count}:
         raise InvalidInput(
@@ -373,7 +372,6 @@ def checked_speeds(speed: ArrayLike) -> Numbers:
 
 
 def finite_speeds(field: Numbers) -> Numbers:
-    """`field` if its numbers are finite and >= 0; raises InvalidInput otherwise."""
     if not (field.min() >= 0 and field.max() < np.inf):
         at = tuple(int(i) for i in np.argwhere(~((field >= 0) & (field < np.inf)))[0])
         raise InvalidInput(f"speed: expected finite numbers >= 0, got {field[at]} at {at}")

@@ -89,7 +89,6 @@ def _parts(
 def _detour(
     stretch: Float64Array, grid: Grid, obstacles: Sequence[Shape], scales: Scales
 ) -> Float64Array:
-    """The quickest path from end to end of a stretch."""
     # As wide a tube as the detour may become: it leaves and rejoins the path gently.
     wide = replace(scales, radius=0.5 * float(arc_length(stretch)[-1]))
     return maps.quickest_in_tube(stretch, grid, obstacles, wide)

@@ -177,7 +177,6 @@ def bounds_of(cells: NDArray[np.bool_]) -> tuple[slice, ...] | None:
 
 
 def check_grid(grid: object) -> Grid:
-    """`grid`, if it is a Grid."""
     if not isinstance(grid, Grid):
         raise check.refused("grid", "a Grid", type(grid).__name__)
     return grid

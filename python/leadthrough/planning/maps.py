@@ -69,7 +69,6 @@ class Scales:
 
 
 def scales_of(length: float) -> Scales:
-    """The scales of a tube around one path of a length."""
     return Scales(TUBE_RADIUS * length, MAP_RADIUS * length, _SATURATION, None, growth=GROWTH)
 
 

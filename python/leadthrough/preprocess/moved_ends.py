@@ -43,12 +43,10 @@ class Chords:
 
     @cached_property
     def _points(self) -> Float64Array:
-        """From the curves' goals."""
         return np.asarray(self.curves - self.curves[:, -1:])
 
     @cached_property
     def _lengths(self) -> Float64Array:
-        """Of the chords, (k,)."""
         return np.asarray(np.linalg.norm(self._points[:, 0], axis=1))
 
     @cached_property

@@ -100,7 +100,6 @@ def check_sample_count(duration: float, rate: float) -> None:
 
 
 def several_samples(demonstration: Demonstration[MotionT] | MotionT) -> Demonstration[MotionT]:
-    """The demonstration, if it has at least two samples."""
     demonstration = as_demonstration(demonstration, "demonstration")
     if len(demonstration.motion.times) < 2:
         raise InvalidInput("demonstration: expected at least two samples, got one")

@@ -121,12 +121,15 @@ class Sphere(Primitive):
         return np.full(3, 0.4 * self.radius**2)
 
 
+@dataclass(frozen=True, eq=False, init=False)
 class _Round(Primitive):
     """A solid of revolution about its own z axis, with a radius and a length."""
 
     size_names = "R,L"
     radius: float
     length: float
+    position: Float64Array
+    orientation: Float64Array
     _length_range: ClassVar[Mapping[str, float]]
 
     def __init__(
@@ -167,10 +170,6 @@ class Capsule(_Round):
             default.
     """
 
-    radius: float
-    length: float
-    position: Float64Array
-    orientation: Float64Array
     _length_range: ClassVar = {"at_least": 0.0}
 
     @property
@@ -214,10 +213,6 @@ class Cylinder(_Round):
             default.
     """
 
-    radius: float
-    length: float
-    position: Float64Array
-    orientation: Float64Array
     _length_range: ClassVar = {"above": 0.0}
 
     @property

@@ -199,5 +199,4 @@ def as_scene(scene: SceneLike) -> Scene:
 
 
 def _shape(obstacle: Obstacle) -> Shape:
-    """The obstacle's shape at its present pose."""
     return obstacle.shape if isinstance(obstacle, MovingObstacle | RandomObstacle) else obstacle

@@ -98,7 +98,6 @@ class Shape(ShortRepr, ABC):
 
     @cached_property
     def _compiled(self) -> core.Shape:
-        """The shape as the compiled core takes it."""
         return self._compile()
 
     @cached_property
@@ -108,7 +107,6 @@ class Shape(ShortRepr, ABC):
 
     @property
     def _fields(self) -> dict[str, Any]:
-        """Its dataclass fields by their names."""
         return {each.name: getattr(self, each.name) for each in fields(self)}  # type: ignore[arg-type]
 
     def form(self) -> str:
@@ -180,19 +178,16 @@ class PointBased(Shape):
 
     @property
     def middle(self) -> Float64Array:
-        """Centre (3,), m, of the ball and of the box that bound it, in the base frame."""
         lower, upper = self._corners
         return 0.5 * (lower + upper)
 
     @property
     def half_extents(self) -> Float64Array:
-        """Half the edges (3,), m, of its bounding box parallel to the base's axes."""
         lower, upper = self._corners
         return 0.5 * (upper - lower) + self._rounding
 
     @cached_property
     def bounding_radius(self) -> float:
-        """Radius of the ball around its middle that contains it, m."""
         return float(length(self._outline() - self.middle).max()) + self._rounding
 
     @cached_property

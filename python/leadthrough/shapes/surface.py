@@ -18,8 +18,6 @@ _IDENTITY = np.eye(3)
 
 @dataclass(frozen=True, eq=False)
 class Surface(ShortRepr):
-    """A surface of triangles."""
-
     vertices: Float64Array  # (n, 3), m
     faces: NDArray[np.int64]  # indices of vertices (m, 3), anticlockwise as seen from outside
 
@@ -29,7 +27,6 @@ class Surface(ShortRepr):
 
 
 def merged(surfaces: Sequence[Surface]) -> Surface:
-    """One surface of all, of which there is at least one."""
     if len(surfaces) == 1:
         return surfaces[0]
     offsets = np.cumsum([0, *(len(each.vertices) for each in surfaces[:-1])])

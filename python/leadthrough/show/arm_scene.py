@@ -144,7 +144,6 @@ def distribution_of(arm: Arm, skill: Skill | None) -> tuple[Float64Array, Float6
 
 
 def obstacle_item(shape: Shape, index: int) -> Item:
-    """An obstacle at its own pose."""
     colour = palette.rgb(palette.OBSTACLE)
     return Item(f"obstacle {index}", Layer.OBSTACLES, shape.placed_surface(), colour, opacity=0.85)
 

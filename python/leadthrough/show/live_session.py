@@ -11,27 +11,93 @@ import secrets
 import threading
 import time
 import webbrowser
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from http import HTTPStatus
+from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
 from leadthrough import check, rotations
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, ShortRepr
+from leadthrough.models.protocol import Skill
 from leadthrough.motion import Demonstration, JointTrajectory
 from leadthrough.shapes import Scene, Shape
-from leadthrough.show.animation import Layer
-from leadthrough.show.live_scene import LAYERS, LiveScene
+from leadthrough.show import arm_scene as scenes, page
+from leadthrough.show.animation import Animation, Item, Layer
+from leadthrough.show.arm_scene import goal_item, path_item, start_item
 from leadthrough.show.replanner import Answer, Change, Replanner, Replanning
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
     from websockets.http11 import Request, Response
+
+_MOTIONLESS = Animation((), np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 4)), ())
+_MARKS = {Layer.PATH: path_item, Layer.START: start_item, Layer.GOAL: goal_item}
+LAYERS = [layer for layer in Layer if layer not in (Layer.ARM, Layer.PLANNED)]
+
+
+@dataclass(frozen=True, eq=False)
+class LiveScene:
+    """An arm and what is drawn with it."""
+
+    arm: Arm
+    motion: JointTrajectory | None  # that the page plays
+    scene: Scene
+    demonstrations: Sequence[Demonstration] = ()
+    path: Float64Array | None = None  # of the tip (n, 3)
+    goal: Float64Array | None = None  # (3,)
+    skill: Skill | None = None  # whose spread is drawn
+    via: Sequence[Float64Array] = ()  # points (3,) that the path was moved to
+    wanted: Float64Array | None = None  # path of the tip (m, 3) by the skill alone
+    others: Sequence[Float64Array] = ()  # such paths by other modes
+
+    def document(self, kind: str) -> str:
+        """The page of a kind, "teach" or "view"."""
+        return page.live_document(self._whole(), self.arm.robot.name, kind)
+
+    def write(self, path: str | Path) -> None:
+        """Writes a page that needs no server."""
+        page.write_page(path, self.arm.robot.name, page.scene(self._whole()), whole=True)
+
+    def message(
+        self, layers: Sequence[str] = LAYERS, *, moves: bool = False, detailed: bool = True
+    ) -> str:
+        """Surfaces of some layers, and the motion from now on if it `moves`."""
+        items = tuple(item for name in layers for item in self._items(name))
+        motion = scenes.arm_motion(self.arm, self.motion) if moves else _MOTIONLESS
+        drawn = replace(motion, items=items)
+        told = self._readouts() if detailed else None
+        data = page.packed(drawn, level=1, layers=list(layers), readouts=told)
+        return json.dumps({"kind": "scene", "data": data, "moves": moves})
+
+    def _whole(self) -> Animation:
+        drawn = scenes.arm_scene(self.arm, self.motion)
+        items = [item for item in drawn.items if item.layer not in LAYERS]
+        items += [item for name in LAYERS for item in self._items(name)]
+        return replace(drawn, items=tuple(items), readouts=self._readouts())
+
+    def _readouts(self) -> dict[str, Any] | None:
+        return scenes.readouts(self.arm, self.motion, self.scene, self.wanted)
+
+    def _items(self, layer: str) -> Iterable[Item]:
+        if layer == Layer.DEMONSTRATIONS:
+            return scenes.demonstration_items(self.arm, self.demonstrations)
+        if layer == Layer.OBSTACLES:
+            return [scenes.obstacle_item(shape, i) for i, shape in enumerate(self.scene.shapes)]
+        if layer == Layer.SPREAD:
+            return scenes.spread_items(self.arm, self.skill)
+        if layer == Layer.VIA:
+            return scenes.via_items(self.via)
+        if layer == Layer.MODES:
+            return scenes.mode_items(self.others)
+        marked = self.goal if layer == Layer.GOAL else self.path
+        return [] if marked is None else [_MARKS[Layer(layer)](marked)]
+
 
 Handler = Callable[[Any, dict[str, Any]], None]
 
@@ -80,7 +146,6 @@ class LiveSession:
 
     @property
     def drawn(self) -> LiveScene:
-        """All that the page draws."""
         planner = self.planner
         skill, via = (None, ()) if planner is None else (planner.asked_skill(), planner.via)
         planned = self.answer if self.answer and self.answer.joints is self.motion else None
@@ -132,13 +197,11 @@ class LiveSession:
         """The last browser has closed the page."""
 
     def close(self) -> None:
-        """Ends the session."""
         self.left()
         if self._planning is not None:
             self._planning.close()
 
     def request(self, change: Change) -> None:
-        """Plans anew after a change."""
         if self._planning is not None:
             self._planning.request(change)
 
@@ -187,7 +250,6 @@ class LiveSession:
     # Differences of sessions.
 
     def _shown(self) -> JointTrajectory | None:
-        """The motion that the page shows."""
         return self.motion
 
     def _place(self, scene: Scene) -> bool:
@@ -196,7 +258,6 @@ class LiveSession:
         return True
 
     def _worded(self, verdict: str, how: str) -> str:
-        """An answer's verdict, and how it was found, in words."""
         return f"{how}. {verdict}"
 
     def _facts(self) -> dict[str, Any]:
@@ -265,7 +326,6 @@ def _moved(shape: Shape, said: dict[str, Any]) -> Shape:
 
 
 def vector(said: dict[str, Any], name: str) -> Float64Array:
-    """Three numbers of a message."""
     value = said.get(name)
     if value is None:
         raise InvalidInput(f"{name}: expected three numbers, got none")
@@ -316,26 +376,10 @@ def _is_from_here(request: Request, port: int) -> bool:
 _MAX_MESSAGE = 65536
 
 
-class Session(Protocol):
-    """A live page's other side; all methods are called from one thread."""
-
-    def greeting(self) -> Sequence[str]:
-        """Messages to a browser that has just opened the page."""
-
-    def hear(self, message: str) -> None:
-        """Takes a message of a browser, of any content."""
-
-    def advance(self, dt: float) -> Sequence[str]:
-        """Messages to all browsers, dt s after the last call."""
-
-    def left(self) -> None:
-        """The last browser has closed the page."""
-
-
 class PageServer:
     """A page, and a websocket between all browsers that show it and a session."""
 
-    def __init__(self, document: str, session: Session, *, port: int, period: float) -> None:
+    def __init__(self, document: str, session: LiveSession, *, port: int, period: float) -> None:
         try:
             import websockets  # noqa: F401, PLC0415
         except ImportError:
@@ -357,7 +401,6 @@ class PageServer:
         return f"http://127.0.0.1:{self._port}/{self._token}/"
 
     def close(self) -> None:
-        """Stops the server."""
         self._closing.set()
         self._thread.join()
 

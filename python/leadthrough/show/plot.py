@@ -59,39 +59,12 @@ def draw_box(axes: Axes, box: Box) -> None:
 
 
 @styled()
-def joint_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
-    """Positions and velocities of all joints over time, with dashed limits."""
-    joints = trajectory.positions.shape[1]
-    height = 1.3 * joints + 0.8
-    figure = Figure(figsize=(9.0, height))
-    # Margins that fit every arm: matplotlib would take as long to find them as for all the rest.
-    margins = {"left": 0.08, "right": 0.99, "bottom": 0.5 / height, "top": 1.0 - 0.3 / height}
-    grid = figure.subplots(
-        joints, 2, sharex=True, squeeze=False, gridspec_kw={**margins, "wspace": 0.12}
-    )
-    velocities = trajectory.velocities
-    if velocities is None:
-        velocities = np.gradient(trajectory.positions, trajectory.times, axis=0)
-    for j, ((left, right), name) in enumerate(zip(grid, _names(trajectory), strict=True)):
-        left.plot(trajectory.times, trajectory.positions[:, j], **PATH)
-        right.plot(trajectory.times, velocities[:, j], **PATH)
-        _draw_limits(left, limits.lower[j], limits.upper[j])
-        _draw_limits(right, -limits.velocity[j], limits.velocity[j])
-        left.set_ylabel(name)
-        left.yaxis.label.set_fontsize(8)
-    grid[0, 0].set_title("position in rad, limits dashed")
-    grid[0, 1].set_title("velocity in rad/s, limits dashed")
-    for axes in grid[-1]:
-        axes.set_xlabel("time in s")
-    return figure
-
-
-@styled()
 def limits_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
     """Position and its three derivatives of all joints over time, as fractions of the limits."""
     figure = Figure(figsize=(9.0, 7.5), layout="constrained")
     panels = figure.subplots(4, 1, sharex=True)
-    middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
+    with np.errstate(invalid="ignore"):  # a joint that turns without end has no middle
+        middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
     _draw_fractions(panels[0], trajectory.times, (trajectory.positions - middle) / half, "position")
     rates = (limits.velocity, limits.acceleration, limits.jerk)
     names = ("velocity", "acceleration", "jerk")
@@ -99,25 +72,15 @@ def limits_figure(trajectory: JointTrajectory, limits: JointLimits) -> Figure:
         times, values = _differences(trajectory, order)
         _draw_fractions(axes, times, values / (np.inf if limit is None else limit), name)
     lines = panels[0].lines[: len(middle)]
-    panels[0].legend(lines, _names(trajectory), fontsize=7, ncols=4, loc="upper right")
+    panels[0].legend(lines, limits.joint_names, fontsize=7, ncols=4, loc="upper right")
     panels[-1].set_xlabel("time in s")
     return figure
 
 
-def _names(trajectory: JointTrajectory) -> Sequence[str]:
-    count = trajectory.positions.shape[1]
-    return trajectory.joint_names or [f"joint {j + 1}" for j in range(count)]
-
-
-def _draw_limits(axes: Axes, lower: float, upper: float) -> None:
-    for limit in (lower, upper):
-        if np.isfinite(limit):
-            axes.axhline(limit, **LIMIT)
-
-
 def _draw_fractions(axes: Axes, times: Float64Array, fractions: Float64Array, name: str) -> None:
     axes.plot(times, fractions, linewidth=1.0)
-    _draw_limits(axes, -1.0, 1.0)
+    for limit in (-1.0, 1.0):
+        axes.axhline(limit, **LIMIT)
     axes.set_ylabel(f"{name}\nof its limit")
     axes.set_ylim(-1.15, 1.15)
 

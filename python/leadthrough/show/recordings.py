@@ -103,7 +103,6 @@ class Recordings:
         return self.source
 
     def path(self, name: str) -> Path:
-        """The file of a demonstration."""
         return self.folder / f"{name}.csv"
 
     def _remember(self, index: int) -> Path:
@@ -156,7 +155,6 @@ class Recordings:
         ]
 
     def _taken(self) -> set[str]:
-        """Names of demonstrations and of files beside them."""
         return {each.name for each in self.demonstrations} | {
             path.stem for path in self.folder.glob("*.csv")
         }

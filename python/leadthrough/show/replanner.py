@@ -71,7 +71,6 @@ class End:
             self.orientation = motion.orientations[self._row]
 
     def move(self, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
-        """Sets another place."""
         self.position = check.array(position, self._name, shape=(3,)).copy()
         if orientation is not None:
             self.orientation = check.quaternions(orientation, self._name, shape=(4,))
@@ -398,14 +397,12 @@ class Replanning:
         return found
 
     def _begin(self) -> None:
-        """Starts the next answer, unless one is under way."""
         if self._job is None and (self._changes or self._is_coarse):
             changes, self._changes = self._changes, []
             self._is_coarse = bool(changes)
             self._job = self._worker.submit(self._answer, changes)
 
     def close(self) -> None:
-        """Ends the thread."""
         self._worker.shutdown(wait=True, cancel_futures=True)
 
     def _answer(self, changes: Sequence[Change]) -> Answer:

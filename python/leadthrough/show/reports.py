@@ -63,7 +63,6 @@ def joint_table(report: SimulationReport) -> tuple[list[str], list[list[str]]]:
 
 
 def simulation_scene(report: SimulationReport) -> Animation:
-    """The simulated arm and the planned one in one scene."""
     tip, _ = report.arm.forward_kinematics(report.planned.positions)
     real = arm_scene(report.arm, report.simulated, path=tip, obstacles=report.obstacles)
     plan = arm_scene(report.arm, report.planned)

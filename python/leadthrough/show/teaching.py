@@ -96,11 +96,9 @@ class Teaching(LiveSession):
 
     @property
     def idle(self) -> bool:
-        """Whether all that was asked for has been answered."""
         return self._lesson is None and not self._to_save and super().idle
 
     def greeting(self) -> list[str]:
-        """Messages to a browser that has just opened the page."""
         scene, state = super().greeting()
         return [scene, self.led.message(), state]
 
@@ -238,7 +236,6 @@ class Teaching(LiveSession):
 
     @property
     def skill_path(self) -> Path:
-        """The file of the skill, beside the folder of the demonstrations."""
         return self.recordings.folder.parent / "skill.npz"
 
     @property
@@ -390,7 +387,6 @@ def first_configuration(arm: Arm, scene: Scene) -> Float64Array:
 
 
 def _bounds(arm: Arm) -> tuple[Float64Array, Float64Array]:
-    """The joints' limits, at most half a turn."""
     return arm.limits.lower.clip(-math.pi, math.pi), arm.limits.upper.clip(-math.pi, math.pi)
 
 

@@ -151,13 +151,14 @@ class _Linearised(Law):
         return Gains(springs, self._d * motion.mass, np.zeros_like(motion.q))
 
 
+@dataclass(frozen=True, eq=False)
 class _JointSprings(Controller):
     """Springs and dampers of the joints, made when the arm is known."""
 
-    stiffness: ArrayLike | None
-    frequency: float
-    damping_ratio: float
-    _weightless: ClassVar[bool]
+    stiffness: ArrayLike | None = None
+    frequency: float = 100.0
+    damping_ratio: float = 1.0
+    _weightless: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         _require_positive(self, "frequency", "damping_ratio")
@@ -183,11 +184,6 @@ class PositionServo(_JointSprings):
         damping_ratio: of each joint with its inertia at the start, > 0.
     """
 
-    stiffness: ArrayLike | None = None
-    frequency: float = 100.0
-    damping_ratio: float = 1.0
-    _weightless: ClassVar[bool] = False
-
 
 @dataclass(frozen=True, eq=False)
 class JointImpedance(_JointSprings):
@@ -201,9 +197,7 @@ class JointImpedance(_JointSprings):
     Source: Albu-Schaeffer, Ott and Hirzinger 2007.
     """
 
-    stiffness: ArrayLike | None = None
     frequency: float = 20.0
-    damping_ratio: float = 1.0
     _weightless: ClassVar[bool] = True
 
 

@@ -223,5 +223,4 @@ def _tabled(arm: Arm, name: str, effort: Float64Array) -> Float64Array:
 
 @cache
 def _table() -> dict[str, Any]:
-    """The table of drives."""
     return tomllib.loads((files(__package__) / "drives.toml").read_text(encoding="utf-8"))

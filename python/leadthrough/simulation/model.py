@@ -53,7 +53,6 @@ def plant(
     gravity: Float64Array,
     period: float,
 ) -> Plant:
-    """The model of an arm among obstacles."""
     spec, drives = specified(
         arm, motors=motors, drive_damping=drive_damping, gravity=gravity, period=period
     )
@@ -187,7 +186,6 @@ def _balanced(inertia: Float64Array, link: str) -> Float64Array:
 
 
 def add_parts(spec: Any, body: Any, parts: Iterable[ConvexPart]) -> None:
-    """Adds convex parts to a body of a MuJoCo model that is being specified."""
     mujoco = check.package("mujoco", extra="simulation")
     for part in parts:
         kind = getattr(mujoco.mjtGeom, f"mjGEOM_{part.kind.upper()}")
@@ -245,12 +243,10 @@ def _add_joints(
 
 
 def _body_name(name: str) -> str:
-    """Name in the model of a body of a collision report."""
     return name if name == ATTACHED else LINK + name
 
 
 def _unchecked_pairs(arm: Arm) -> Iterable[tuple[str, str]]:
-    """Pairs of bodies that collision checks leave out."""
     try:
         return arm.collision_pairs.left_out
     except InvalidRobot:
@@ -295,7 +291,6 @@ def _load(mass: float, center: Float64Array, inertia: Float64Array) -> Load:
 
 
 def _sum(bodies: list[Load]) -> Load:
-    """Rigid bodies as one."""
     mass = sum(body.mass for body in bodies)
     if mass == 0.0:
         return bodies[0]

@@ -43,7 +43,6 @@ class Cluster:
     """The workers of a Dask scheduler."""
 
     def __init__(self, where: str) -> None:
-        """Connects."""
         distributed = check.package("distributed", extra="dask")
         named = {"scheduler_file": where} if where.endswith(".json") else {"address": where}
         if where.endswith(".json") and not Path(where).is_file():

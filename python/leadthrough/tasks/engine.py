@@ -215,7 +215,6 @@ class Workers(Protocol):
 
 
 def _workers(on: str | None) -> Workers:
-    """The workers that `on` names."""
     if on is None:
         return _ThisProcess()
     if found := _LOCAL.fullmatch(on):

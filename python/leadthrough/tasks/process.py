@@ -44,7 +44,6 @@ class Process:
         self._closed = False
 
     def do(self, job: Job, files: Mapping[str, str]) -> Report:
-        """The report on a job, whatever becomes of the process."""
         attempts, began, ended = 0, time.perf_counter(), ""
         while attempts < MAX_ATTEMPTS and not self._closed:
             attempts += 1
@@ -63,7 +62,6 @@ class Process:
         return Report(job.key, here(), time.perf_counter() - began, attempts, failure=failure)
 
     def close(self) -> None:
-        """Ends the process, also in the midst of a job."""
         self._closed = True
         self._ending()
 
@@ -170,7 +168,6 @@ def _stored(report: Report, job: Job) -> Report:
 
 
 def _as_text(error: BaseException) -> dict[str, str]:
-    """An error as text."""
     return {
         "error": type(error).__name__,
         "message": str(error),

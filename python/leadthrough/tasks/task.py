@@ -79,8 +79,6 @@ class Job:
 
 @dataclass(frozen=True)
 class Report:
-    """Result of a job."""
-
     key: str  # of the task
     host: str  # the process that did it
     seconds: float  # that it took, from when the function was called
@@ -114,7 +112,6 @@ def _code_of(function: Callable[..., Any]) -> str:
 
 
 def content_of(path: Path) -> str:
-    """A digest of a file's content."""
     try:
         changed = path.stat()
         return _content(path, changed.st_mtime_ns, changed.st_size)

@@ -221,7 +221,6 @@ class Extremes:
 
     @property
     def positions(self) -> Float64Array:
-        """The lowest and the highest positions, (2, joints)."""
         return self.values[[_LOWEST, _HIGHEST]]
 
 

@@ -127,7 +127,6 @@ class Request:
 
     @property
     def rests_at_ends(self) -> tuple[bool, bool]:
-        """Whether the motion rests at its start, and at its end."""
         start, end = self.start_velocity, self.end_velocity
         return start is None or not start.any(), end is None or not end.any()
 
@@ -145,7 +144,6 @@ class Request:
         return float(self.earliest_times[row] - self.earliest_times[0]) + rested
 
     def between_rests(self, *, first: bool, last: bool) -> Request:
-        """The request for a part of the path."""
         return replace(
             self,
             start_velocity=self.start_velocity if first else None,
@@ -175,7 +173,6 @@ def checked_dwell_times(dwell_times: Mapping[int, float] | None, rows: int) -> d
 
 
 def checked_velocity(velocity: ArrayLike | None, name: str, joints: int) -> Float64Array | None:
-    """A velocity (joints,), or None."""
     return None if velocity is None else check.frozen(velocity, name, shape=(joints,))
 
 

@@ -142,7 +142,6 @@ def _timed_as_its_windows(
 
 
 def _windows(path: JointTrajectory) -> list[JointTrajectory]:
-    """Windows of a path at equal lengths from each other."""
     lengths = np.cumsum(np.linalg.norm(np.diff(path.positions, axis=0), axis=1))
     middles = np.searchsorted(lengths, lengths[-1] * (np.arange(_WINDOWS) + 0.5) / _WINDOWS)
     starts = np.clip(middles - _WINDOW // 2, 0, len(path) - _WINDOW)

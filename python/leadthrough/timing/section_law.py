@@ -210,8 +210,6 @@ class SlowProfile(Exception):
 
 @dataclass(frozen=True, eq=False)
 class _Law:
-    """A time law."""
-
     times: Float64Array  # s, (n,)
     length: Float64Array  # the path's length at them, (n,)
     speed: Float64Array  # its derivative in time, (n,)

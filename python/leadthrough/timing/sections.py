@@ -107,7 +107,6 @@ def _parts(spline: Spline, parameters: Float64Array) -> list[Spline]:
 
 
 def _between(spline: Spline, first: float, last: float) -> Spline:
-    """The spline between two of its parameters."""
     begin = int(np.searchsorted(spline.knots, first, side="right")) - 1
     end = int(np.searchsorted(spline.knots, last, side="left"))
     knots, pieces = spline.knots[begin : end + 1].copy(), spline.coefficients[begin:end].copy()
@@ -133,15 +132,12 @@ _SAMPLES_OF_A_CURVE = 2000
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """A path of any kind."""
-
     rows: int  # how many way-points, samples or knots it has
     start: Float64Array  # configuration (joints,) at which it begins
     sections: Callable[[Request], Sections]
 
     @property
     def joints(self) -> int:
-        """How many joints move along it."""
         return len(self.start)
 
 
@@ -445,7 +441,6 @@ def fit_within(
 
 
 def _quintics(knots: Float64Array, table: Float64Array) -> Spline:
-    """The spline of pieces whose coefficients are rows of a table."""
     return Spline(knots, table.reshape(len(knots) - 1, _DEGREE + 1, -1))
 
 

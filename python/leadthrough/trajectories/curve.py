@@ -121,7 +121,6 @@ def in_blocks(values: Callable[[Float64Array], Float64Array], times: Float64Arra
 
 
 def order(derivative: int) -> int:
-    """`derivative` as the order of a derivative."""
     return check.integer(derivative, "derivative", at_least=0)
 
 

@@ -70,7 +70,6 @@ class FilterState(ShortRepr):
 def _computed(
     position: Float64Array, velocity: Float64Array, acceleration: Float64Array
 ) -> FilterState:
-    """A state just computed."""
     return check.computed(
         FilterState, position=position, velocity=velocity, acceleration=acceleration
     )

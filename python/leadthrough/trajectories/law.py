@@ -118,12 +118,10 @@ class _Points(PointCurve):
 
     @property
     def domain(self) -> tuple[float, float]:
-        """First and last time."""
         return self.law.domain
 
     @property
     def knots(self) -> Float64Array:
-        """Times between which the curve is smooth."""
         return _knots(self.path, self.law)
 
     def _values(self, times: Float64Array, order: int) -> Float64Array:
@@ -168,7 +166,6 @@ class _Rotations(RotationCurve):
 
     @property
     def knots(self) -> Float64Array:
-        """Times between which the curve is smooth."""
         return _knots(self.path, self.law)
 
     def _rotations(self, t: Float64Array) -> Float64Array:

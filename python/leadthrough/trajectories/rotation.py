@@ -215,7 +215,6 @@ class Turning:
 
     @staticmethod
     def still(q: Float64Array) -> Turning:
-        """Rotations that do not turn."""
         return Turning(q, np.zeros((len(q), 3)), np.zeros((len(q), 3)))
 
     def then(self, outer: Turning) -> Turning:
@@ -231,7 +230,6 @@ class Turning:
         )
 
     def inverse(self) -> Turning:
-        """The inverse rotations, and how they turn."""
         back = self.q * np.array([1.0, -1.0, -1.0, -1.0])
         matrices = core.so3_to_matrix(back).reshape(-1, 3, 3)
         return Turning(
@@ -301,7 +299,6 @@ def _slopes(squared: Float64Array) -> tuple[Float64Array, ...]:
 
 
 def products(matrices: Float64Array, vectors: Float64Array) -> Float64Array:
-    """The products of matrices (n, 3, 3) and vectors (n, 3)."""
     return np.asarray(np.einsum("nij,nj->ni", matrices, vectors))
 
 

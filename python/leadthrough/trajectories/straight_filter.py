@@ -162,7 +162,6 @@ class StraightFilter(ShortRepr):
         return LineState(origin, drift, still, origin, direction, drift, rest, self.limits, scalar)
 
     def _scalar(self, direction: Float64Array, drift: Float64Array) -> JerkFilter:
-        """The limits along a line that drifts."""
         return self.limits.relative_to(drift).along(direction)
 
 

@@ -93,7 +93,6 @@ class Findings:
     """Results up to now."""
 
     def __init__(self, goals: TargetRegion, confidence: float) -> None:
-        """Nothing found yet."""
         self._goals = goals
         self._confidence = confidence
         self._starts: list[Float64Array] = []
@@ -116,12 +115,10 @@ class Findings:
 
     @property
     def runs(self) -> int:
-        """Number of queries."""
         return len(self._causes)
 
     @property
     def successes(self) -> int:
-        """Number of queries that succeeded."""
         return self.runs - self.causes.total()
 
     @property
@@ -151,7 +148,6 @@ class Findings:
         return None
 
     def validation(self, certificate: Certificate) -> Validation:
-        """All that was found."""
         places, causes = _stacked(self._places), np.array(self._causes)
         starts = _stacked(self._starts)
         return Validation(certificate, starts, places, causes, self._nearest, self.causes[ERROR])
@@ -318,7 +314,6 @@ def validate(
 
 
 def _certificate(setup: Setup, plan: SamplingPlan, findings: Findings) -> Certificate:
-    """The certificate of the findings."""
     stopped_early = plan.width is not None
     return Certificate(
         setup.goals,
@@ -381,7 +376,6 @@ def _rows(task: Task, outcome: Outcome, store: Store) -> list[Row]:
 
 
 def name_of(arm: Arm) -> str:
-    """An arm, as certificates name it."""
     return f"{arm.robot.name} {arm.base} to {arm.tip}"
 
 

@@ -10,7 +10,8 @@ from leadthrough.arm import JointLimits
 from leadthrough.errors import MissingDependency
 from leadthrough.io import joint_trajectory
 from leadthrough.motion import JointTrajectory
-from leadthrough.show import page, plot, simulation_page
+from leadthrough.show import page, simulation_page
+from leadthrough.show.plot import limits_figure
 from leadthrough.simulation import simulate
 from leadthrough.timing import Peak
 from leadthrough_studies.demo.performed import Performed
@@ -51,7 +52,7 @@ def write_joints(joints: JointTrajectory, limits: JointLimits, folder: Path) -> 
         folder: made if missing.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    save_figure(plot.joint_figure(joints, limits), folder / "joints.png")
+    save_figure(limits_figure(joints, limits), folder / "joints.png")
     io.write_motion(joints, folder / "trajectory.csv")
     joint_trajectory.write_json(joints, folder / "trajectory.json")
 

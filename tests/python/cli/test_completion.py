@@ -10,7 +10,7 @@ import pytest
 from cli.command_line import RUNNER
 
 from leadthrough import cli
-from leadthrough.cli import completion, parse
+from leadthrough.cli import options, parse
 from leadthrough.io import points
 from leadthrough_studies.catalogue import STUDIES
 
@@ -131,11 +131,11 @@ def test_a_faulty_profile_does_not_disturb(empty_folder):
 
 
 def test_the_names_are_those_that_there_are():
-    assert set(completion.STUDIES) == set(STUDIES)
-    for shape in completion.SHAPES:
+    assert set(options.STUDIES) == set(STUDIES)
+    for shape in options.SHAPES:
         assert parse.obstacle(shape)
-    assert completion.OBSTACLE_FILES["cloud"] == points.SUFFIXES
+    assert options.OBSTACLE_FILES["cloud"] == points.SUFFIXES
     assert {form.partition(":")[0] for form in parse.FORMS} == {
-        *(shape.partition(":")[0] for shape in completion.SHAPES),
-        *completion.OBSTACLE_FILES,
+        *(shape.partition(":")[0] for shape in options.SHAPES),
+        *options.OBSTACLE_FILES,
     }

@@ -323,7 +323,6 @@ OTHERS = {
     "models.Frame.*": "points and poses",
     "models.Framed.fit": "points and poses",
     "models.ModifiedDS.fit": "points",
-    "models.aligned.mode.Mode": "columns, made by AlignedMean",
     "reachability.place_base": "poses",
     "simulation.CartesianImpedance.of_skill": "points and poses",
     "models.*.parameters": "adjustments of a skill, whose fit is above",

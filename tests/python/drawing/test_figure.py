@@ -39,10 +39,9 @@ def has_the_style(figure):
     )
 
 
-@pytest.mark.parametrize("draw", [plot.joint_figure, plot.limits_figure])
-def test_figure_has_the_style_and_leaves_the_users_own(draw, joints, panda):
+def test_figure_has_the_style_and_leaves_the_users_own(joints, panda):
     before = dict(mpl.rcParams)
-    assert has_the_style(draw(joints, panda.limits))
+    assert has_the_style(plot.limits_figure(joints, panda.limits))
     assert dict(mpl.rcParams) == before
 
 

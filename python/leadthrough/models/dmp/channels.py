@@ -19,7 +19,6 @@ import leadthrough._core as core
 from leadthrough import check, rotations
 from leadthrough.check import FitError, Float64Array, UnsupportedQuery
 from leadthrough.models.dmp import transformation
-from leadthrough.models.dmp.constraints import Constraints, check_constraints, roll, step_within
 from leadthrough.models.dmp.orientation import OrientationCoordinates
 from leadthrough.models.dmp.progress import (
     COARSE_PHASES,
@@ -36,11 +35,15 @@ from leadthrough.models.dmp.progress import (
     speeds_of,
 )
 from leadthrough.models.dmp.query import (
+    Constraints,
     as_pose,
     check_channels,
+    check_constraints,
     course_through,
     ends_of,
     pose_acceleration,
+    roll,
+    step_within,
 )
 from leadthrough.models.dmp.transformation import Ends, TransformationSystem, end_of, scaled_by
 from leadthrough.models.queries import CheckedQuery
@@ -85,7 +88,6 @@ class Channels(Generic[StateT]):
     def constraints(
         self, obstacles: Sequence[Shape], limits: tuple[ArrayLike, ArrayLike] | None
     ) -> Constraints:
-        """The constraints of a query."""
         return check_constraints(
             obstacles, limits, dimensions=self.dimensions, channels=self.limited
         )
@@ -181,12 +183,10 @@ class PointChannels(Channels[core.PointState]):
 
     @property
     def limited(self) -> int:
-        """All of them."""
         return len(self.system.ends.start)
 
     @cached_property
     def progress(self) -> Progress:
-        """The same for all channels."""
         speeds = speeds_of(self._replay.velocities)
         return progress_of(np.repeat(speeds[:, None], len(self.system.ends.start), axis=1))
 
@@ -197,7 +197,6 @@ class PointChannels(Channels[core.PointState]):
         return Part(MOVING if self.joint_names is None else JOINTS, slopes, extent)
 
     def as_demonstrated(self, duration: float) -> core.PointState:
-        """The state at the start of the demonstrated motion."""
         ends = self.system.ends
         course = self.system.demonstrated_course
         return core.PointState(course, ends.start, ends.start_slope, 0.0, duration)
@@ -226,7 +225,6 @@ class PointChannels(Channels[core.PointState]):
         return core.PointState(state.course, value, state.slope, state.phase, state.duration)
 
     def acceleration(self, coupling: ArrayLike) -> Float64Array:
-        """A coupling (d,) as it is."""
         return check_channels(coupling, "coupling", len(self.system.ends.goal))
 
     def motion(

@@ -102,7 +102,6 @@ class DMP(Unfitted):
         return learned_by_mode(self._fitted, motions_of(demonstrations, outliers=outliers))
 
     def _fitted(self, motions: Sequence[MotionT]) -> DMPSkill[MotionT]:
-        """The skill of one mode."""
         mean, parts = learn_motion(motions, **asdict(self))
         model = replace(self, weights=len(parts["system"].weights))
         return DMPSkill(model=model, duration=mean.duration, size=mean.size, **parts)
@@ -317,7 +316,6 @@ class DMPSkill(Primitive[MotionT_co], SteppedSkill[MotionT_co]):
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> DMPSkill:
-    """The skill that `DMPSkill.to_archive` took apart."""
     duration = check.number(settings.pop("duration"), "duration", above=0.0)
     size = check.number(settings.pop("size"), "size", at_least=0.0)
     names = [each.name for each in fields(DMP) if each.name in settings]

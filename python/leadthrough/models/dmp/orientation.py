@@ -66,7 +66,6 @@ class OrientationCoordinates(ShortRepr):
 
     @cached_property
     def curve(self) -> core.DmpCurve:
-        """The curve as the compiled core takes it."""
         turns = rotations.compose(rotations.inverse(self.controls[:-1]), self.controls[1:])
         covered = _covered(self.speeds)
         zyz = self.representation == "euler"
@@ -95,7 +94,6 @@ class OrientationCoordinates(ShortRepr):
         near: Float64Array,
         velocity: Float64Array = _ZERO,
     ) -> tuple[Float64Array, Float64Array]:
-        """Coordinates of an orientation, and their slope."""
         if self.representation == "log":
             near = _ZERO
         return core.dmp_coordinates(self.curve, offset, phase, orientation, velocity, near)
@@ -110,7 +108,6 @@ class OrientationCoordinates(ShortRepr):
         return core.dmp_orientations(self.curve, offset, phases, values)
 
     def arrays(self) -> dict[str, Float64Array]:
-        """Its arrays by name, for a file."""
         return {
             "controls": self.controls,
             "speeds": self.speeds,
@@ -123,7 +120,6 @@ class OrientationCoordinates(ShortRepr):
     def from_arrays(
         representation: str, arrays: Mapping[str, Any], *, rhythmic: bool = False
     ) -> OrientationCoordinates:
-        """The coordinates of which a file has the `arrays`."""
         controls = check.unit_quaternions(arrays["controls"], "controls", shape=("n", 4))
         if len(controls) < 4:
             raise InvalidInput(f"controls: expected at least 4, got {len(controls)}")

@@ -255,7 +255,6 @@ class RhythmicDMPSkill(Primitive[MotionT_co]):
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> RhythmicDMPSkill:
-    """The skill that `RhythmicDMPSkill.to_archive` took apart."""
     model = RhythmicDMP(**settings["model"])
     period = check.number(settings["period"], "period", above=0.0)
     parts = take_parts(

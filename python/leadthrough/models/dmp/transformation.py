@@ -123,7 +123,6 @@ class Ends(ShortRepr):
         return all(mine is theirs or mine.tolist() == theirs.tolist() for mine, theirs in pairs)
 
     def moved(self, start: Float64Array, goal: Float64Array) -> Ends:
-        """With another start and goal (channels,)."""
         return Ends(start, goal, self.start_slope, self.goal_slope)
 
     def joined(self, other: Ends) -> Ends:
@@ -143,27 +142,22 @@ class TransformationSystem(ShortRepr):
 
     @property
     def kernels(self) -> Kernels:
-        """The kernels that the weights belong to."""
         return kernels_of(self.form, len(self.weights), self.overlap)
 
     @cached_property
     def forces(self) -> core.DmpForces:
-        """The learned force, tabulated."""
         return tabulated(self.kernels, self.weights)
 
     @cached_property
     def demonstrated_course(self) -> core.DmpCourse:
-        """The course between the ends as demonstrated."""
         return course(self.form, self.ends)
 
     def arrays(self) -> dict[str, Float64Array]:
-        """Its arrays by name, for a file."""
         overlap = np.array([self.overlap])
         return {"weights": self.weights, **vars(self.ends), "overlap": overlap}
 
     @staticmethod
     def from_arrays(form: str, weights: int, arrays: Mapping[str, Any]) -> TransformationSystem:
-        """The system of which a file has the `arrays`."""
         known = check.frozen(arrays["weights"], "weights", shape=(weights, "channels"))
         ends = [
             check.frozen(arrays[field.name], field.name, shape=(known.shape[1],))
@@ -174,7 +168,6 @@ class TransformationSystem(ShortRepr):
 
 
 def kernels_of(form: str, weights: int, overlap: float = OVERLAP) -> Kernels:
-    """The kernels of a form for a number of weights."""
     return von_mises_kernels(weights) if form == RHYTHMIC else gaussian_kernels(weights, overlap)
 
 
@@ -209,7 +202,6 @@ def _node_phases(weights: int) -> Float64Array:
 
 
 def tabulated(kernels: Kernels, weights: Float64Array) -> core.DmpForces:
-    """Forces as the compiled core takes them."""
     nodes = [kernels.features(rows) @ weights for rows in kernels.parts]
     return core.DmpForces(np.concatenate(nodes), kernels.fade, RATE, kernels.rhythmic)
 

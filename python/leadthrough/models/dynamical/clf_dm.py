@@ -61,7 +61,6 @@ class MixtureRegression(ShortRepr):
 
     @staticmethod
     def from_arrays(arrays: Mapping[str, NDArray[Any]]) -> MixtureRegression:
-        """The regression with these arrays, among others."""
         gates = GaussianGates.from_arrays(arrays)
         return MixtureRegression(gates, arrays["gains"], arrays["constants"])
 

@@ -99,12 +99,10 @@ class StoredArrays(ShortRepr):
     """Base of dataclasses of arrays, which files hold by the names of the fields."""
 
     def arrays(self) -> Mapping[str, NDArray[Any]]:
-        """Its arrays, by the names of its attributes."""
         return {each.name: getattr(self, each.name) for each in fields(self)}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
-        """The object with these arrays, among others."""
         return cls(*(arrays[each.name] for each in fields(cls)))
 
 
@@ -255,7 +253,6 @@ def _ending(
 def stability_report(
     field: Field, positions: Float64Array, count: int, around: float, rng: np.random.Generator
 ) -> StabilityReport:
-    """The report of a system."""
     low, high = positions.min(axis=0), positions.max(axis=0)
     lower, upper = low - around * (high - low), high + around * (high - low)
     half = count // 2

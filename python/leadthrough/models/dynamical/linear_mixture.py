@@ -95,7 +95,6 @@ class GaussianGates(StoredArrays):
         return GaussianGates(np.log(weights), means, roots)
 
     def weights(self, x: Float64Array) -> Float64Array:
-        """Weights (n, k) at positions (n, d)."""
         joint = monomials(x) @ self._coefficients
         joint -= joint.max(axis=1, keepdims=True)
         np.exp(joint, out=joint)

@@ -282,7 +282,6 @@ class Corrected(Field):
 
     @cached_property
     def _rest(self) -> Float64Array:
-        """Velocity (1, d) of the regression at the goal."""
         return self.regression.velocity(np.zeros((1, self.regression.size)))
 
 

@@ -175,7 +175,6 @@ class DynamicalSkill(FittedSkill[MotionT_co]):
         return self.field.velocity(x) * self.scale * (self.pace / self.demonstrated_duration)
 
     def _seconds(self, duration: float) -> float:
-        """A duration of the system in s."""
         return duration * self.demonstrated_duration / self.pace
 
     def _situation(self, start: Target | None, goal: Target | None) -> Situation[MotionT_co]:
@@ -256,7 +255,6 @@ def pose_of(place: Any) -> tuple[Any, Any]:
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> DynamicalSkill:
-    """The skill from the settings and arrays that `DynamicalSkill.to_archive` returned."""
     coordinates = Coordinates.from_archive(settings, arrays)
     kind = entry_of_class(settings["name"]).load()
     own = {

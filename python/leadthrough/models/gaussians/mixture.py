@@ -278,7 +278,6 @@ class Steps:
         self._least = least
 
     def bounded_by(self, least: float) -> Steps:
-        """The steps for the same points with another least variance."""
         other = copy(self)
         other._least = least
         return other
@@ -329,7 +328,6 @@ class Steps:
         return joint.T, (likelihood + self._of_before(coefficients)) / self._count()
 
     def maximise(self, responsibilities: Float64Array) -> Blocks:
-        """The most likely components, given responsibilities."""
         return self._of_sums(self._sums(responsibilities))
 
     def _sums(self, responsibilities: Float64Array) -> Sums:

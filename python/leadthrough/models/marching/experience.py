@@ -18,7 +18,7 @@ from leadthrough.models.coordinates import (
     groups_of,
     mean_orientations,
 )
-from leadthrough.models.phase import SAMPLES, progress_of, weighted_median
+from leadthrough.models.curves import PROGRESS_SAMPLES, progress_of, weighted_median
 from leadthrough.models.protocol import Demonstrations, Outliers, motions_of
 from leadthrough.motion import (
     Event,
@@ -111,7 +111,7 @@ class Experience(ShortRepr):
         return Experience(
             path,
             check.number(arrays[f"duration_{index}"], "duration", above=0.0),
-            check.frozen(arrays[f"progress_{index}"], "progress", shape=(SAMPLES,)),
+            check.frozen(arrays[f"progress_{index}"], "progress", shape=(PROGRESS_SAMPLES,)),
             orientations
             if orientations is None
             else check.quaternions(orientations, "path", shape=(len(path), 4)),

@@ -521,7 +521,6 @@ class Preview(Generic[MotionT_co]):
 
 
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> FastMarchingSkill:
-    """The skill that `FastMarchingSkill.to_archive` took apart."""
     counts = [int(settings.pop(name)) for name in ("shown", "learned")]
     total = sum(counts)
     happened = settings.pop("events", [()] * total)

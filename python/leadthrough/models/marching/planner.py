@@ -58,8 +58,6 @@ def along_mean(demonstrations: Sequence[Experience], query: Query, scales: Scale
 
 @dataclass(frozen=True, eq=False)
 class MeanPath:
-    """A predicted path."""
-
     path: Float64Array  # (n, d), the mean of demonstrations that are evenly spaced in arc length
     weights: Float64Array  # (k,) of the demonstrations; 0 for those of other branches
     region: tuple[Float64Array, Float64Array]
@@ -304,7 +302,6 @@ def _chosen(known: Sequence[Experience], wanted: NDArray[np.bool_]) -> list[Expe
 
 
 def _is_random_walk(known: Sequence[Experience]) -> bool:
-    """Whether there is a single demonstration and it is a random walk, which shows no path."""
     return len(known) == 1 and known[0].is_random_walk
 
 

@@ -17,7 +17,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput, NoPath, ShortRepr
 from leadthrough.io import npz
-from leadthrough.models import phase
+from leadthrough.models import curves
 from leadthrough.models.marching.experience import Experience
 from leadthrough.motion import lerp
 from leadthrough.planning import ArrivalField, Grid, arrival_times, direction
@@ -96,7 +96,6 @@ class Policy(ShortRepr):
 
     @cached_property
     def _compiled(self) -> core.MarchingPolicy:
-        """The policy as the compiled core takes it."""
         grid, speeds, disc = self.grid, self.speeds, self.barrier
         return core.MarchingPolicy(
             self.arrival,
@@ -289,5 +288,5 @@ def _along(known: Experience) -> tuple[Float64Array, Float64Array]:
     covered = arc_length(known.denoised)
     wanted = known.progress[::_STEP] * covered[-1]
     positions = lerp(wanted, covered, known.denoised)
-    rate = phase.speed_of(known.progress)[::_STEP] * (phase.SAMPLES - 1) / known.duration
+    rate = curves.speed_of(known.progress)[::_STEP] * (curves.PROGRESS_SAMPLES - 1) / known.duration
     return positions, rate * covered[-1]

@@ -155,7 +155,6 @@ class LiveMap:
 
     @property
     def grid(self) -> Grid:
-        """The cells of the map."""
         return self._grid
 
     def route(self, start: Float64Array, goal: Float64Array, obstacles: Sequence[Shape]) -> Route:

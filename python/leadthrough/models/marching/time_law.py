@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.models import phase
+from leadthrough.models import curves
 from leadthrough.models.coordinates import agreed
 from leadthrough.models.marching.experience import Experience, nominal_duration
 from leadthrough.models.marching.route import Route
@@ -53,7 +53,6 @@ def timed(
 
 
 def _spline(route: Route, timing: str) -> CubicSpline:
-    """Progress along a route over normalised time."""
     if timing == "speed_map":
         return _from_rest_to_rest(progress_by_speed(route.path, route.speed))
     timed_by = () if timing == "constant" else route.used
@@ -63,7 +62,7 @@ def _spline(route: Route, timing: str) -> CubicSpline:
 # The same for all queries of a skill that follow the same demonstrations.
 @lru_cache(maxsize=16)
 def _mean_spline(used: tuple[Experience, ...], weights: tuple[float, ...]) -> CubicSpline:
-    progress = phase.uniform_progress()
+    progress = curves.uniform_progress()
     if used:
         progress = np.average([each.progress for each in used], axis=0, weights=weights)
     return _from_rest_to_rest(progress)
@@ -83,15 +82,15 @@ def progress_by_speed(path: Float64Array, speed: Float64Array) -> Float64Array:
     steps = np.diff(arc_length(path)) * 0.5 * (pace[1:] + pace[:-1])
     clock = np.concatenate([[0.0], np.cumsum(steps)])
     if clock[-1] == 0.0:
-        return phase.uniform_progress()
+        return curves.uniform_progress()
     rising = np.concatenate([[True], np.diff(clock) > 0.0])
-    return phase.progress_of(clock[rising], path[rising])
+    return curves.progress_of(clock[rising], path[rising])
 
 
 def rest_to_rest(progress: Float64Array) -> Float64Array:
     """The progress (1001,), smoothed, starting and ending at rest."""
-    u = np.linspace(0.0, 1.0, phase.SAMPLES)
+    u = np.linspace(0.0, 1.0, curves.PROGRESS_SAMPLES)
     x = np.clip(np.minimum(u, 1.0 - u) / _RAMP, 0.0, 1.0)
-    speed = minimum_jerk_time_scaling(x, phase.speed_of(progress))
+    speed = minimum_jerk_time_scaling(x, curves.speed_of(progress))
     total = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
     return np.asarray(total / total[-1])

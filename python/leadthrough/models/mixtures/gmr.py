@@ -74,7 +74,6 @@ class GMR(Unfitted):
         return learned_by_mode(self._fitted, motions_of(demonstrations, outliers=outliers))
 
     def _fitted(self, motions: Sequence[MotionT]) -> GMRSkill[MotionT]:
-        """The skill of one mode."""
         samples = phase_mixtures.sampled(motions, least=self.components or SAMPLES)
         search = {"seed": self.seed, "starts": self.starts}
         poses = samples.coordinates.kind == "poses"
@@ -94,7 +93,6 @@ class GMR(Unfitted):
 
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> GMRSkill:
-    """The skill from the settings and arrays that `GMRSkill.to_archive` returned."""
     coordinates = Coordinates.from_archive(settings, arrays)
     mixture = Mixture(arrays["weights"], arrays["means"], arrays["covariances"])
     if mixture.size != coordinates.width + 1:

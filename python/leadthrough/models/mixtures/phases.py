@@ -147,7 +147,6 @@ def adapted(mixture: Mixture, points: Float64Array, before: float, *, poses: boo
 
 
 def _units_of(mixture: Mixture, *, poses: bool) -> Units:
-    """Units of the points that a mixture stands for."""
     middle = mixture.weights @ mixture.means
     variances = np.einsum("kii->ki", mixture.covariances) + (mixture.means - middle) ** 2
     own = Units(middle, np.sqrt(mixture.weights @ variances))
@@ -186,7 +185,6 @@ class Sampled(Generic[MotionT_co]):
 
     @property
     def points(self) -> Float64Array:
-        """The points (n, 1 + d) of all motions."""
         return np.concatenate(self.rows)
 
     @property

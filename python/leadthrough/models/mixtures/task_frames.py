@@ -216,8 +216,6 @@ def bounded(adapted: MotionT, nominal: MotionT) -> MotionT:
 
 @dataclass(frozen=True, eq=False)
 class _Deviation:
-    """Deviation of a motion from the nominal one."""
-
     offsets: Float64Array  # (n, d) of the positions
     turns: Float64Array
     fractions: Float64Array  # (n,) of the nominal path covered

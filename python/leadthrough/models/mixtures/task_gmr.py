@@ -112,7 +112,6 @@ class TaskGMR(Unfitted):
 
 # Any: settings are whatever JSON holds.
 def from_archive(settings: dict[str, Any], arrays: archive.Arrays) -> TaskGMRSkill:
-    """The skill from the settings and arrays that `TaskGMRSkill.to_archive` returned."""
     mixtures = [
         Mixture(arrays["weights"], arrays[f"means_{i}"], arrays[f"covariances_{i}"])
         for i in range(int(settings["frames"]))

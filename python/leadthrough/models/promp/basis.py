@@ -281,7 +281,6 @@ class Drawing(Generic[MotionT_co]):
         )
 
     def motions(self, weights: Float64Array, threads: int) -> list[MotionT_co]:
-        """A motion for each of several weights."""
         checked_threads(threads)
         made: list[Any]  # of the type that the coordinates was made for
         if self._coordinates.kind == "joints":

@@ -191,7 +191,6 @@ def check_seen(motion: Motion, name: str) -> None:
 
 
 def log_density(skill: Primitive, phases: Float64Array, values: Float64Array) -> float:
-    """Log density of noisy samples under a skill."""
     evidence = _Evidence(skill, phases, values)
     log_noise = len(values) * float(np.log(2.0 * np.pi * skill.noise).sum())
     squared = float((evidence.residual**2 / skill.noise).sum()) - evidence.explained
@@ -297,8 +296,6 @@ def _is_determined(skill: Primitive, phases: Float64Array, columns: NDArray[np.i
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """An end that a query asks for."""
-
     name: str  # argument that asks for it
     phase: float  # 0 at the start, 1 at the end
     values: Float64Array  # the first columns (p,) there

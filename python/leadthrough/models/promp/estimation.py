@@ -75,8 +75,6 @@ class Samples:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Result of an estimator."""
-
     weights: Gaussian  # distribution of the weights (d k,), one column after the other
     noise: Float64Array  # variances (d,) of the samples about their curves
     curves: Float64Array  # weights (m, d k) of the m demonstrations that show the whole motion

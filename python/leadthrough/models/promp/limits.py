@@ -75,7 +75,6 @@ def moved_inside(
 
 
 def phases_of(basis: Basis) -> Float64Array:
-    """The phases (n,) at which limits are checked."""
     return np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * basis.count + 1)
 
 

@@ -440,7 +440,6 @@ class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
     def _fitted_again(
         self, model: ProMP, demonstrations: Demonstrations[Motion]
     ) -> ProMPSkill[MotionT_co]:
-        """With the same duration and limits, but without via points."""
         again = cast(ProMPSkill[MotionT_co], fit_all(model, demonstrations)).lasting(self.duration)
         return again if self.bounds is None else again.within(*self.bounds)
 
@@ -505,7 +504,6 @@ class ProMPSkill(Primitive[MotionT_co], FittedSkill[MotionT_co]):
 
 
 def from_archive(settings: dict[str, Any], arrays: Arrays) -> ProMPSkill:
-    """The skill from the settings and arrays that `ProMPSkill.to_archive` returned."""
     model = _model_of(settings)
     basis, coordinates = _basis_of(model), Coordinates.from_archive(settings, arrays)
     size = coordinates.width * basis.count

@@ -110,9 +110,9 @@ def test_the_tremor_of_the_hand_is_not_replayed():
 
 
 def test_what_was_learned_is_read_only():
-    mode = lt.AlignedMean().fit([stroke(), stroke((0.0, 0.1))]).mode
-    curves = mode.predictor.phased
-    for array in (mode.scale, mode.ends, *(a for c in curves for a in (c.rows, c.times))):
+    skill = lt.AlignedMean().fit([stroke(), stroke((0.0, 0.1))])
+    curves = skill.predictor.phased
+    for array in (skill.scale, skill.ends, *(a for c in curves for a in (c.rows, c.times))):
         assert not array.flags.writeable
 
 
@@ -131,7 +131,7 @@ def test_two_ways_are_told_apart():
     starts = [(0.0, 0.02 * np.sign(height)) for height in heights]
     shown = [stroke(s, height=h) for s, h in zip(starts, heights, strict=True)]
     skill = lt.AlignedMean().fit(shown)
-    assert [len(each.mode.ends) for each in skill.modes] == [3, 3]
+    assert [len(each.ends) for each in skill.modes] == [3, 3]
     for side in (1.0, -1.0):
         made = skill.generate(start=(0.0, 0.02 * side), goal=(1.0, 0.0))
         alone = lt.AlignedMean().fit(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from leadthrough.models.aligned.mode import _Fade
+from leadthrough.models.aligned.predictor import _Fade
 
 
 def test_the_fade_is_the_mean_of_a_gaussian_conditioned_on_both_ends():

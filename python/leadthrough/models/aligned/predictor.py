@@ -1,4 +1,4 @@
-"""Aligned demonstrations of one mode, and the motions that they predict between new ends.
+"""Aligned demonstrations of one mode, and the curves that they predict between new ends.
 
 Demonstrations are weighted by the nearness of their ends to the new ones. Their mean follows the
 offsets of both ends as the demonstrations do: at each phase, regression on their own offsets tells
@@ -10,33 +10,15 @@ demonstrations best are averaged.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import check
 from leadthrough.check import Float64Array
-from leadthrough.models import phase
-from leadthrough.models.archive import Arrays
-from leadthrough.models.coordinates import NODES, Coordinates, coordinates_of
-from leadthrough.models.curves import (
-    MAX_ROWS,
-    Curves,
-    arc_phases,
-    by_arc,
-    columns_of,
-    elastic,
-    even_phases,
-    piece_count,
-    scale_of,
-    smoothed,
-)
-from leadthrough.models.queries import CheckedQuery, even_times
-from leadthrough.motion import MotionT, MotionT_co, lerp
-from leadthrough.planning import detours
+from leadthrough.models.curves import Curves, arc_phases, even_phases, weighted_median
+from leadthrough.motion import lerp
 from leadthrough.preprocess.moved_ends import ROTATED, Chords, bounded, with_ends
 
 # Width of the weights in median distances of the ends; with the first all are as good as equal.
@@ -51,7 +33,7 @@ _MOST_LEFT_OUT = 16  # demonstrations, evenly chosen
 # Ends this far from those of every demonstration, in extents, and farther than these are apart, say
 # nothing about the fade: up to 0.6 of the nominal path is then rotated and scaled with its chord.
 _FAR, _SIMILAR = 0.3, 0.6
-_TINY, _ROUNDING = 1e-300, 1e-9
+_TINY = 1e-300
 _NEGLIGIBLE = 1e-3  # offsets of ends, in extents: how smaller ones fade cannot be seen
 
 
@@ -78,7 +60,6 @@ class Predictor:
 
     @cached_property
     def options(self) -> list[Option]:
-        """All options, by their phases."""
         kinds = [(np.inf, ROTATED)] * self.rotating + [(prior, 0.0) for prior in _PRIORS]
         return [Option(phase, w, *kind) for phase in (0, 1) for kind in kinds for w in _WIDTHS]
 
@@ -176,7 +157,7 @@ class Predictor:
         ((weights,),) = _weights(aligned.rows[:, [0, -1]], ends[None], [_TIMING.width], None)
         clock = np.maximum.accumulate(np.interp(phases, even, weights @ aligned.times))
         # The median, as the mean follows one that was slow.
-        duration = phase.weighted_median(aligned.times[:, -1], weights)
+        duration = weighted_median(aligned.times[:, -1], weights)
         return rows, phases, clock * (duration / clock[-1])
 
     def similar(self, rows: Float64Array, nominal: Float64Array) -> Float64Array:
@@ -261,170 +242,3 @@ class _Fade:
             left = np.linalg.solve(self._gram + pull * np.eye(2), self._seen + pull * linear)
             left[..., [0, -1]] = np.eye(2)
         return np.asarray(self._means + np.einsum("wmin,wmid->wmnd", left, self._offsets))
-
-
-_TURN = 2.0 * np.pi
-
-
-@dataclass(frozen=True, eq=False)
-class Mode(check.Frozen, Generic[MotionT_co]):
-    """Aligned demonstrations of one mode.
-
-    Attributes:
-        coordinates: meaning of the columns; orientations are rotation vectors from one reference.
-        scale: lengths and angles (width,) by which columns are divided.
-        predictor: the demonstrations, in these columns.
-        shares: options and their shares in the mean.
-        pieces: number of cubic pieces of a motion; 0 where none hold the demonstrations.
-    """
-
-    coordinates: Coordinates[MotionT_co]
-    scale: Float64Array
-    predictor: Predictor
-    shares: dict[Option, float]
-    pieces: int
-
-    @cached_property
-    def ends(self) -> Float64Array:
-        """Starts and goals (k, 2, width) of the demonstrations, scaled."""
-        rows = self.predictor.phased[0].rows
-        return check.frozen(rows[:, [0, -1]], "ends", shape=("k", 2, "width"))
-
-    def asked(self, query: CheckedQuery) -> Float64Array:
-        """Start and goal (2, width) of a query, scaled; by default the demonstrations' mean."""
-        wanted = self.ends.mean(axis=0) * self.scale
-        for row, (value, name) in enumerate(((query.start, "start"), (query.goal, "goal"))):
-            if value is not None:
-                given = self.coordinates.target(value, name, float(row))
-                if self.coordinates.kind == "poses" and len(given) > 3:
-                    given[3:] = _continued(given[3:], wanted[row, 3:])
-                wanted[row, : len(given)] = given
-        return np.asarray(wanted / self.scale)
-
-    def distance(self, query: CheckedQuery) -> float:
-        """Of the query's ends from those of the nearest demonstration, scaled."""
-        apart = np.linalg.norm(self.ends - self.asked(query), axis=2)
-        asked = [query.start is not None, query.goal is not None]
-        return float(apart[:, asked].sum(axis=1).min())
-
-    @cached_property
-    def _nominal(self) -> Float64Array:
-        """The path (n, width) between the demonstrations' mean ends, scaled."""
-        rows, *_ = self.predictor.predicted(self.shares, self.ends.mean(axis=0))
-        return smoothed(rows, self.pieces)
-
-    def _predicted(self, query: CheckedQuery) -> tuple[Float64Array, Float64Array, Float64Array]:
-        """As by `Predictor.predicted`, no part of the path moved much farther than the ends."""
-        rows, phases, clock = self.predictor.predicted(self.shares, self.asked(query))
-        rows = self.predictor.similar(smoothed(rows, self.pieces), self._nominal)
-        return self.predictor.near(rows, self._nominal), phases, clock
-
-    def is_free(self, query: CheckedQuery) -> bool:
-        """Whether its path keeps out of the query's obstacles as it is."""
-        if not query.obstacles:
-            return True
-        rows, *_ = self._predicted(query)
-        size = self.coordinates.size
-        return detours.is_free(rows[:, :size] * self.scale[:size], query.obstacles)
-
-    def motion(self, query: CheckedQuery) -> MotionT_co:
-        """The motion that answers a query."""
-        from scipy.interpolate import CubicSpline
-
-        rows, phases, clock = self._predicted(query)
-        rows, even = rows * self.scale, even_phases(len(rows))
-        if query.obstacles:
-            rows, phases, clock = self._around(query, rows, phases, clock)
-            even = even_phases(len(rows))
-        times = even_times(query.end(float(clock[-1])), query.dt)
-        at = np.linspace(0.0, clock[-1], phase.SAMPLES)
-        rising = np.concatenate([[True], np.diff(clock) > 0.0])
-        progress = phase.smoothed(np.interp(at, clock[rising], even[rising]))
-        covered = np.interp(times / times[-1], even_phases(len(progress)), progress)
-        columns = CubicSpline(even, rows)(covered)
-        return self.coordinates.motion(times, np.interp(covered, even, phases), columns)
-
-    def _around(
-        self, query: CheckedQuery, rows: Float64Array, phases: Float64Array, clock: Float64Array
-    ) -> tuple[Float64Array, Float64Array, Float64Array]:
-        """Rows, phases and times that keep clear of obstacles, slower as the path gets longer."""
-        size, even = self.coordinates.size, even_phases(len(rows))
-        found = detours.around(rows[:, :size], query.obstacles, self.pieces or len(rows))
-        if found is None:
-            return rows, phases, clock
-        points, fractions, longer = found
-        made = lerp(fractions, even, np.column_stack([rows, phases, clock]))
-        made[:, :size] = points
-        made = lerp(even_phases(len(points)), arc_phases(points), made)
-        return made[:, :-2], made[:, -2], longer * made[:, -1]
-
-    def arrays(self) -> Arrays:
-        """Its arrays by name, for a file."""
-        arc, aligned = self.predictor.phased
-        return {
-            "scale": self.scale,
-            "options": np.array([(*astuple(each), x) for each, x in self.shares.items()]),
-            "pieces": np.array(self.pieces),
-            "rows": np.stack([arc.rows, aligned.rows]),
-            "clocks": np.stack([arc.times, aligned.times]),
-            **self.coordinates.arrays(),
-        }
-
-
-def restored(settings: dict[str, Any], arrays: Arrays) -> Mode:
-    """The mode that `Coordinates.settings` and `Mode.arrays` took apart."""
-    coordinates = Coordinates.from_archive(settings, arrays)
-    rows = check.frozen(arrays["rows"], "rows", shape=(2, "k", "n", coordinates.width))
-    clocks = check.frozen(arrays["clocks"], "clocks", shape=rows.shape[:3])
-    options = check.with_gaps(arrays["options"], "options", shape=("m", "n"))
-    if options.shape[1] == 4:  # of equal shares, as earlier versions wrote them
-        options = np.insert(options, 4, 1.0 / max(len(options), 1), axis=1)
-    options = check.with_gaps(options, "options", shape=("m", 5))
-    shares = options[:, 4]
-    if not ((shares > 0.0).all() and abs(shares.sum() - 1.0) < _ROUNDING):
-        raise check.refused("options", "shares > 0 whose sum is 1", shares)
-    phased = Curves(rows[0], clocks[0]), Curves(rows[1], clocks[1])
-    return Mode(
-        coordinates,
-        check.frozen(arrays["scale"], "scale", shape=(coordinates.width,)),
-        Predictor(phased, coordinates.size, coordinates.kind != "joints"),
-        {
-            Option(int(row[0]), *(float(each) for each in row[1:4])): float(x)
-            for row, x in zip(options, shares, strict=True)
-        },
-        check.integer(int(arrays["pieces"]), "pieces", at_least=0),
-    )
-
-
-def learned(motions: Sequence[MotionT]) -> Mode[MotionT]:
-    """The mode of demonstrations alike."""
-    columns, reference = columns_of(motions)
-    scale = scale_of(columns, motions[0].positions.shape[1])
-    clocks = [each.times - each.times[0] for each in motions]
-    curves = by_arc([each / scale for each in columns], clocks)
-    aligned = elastic(curves)
-    if curves.rows.shape[1] > MAX_ROWS:  # along minutes, tremor makes lengths of arcs differ
-        curves = aligned
-    even = even_phases(aligned.rows.shape[1])
-    phases = [np.interp(own, at, even) for own, at in zip(clocks, aligned.times, strict=True)]
-    coordinates = coordinates_of(
-        motions, phases, middle=lambda _: np.repeat(reference, len(NODES), 0)
-    )
-    predictor = Predictor((curves, aligned), coordinates.size, coordinates.kind != "joints")
-    return Mode(
-        coordinates,
-        check.frozen(scale, "scale", shape=("n",)),
-        predictor,
-        predictor.chosen(),
-        piece_count(curves.rows),
-    )
-
-
-def _continued(vector: Float64Array, near: Float64Array) -> Float64Array:
-    """The rotation vector (3,) of the same rotation that lies nearest to another."""
-    angle = float(np.linalg.norm(vector))
-    if angle == 0.0:
-        return vector
-    axis = vector / angle
-    turns = np.round((float(axis @ near) - angle) / _TURN)
-    return np.asarray(axis * (angle + _TURN * turns))
