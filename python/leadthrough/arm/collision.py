@@ -8,7 +8,7 @@ never come near each other or that always touch are left out; see `Arm.collision
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import overload
 
@@ -101,19 +101,6 @@ def nearest(
     count = check.integer(threads, "threads", at_least=1, at_most=256)
     distances = core.nearest_bodies(pairs, rows, count)[0]
     return distances if batch else float(distances[0])
-
-
-def nearest_pairs(
-    model: core.CollisionModel, q: Float64Array, shapes: Sequence[Shape]
-) -> list[tuple[Float64Array, list[tuple[str, str]], Float64Array]]:
-    """Distances (m,), bodies and points (m, 6) of the nearest pairs: with obstacles, of itself."""
-    both = [against(model, shapes)] if shapes else []
-    found = []
-    for pairs in (*both, core.itself(model)):
-        distances, bodies, points = core.nearest_bodies(pairs, np.ascontiguousarray(q), 1)
-        names = [(pairs.names[a], pairs.names[b]) for a, b in bodies]
-        found.append((distances, names, points))
-    return found
 
 
 def _configurations(
@@ -345,6 +332,16 @@ class CollisionQueries(ABC):
         `collision_pairs` lists the parts that are compared.
         """
         return nearest(self._collision.chain, q, core.itself(self._collision), threads)
+
+    def _nearest_pairs(
+        self, q: Float64Array, scene: SceneLike
+    ) -> Iterator[tuple[Float64Array, list[tuple[str, str]], Float64Array]]:
+        """Distances (m,), bodies and points (m, 6) of the nearest: with obstacles, of itself."""
+        shapes = as_scene(scene).shapes
+        both = [against(self._collision, shapes)] if shapes else []
+        for pairs in (*both, core.itself(self._collision)):
+            distances, bodies, points = core.nearest_bodies(pairs, np.ascontiguousarray(q), 1)
+            yield distances, [(pairs.names[a], pairs.names[b]) for a, b in bodies], points
 
     @overload
     def is_clear(self, q: Sequence[float] | JointTrajectory, scene: SceneLike = ...) -> bool: ...

@@ -84,6 +84,11 @@ class Shape(ShortRepr, ABC):
         vars(moved).update((name, here[name]) for name in here if name in self._fields)
         return moved
 
+    def turned(self, vector: ArrayLike) -> Self:
+        """The same shape, turned about its position by a rotation vector (3,), rad, base frame."""
+        turn = rotations.exp(check.array(vector, "vector", shape=(3,))[None])
+        return self.at(self.position, rotations.compose(turn, self.orientation[None])[0])
+
     def placed_surface(self) -> Surface:
         """Its surface in the base frame."""
         return self.surface().moved(self.position, self._rotation)

@@ -15,12 +15,11 @@ from numpy.typing import ArrayLike
 
 from leadthrough import check
 from leadthrough.arm import Arm, link_geometry
-from leadthrough.arm.collision import nearest_pairs
 from leadthrough.check import Float64Array, InvalidInput, InvalidRobot, MissingDependency
 from leadthrough.drawing import palette
 from leadthrough.models.protocol import Distributed, Skill
 from leadthrough.motion import Demonstration, JointTrajectory, Motion
-from leadthrough.shapes import SceneLike, Shape, as_scene, check_shapes
+from leadthrough.shapes import SceneLike, Shape, check_shapes
 from leadthrough.shapes.surface import Surface, merged, sphere
 from leadthrough.show import animation
 from leadthrough.show.animation import Animation, Item, Layer, sampled, thinned, tube
@@ -231,7 +230,7 @@ def _distances(points: Float64Array, path: Float64Array) -> Float64Array:
 def _pairs(arm: Arm, q: Float64Array, scene: SceneLike) -> list[dict[str, Any]]:
     """The nearest obstacle and link, and the nearest links, at configurations (n, joints)."""
     try:
-        found = nearest_pairs(arm._collision, q, as_scene(scene).shapes)
+        found = list(arm._nearest_pairs(q, scene))
     except (InvalidRobot, MissingDependency):  # there is no geometry to compare
         return []
     return [

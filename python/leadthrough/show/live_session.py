@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
-from leadthrough import check, rotations
+from leadthrough import check
 from leadthrough.arm import Arm
 from leadthrough.check import Float64Array, InvalidInput, LeadthroughError, ShortRepr
 from leadthrough.models.protocol import Skill
@@ -319,10 +319,9 @@ class LiveSession:
 
 def _moved(shape: Shape, said: dict[str, Any]) -> Shape:
     """A shape at another position, or turned by a rotation vector."""
-    if "vector" not in said:
-        return shape.at(vector(said, "position"), shape.orientation)
-    turn = rotations.exp(vector(said, "vector")[None])
-    return shape.at(shape.position, rotations.compose(turn, shape.orientation[None])[0])
+    if "vector" in said:
+        return shape.turned(vector(said, "vector"))
+    return shape.at(vector(said, "position"), shape.orientation)
 
 
 def vector(said: dict[str, Any], name: str) -> Float64Array:

@@ -18,6 +18,8 @@ from leadthrough.shapes.shape import Primitive, Shape, Solid
 TURN = rotations.exp([[0.3, -0.7, 1.1]])[0]
 PLACE = np.array([0.4, -0.2, 0.9])
 SIZES = np.array([0.3, 0.5, 0.2])
+C, S = np.cos(0.4), np.sin(0.4)
+ABOUT_Z = np.array([[C, -S, 0.0], [S, C, 0.0], [0.0, 0.0, 1.0]])
 
 
 def example(kind):
@@ -98,6 +100,10 @@ def test_a_shape_is_the_same_elsewhere_and_after_pickling(shape):
     upright = shape.at(np.zeros(3), (1.0, 0.0, 0.0, 0.0))
     local = (queries - PLACE) @ rotations.to_matrix(TURN[None])[0]
     np.testing.assert_allclose(upright.distance(local), before, atol=1e-8)
+    back = shape.turned((0.0, 0.0, 0.4)).turned((0.0, 0.0, -0.4))
+    np.testing.assert_allclose(back.distance(queries), before, atol=1e-8)
+    about = shape.position + (queries - shape.position) @ ABOUT_Z.T
+    np.testing.assert_allclose(shape.turned((0.0, 0.0, 0.4)).distance(about), before, atol=1e-8)
     refused("position: ", shape.at, (0.0, 0.0))
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(shape)).distance(queries), before)
     assert there.form() == shape.form() == pickle.loads(pickle.dumps(shape)).form()
