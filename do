@@ -8,6 +8,10 @@ readonly AARCH64_PACKAGES=(
   g++-aarch64-linux-gnu liborocos-kdl-dev:arm64 liburdfdom-dev:arm64 libpython3-dev:arm64)
 readonly TEST_PACKAGES=(chromium libfcl-dev libgtest-dev)
 
+# A compiler for each core: one more, as ninja would have, takes longer for all.
+CMAKE_BUILD_PARALLEL_LEVEL=$(nproc)
+export CMAKE_BUILD_PARALLEL_LEVEL
+
 # What pip_install leaves to the first import is compiled then and kept, or every process would
 # compile it again.
 unset PYTHONDONTWRITEBYTECODE
@@ -226,7 +230,8 @@ main() {
   case "$command" in
     demo)
       install_package demo
-      .venv/bin/leadthrough demo "$@"
+      # Its two processes need no threads of NumPy's, which would wait for one another.
+      OPENBLAS_NUM_THREADS=1 .venv/bin/leadthrough demo "$@"
       ;;
     test)
       need "${TEST_PACKAGES[@]}"

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from itertools import repeat
+from multiprocessing import get_context
 from pathlib import Path
 
 from rich.progress import Progress
@@ -48,17 +51,18 @@ def perform(names: Sequence[str], motions: Sequence[str], out: Path) -> Performa
     left_out = "" if names or motions else _missing()
     if left_out:
         wanted.remove(scenes.HANDWRITING)
-    performed: list[Performed] = []
+    others = [name for name in wanted if name != scenes.HANDWRITING]
     written: list[Handwriting] = []
     if scenes.HANDWRITING in wanted:
-        wanted.remove(scenes.HANDWRITING)
-        with Progress() as progress:  # ended with the loop, also by an error
-            tracked = progress.track(motions or scenes.MOTIONS, description="Writing")
-            first, written = scenes.handwriting(tracked, out)
-        performed.append(first)
-    with Progress(disable=not wanted) as progress:
-        tracked = progress.track(wanted, description=" and ".join(wanted).capitalize())
-        performed += [scenes.other(name, out) for name in tracked]
+        # The other scenes on another core meanwhile.
+        with ProcessPoolExecutor(1, get_context("spawn")) as second:
+            promised = second.map(scenes.other, others, repeat(out))
+            with Progress() as progress:  # ended with the loop, also by an error
+                tracked = progress.track(motions or scenes.MOTIONS, description="Writing")
+                first, written = scenes.handwriting(tracked, out)
+            performed = [first, *_tracked(promised, others)]
+    else:
+        performed = _tracked((scenes.other(name, out) for name in others), others)
     report.write_page(performed, written, out)
     simulated = report.write_simulation(performed[0], out)
     remarks = [
@@ -72,6 +76,12 @@ def perform(names: Sequence[str], motions: Sequence[str], out: Path) -> Performa
         tables.append(report.errors(written))
     ok = all(each.ok for each in performed) and all(each.ok for each in written)
     return Performance(tables, remarks, ok)
+
+
+def _tracked(found: Iterable[Performed], names: Sequence[str]) -> list[Performed]:
+    with Progress(disable=not names) as progress:
+        title = " and ".join(names).capitalize()
+        return [*progress.track(found, total=len(names), description=title)]
 
 
 def _missing() -> str:
