@@ -28,6 +28,10 @@ Configurations all_configurations(const Chain& chain, const ClosedForm& form,
                                   const IkTarget& target, const JointVector& reference,
                                   const IkTolerance& tolerance);
 
+// Outside of its limits by so little, rad, a configuration may have one inside that reaches the
+// pose as well.
+constexpr double kBesideLimit = 1e-6;
+
 // Joints that no whole turn brings inside their limits, and those that the nearest limit moved by
 // less than rounding beside a singularity does.
 struct Turns {

@@ -9,12 +9,7 @@
 
 namespace leadthrough {
 
-// Outside of its limits by so little, rad, a configuration may have one inside that reaches the
-// pose as well.
-constexpr double kBesideLimit = 1e-6;
-
-// Of the sets with `free` free angles, 1 or 2. `walk` holds the slack. Before rounding they are
-// within kBesideLimit of the limits.
+// Of the sets with `free` free angles, 1 or 2. `walk` holds the slack.
 std::vector<JointArray> nearest_members(const Chain& chain, const ClosedForm& form,
                                         const IkTarget& target, const JointVector& reference,
                                         const Walk& walk, int free);

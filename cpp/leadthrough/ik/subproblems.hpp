@@ -94,7 +94,10 @@ void each_angle(double a, double b, double c, Walk& walk, const Visit& visit) {
   walk.near = walk.near || std::abs(radius - std::abs(c)) < walk.margin;
   const double missed = walk.missed, misses = std::abs(c) - radius - walk.slack;
   if (misses > walk.reach) return;
-  if (radius < kNoLever) return misses > 0.0 ? void() : visit_free(walk, visit);
+  if (radius < kNoLever) {
+    if (misses <= 0.0) visit_free(walk, visit);
+    return;
+  }
   const double along = std::clamp(c, -radius, radius) / squared;
   const double across = std::sqrt(std::max((radius - c) * (radius + c), 0.0)) / squared;
   const int branch = walk.branch;

@@ -51,10 +51,11 @@ _NUMBERED_JOINT = re.compile(
     r"(?P<arm>(.*[_.\-/ ])?((joint|j|q_d|q|joint_positions)[_.\-/ ]?|joint[_.\-/ ][a-z]))"
     r"(?P<open>\[)?(?P<number>[0-9]{1,4})(?(open)\])"
 )
-# Words of columns: not of joints' positions, hardly of measured ones, certainly of these.
+# Words of columns: not of joints' positions, hardly of measured ones, certainly of these. A joint
+# may be named by one of the first (`cart_joint`).
 OTHER = re.compile(
     r"(?i)(^|[_.\-/ ])(velocit(y|ies)|vel|qd|d?dq|effort|torque|tau|acceleration|force|wrench"
-    r"|temperature|voltage|error|pose|tcp|cart|cartesian)([_.\-/ \d\[]|$)"
+    r"|temperature|voltage|error|pose|tcp|cart|cartesian)([_.\-/ \d\[](?!joint$)|$)"
 )
 _SECOND = re.compile(r"(^|[_.\-/ ])(current|target|desired|cmd|command)([_.\-/ ]|$)")
 _MEASURED = re.compile(

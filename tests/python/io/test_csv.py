@@ -83,6 +83,12 @@ def test_positions_are_told_from_what_else_was_logged_of_the_joints(write, patte
     assert np.array_equal(motion.positions, [[1, 2], [1, 2]])
 
 
+def test_a_joint_may_be_called_by_what_other_columns_are_of(write):
+    names = ("cart_joint", "force_joint", "elbow_joint")
+    motion = lt.read_motion(write(f"t,{','.join(names)}\n0,1,2,3\n0.1,1,2,3\n"))
+    assert motion.joint_names == names
+
+
 @pytest.mark.parametrize("pattern", ["field.{}{}", "{}_{}", "/joint_states/{}[{}]"])
 def test_numbers_of_joint_states_have_the_names_in_their_cells(write, pattern):
     names, arm = ["elbow", "lift", "pan"], dict.fromkeys(["pan", "lift", "elbow"], (-4.0, 4.0))
