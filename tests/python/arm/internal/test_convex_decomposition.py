@@ -6,7 +6,7 @@ from scipy.spatial import ConvexHull
 from shapes.meshes import mesh_of
 
 import leadthrough as lt
-from leadthrough.arm.robot_files import convex_parts
+from leadthrough.arm.convex_decomposition import convex_parts
 
 
 def outside(parts, points):
