@@ -7,6 +7,7 @@ file some demonstrations at a time. Unreadable episodes are reported and skipped
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -23,6 +24,10 @@ from leadthrough.motion import Demonstration, Motion
 from leadthrough.rest import trim
 
 _AT_A_TIME = 20  # demonstrations of a robomimic file
+# Signs of a motion in the beginning of a file: a row of numbers, or the name of its points.
+_HEAD, _POINTS = 65_536, re.compile(r"\bpoints\b")
+_ROW = re.compile(r"""^\s*["']?[-+.\d][^\s,;]*(\s*[,;]|\s+[-+.\d])""", re.MULTILINE)
+_SIGNS = {".txt": _ROW, ".json": _POINTS, ".yaml": _POINTS, ".yml": _POINTS}
 
 
 def read_demonstrations(
@@ -197,8 +202,20 @@ def _inside(folder: Path, also: Sequence[str]) -> list[Path]:
         path
         for path in sorted(folder.iterdir())
         if not path.name.startswith(".")
-        and (can_read(path) or (path.is_file() and path.suffix.lower() in also))
+        and (
+            (can_read(path) and not _is_note(path))
+            or (path.is_file() and path.suffix.lower() in also)
+        )
     ]
+
+
+def _is_note(path: Path) -> bool:
+    """Whether a file has the suffix of a motion and nothing of one in it: a text, or settings."""
+    sign = _SIGNS.get(path.suffix.lower())
+    if sign is None or path.is_dir():
+        return False
+    with path.open(encoding="utf-8", errors="replace") as file:
+        return sign.search(file.read(_HEAD)) is None
 
 
 def can_read(path: Path) -> bool:

@@ -17,6 +17,9 @@ def _others(folder):
     """Files beside the recordings that are none."""
     Path("recorded/notes.md").write_text("not a recording")
     Path("recorded/.hidden.csv").write_text("not one either")
+    Path("recorded/README.txt").write_text("Three reaches.\n\n1. By hand, 2 kg held.\n")
+    Path("recorded/camera.json").write_text('{"fx": 612.0, "offset": [0, 1]}')
+    Path("recorded/robot.yaml").write_text("robot: ur3\npath_xyz_offset: [0.0, 0.5, 0.8]\n")
 
 
 def test_a_folder_stands_for_its_recordings(folder):
@@ -52,6 +55,19 @@ def test_a_folder_without_recordings_is_an_error(folder, words):
     Path("empty/notes.md").write_text("nothing")
     result = run(words[0], "empty", *words[1:], code=2)
     assert "empty: nothing to read in this folder" in result.stderr
+
+
+@pytest.mark.parametrize("form", ["json", "yaml", "txt"])
+def test_in_a_folder_text_with_a_motion_is_never_left_out(folder, form):
+    shown = lt.read_motion("recorded/reach1.csv")
+    Path("texts").mkdir()
+    if form == "txt":
+        Path("recorded/reach1.csv").rename("texts/one.txt")
+    else:
+        lt.write_motion(with_derivatives(shown), f"texts/one.{form}")
+    assert [each["path"] for each in facts("info", "texts")] == [f"texts/one.{form}"]
+    Path(f"texts/broken.{form}").write_text("time,x\n0,a\n1,2\n" if form == "txt" else "points: 3")
+    assert f"broken.{form}" in run("learn", "texts", "-o", "s.npz", code=2).stderr
 
 
 def test_files_whose_names_look_like_options_are_told_and_taken(folder):
