@@ -219,6 +219,7 @@ PROGRESS_SAMPLES = 1001  # of progress, at evenly spaced normalised times
 # Fraction of the duration over which the speed is averaged twice: the acceleration becomes
 # continuous, and recorded speeds lose their noise.
 _SMOOTHING = 0.035
+_RESTS, _MOVES = 0.1, 0.5  # speeds of a rest and of a movement, in means of the whole
 
 
 def progress_of(times: Float64Array, path: Float64Array) -> Float64Array:
@@ -251,12 +252,22 @@ def speed_of(progress: Float64Array) -> Float64Array:
 
 
 def smoothed_progress(progress: Float64Array) -> Float64Array:
-    """The progress (1001,), smoothed, with its own speeds at the start and at the end."""
-    even = uniform_progress()
+    """The progress (n,) at even times, smoothed, with its own speeds at the start and at the end.
+
+    Each of several movements between rests is as smooth as a motion of one.
+    """
+    even = even_phases(len(progress))
     ahead = progress - even
-    width = int(_SMOOTHING * PROGRESS_SAMPLES) | 1
+    width = int(_SMOOTHING / _movement_count(progress) * len(progress)) | 1
     # Mirrored through both ends, where it is 0, by as much as two averages take away.
     ahead = np.concatenate([-ahead[width - 1 : 0 : -1], ahead, -ahead[-2 : -width - 1 : -1]])
     for _ in range(2):
         ahead = np.convolve(ahead, np.full(width, 1.0 / width), mode="valid")
     return np.asarray(np.maximum.accumulate(np.clip(even + ahead, 0.0, 1.0)))
+
+
+def _movement_count(progress: Float64Array) -> int:
+    """How often it rests and moves again, or begins to, over the even times (n,)."""
+    speed = len(progress) * np.diff(progress)
+    moves = (speed > _MOVES)[(speed > _MOVES) | (speed < _RESTS)]
+    return max(int(np.count_nonzero(moves[1:] & ~moves[:-1]) + moves[:1].sum()), 1)

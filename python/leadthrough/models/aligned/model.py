@@ -159,7 +159,7 @@ class AlignedMeanSkill(FittedSkill[MotionT_co]):
             rows, phases, clock = self._around(query, rows, phases, clock)
             even = even_phases(len(rows))
         times = even_times(query.end(float(clock[-1])), query.dt)
-        at = np.linspace(0.0, clock[-1], PROGRESS_SAMPLES)
+        at = np.linspace(0.0, clock[-1], max(PROGRESS_SAMPLES, len(rows)))
         rising = np.concatenate([[True], np.diff(clock) > 0.0])
         progress = smoothed_progress(np.interp(at, clock[rising], even[rising]))
         covered = np.interp(times / times[-1], even_phases(len(progress)), progress)

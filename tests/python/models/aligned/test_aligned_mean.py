@@ -152,6 +152,25 @@ def test_pauses_change_the_timing_and_not_the_shape():
     assert delayed.duration == pytest.approx(plain.duration + 1.0, abs=0.01)
 
 
+@pytest.mark.parametrize("count", (1, 3))
+def test_a_log_of_minutes_rests_where_the_hand_did(count):
+    """Speeds were averaged over a fraction of the log: rests of a second were passed at speed."""
+    times = np.arange(0.0, 280.0, 0.02)
+    rest = times % 14.0 > 13.0
+    phase = np.minimum(times % 14.0 / 13.0, 1.0)
+    places = np.random.default_rng(0).uniform(-0.3, 0.3, (21, 3))
+    at = (times / 14.0).astype(int)
+    path = places[at] + motions.minimum_jerk(phase)[:, None] * np.diff(places, axis=0)[at]
+    shown = [
+        lt.Trajectory(times * (1.0 + 0.05 * i), path + 1e-4 * np.sin(30.0 * times + i)[:, None])
+        for i in range(count)
+    ]
+    made = lt.AlignedMean().fit(shown).generate(duration=280.0)
+    speed = np.linalg.norm(np.gradient(made.positions, made.times, axis=0), axis=1)
+    there = np.interp(made.times, times, rest) == 1.0
+    assert speed[there].max() < 0.1 * speed.mean()
+
+
 def test_a_pose_reaches_orientations_far_from_the_goal_s():
     shown = [motions.arch("poses", shift) for shift in (-0.02, 0.0, 0.02)]
     made = lt.AlignedMean().fit(shown).generate()
