@@ -254,9 +254,10 @@ def _faultless(path: Path, found: Recording, table: Table, request: Request) -> 
             cure = CLEANED if error.argument in ("times", "orientations") else ""
             raise InvalidInput(f"{error}{cure}") from None
         if (gone := lost(motion.positions)).any():
+            row = int(gone.argmax())
+            state = "stands still and then leaps" if motion.positions[row].any() else "is 0, far off"
             raise InvalidInput(
-                f"{table.place(int(gone.argmax()))}: the position is 0, far from all others, as of "
-                f"a tracker without a target{CLEANED}"
+                f"{table.place(row)}: the position {state}, as of a tracker without a target{CLEANED}"
             )
         return motion
 

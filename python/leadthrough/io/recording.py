@@ -156,6 +156,7 @@ CLEANED = "; `leadthrough clean` leaves it out, in Python io.read_recordings and
 _SPACE = 3  # coordinates of a position
 # Steps of a recording that make sure of its largest, and the leap that is none of a motion's.
 _RECORDED, _LEAP = 20, 3.0
+_HELD = 4  # times as many equal rows as usual are a sensor's that waits
 _SUFFIX = "_recorded"
 
 
@@ -203,12 +204,31 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
 
 
 def lost(positions: Float64Array) -> NDArray[np.bool_]:
-    """Rows (n,) of zeros that no motion (n, d) comes near: trackers write them without a target."""
+    """Rows (n,) of a motion (n, d) that a sensor without its target writes: zeros, or the last."""
     zero = np.asarray((positions == 0.0).all(axis=1))
-    steps = np.abs(np.diff(positions, axis=0)).max(axis=1, initial=0.0)[~(zero[1:] | zero[:-1])]
-    if len(steps) < _RECORDED or positions.shape[1] < _SPACE:  # a gripper opens at once
+    steps = np.abs(np.diff(positions, axis=0))
+    largest = steps.max(axis=1, initial=0.0)[~(zero[1:] | zero[:-1])]
+    if len(largest) < _RECORDED or positions.shape[1] < _SPACE:  # a gripper opens at once
         return np.zeros_like(zero)
-    return zero & bool(np.abs(positions[~zero]).max(axis=1).min() > _LEAP * steps.max())
+    far = np.abs(positions[~zero]).max(axis=1).min() > _LEAP * largest.max()
+    return zero & bool(far) | _held(steps)
+
+
+def _held(steps: Float64Array) -> NDArray[np.bool_]:
+    """Rows (n,) equal to the one before until a leap; from the steps (n - 1, d) between rows."""
+    held = np.zeros(len(steps) + 1, dtype=np.bool_)
+    moves = np.flatnonzero(steps.any(axis=1))
+    if len(moves) < _RECORDED:
+        return held
+    waits, steps = np.diff(moves, prepend=-1), steps[moves]
+    if steps.shape[1] == _SPACE:
+        steps = np.linalg.norm(steps, axis=1, keepdims=True)
+    long = waits > _HELD * np.median(waits)
+    usual = steps[~long]
+    leaps = (steps > _LEAP * usual.max(axis=0)).sum(axis=1) >= min(_SPACE, steps.shape[1])
+    for move, wait in zip(moves[long & leaps], waits[long & leaps], strict=True):
+        held[move - wait + 2 : move + 1] = True
+    return held
 
 
 def check_complete(table: Table, request: Request) -> None:

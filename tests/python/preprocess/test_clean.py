@@ -18,6 +18,7 @@ TIMES = np.arange(201) / 100.0
 SWING = np.column_stack([np.sin(2.0 * TIMES), np.cos(3.0 * TIMES)])
 TURNED = lt.rotations.exp(np.column_stack([TIMES, 0.5 * TIMES**2, 0.0 * TIMES]))
 JOINTS = Recording(TIMES, SWING, joint_names=("a", "b"), name="swing")
+FOUR = Recording(TIMES, np.hstack([SWING, SWING[:, ::-1]]), joint_names=tuple(f"joint_{i}" for i in range(4)))
 POSES = Recording(TIMES, np.column_stack([SWING, TIMES]), TURNED, name="tool")
 
 
@@ -55,7 +56,7 @@ def test_samples_without_a_number_are_left_out():
 def test_zeros_of_a_tracker_without_a_target_are_refused_and_left_out(recording, tmp_path):
     dropped = with_values(recording, "positions", slice(100, 110), 0.0)
     lt.write_motion(dropped.motion(), tmp_path / "dropped.csv")
-    message = "line 102: the position is 0, far from all others, .*`leadthrough clean`"
+    message = "line 102: the position is 0, far off, .*`leadthrough clean`"
     refused(message, lt.read_motion, tmp_path / "dropped.csv")
     demonstration, report = clean(with_values(dropped, "positions", 50, np.nan))
     assert report.invalid == (50, *range(100, 110))
@@ -65,6 +66,20 @@ def test_zeros_of_a_tracker_without_a_target_are_refused_and_left_out(recording,
     assert not clean(
         replace(JOINTS, positions=np.repeat([0.0, 0.04], [101, 100])[:, None].repeat(2, 1))
     )[1].invalid
+
+
+@pytest.mark.parametrize("recording", [POSES, FOUR])
+def test_a_frozen_position_that_leaps_is_refused_and_left_out(recording, tmp_path):
+    last = recording.positions[100]
+    frozen = with_values(recording, "positions", slice(100, 130), last)
+    lt.write_motion(frozen.motion(), tmp_path / "frozen.csv")
+    message = "line 103: the position stands still and then leaps, .*`leadthrough clean`"
+    refused(message, lt.read_motion, tmp_path / "frozen.csv")
+    assert clean(frozen)[1].invalid == tuple(range(101, 130))
+    slow = recording.positions.repeat(10, 0)  # of a sensor whose numbers are equal all the time
+    assert not clean(Recording(np.arange(2010.0), slow))[1].invalid
+    rested = np.vstack([np.repeat(recording.positions[:1], 50, 0), recording.positions[:151]])
+    assert not clean(replace(recording, positions=rested))[1].invalid
 
 
 @pytest.mark.parametrize("late", [0.0, 0.003])
