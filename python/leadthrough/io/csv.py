@@ -3,13 +3,16 @@
 A comma in a number is the decimal one if cells are split at anything else.
 
 The header is the first row that is no comment; where that row is numbers, it is the last comment
-before it. Comments begin with `#` and are skipped, except `# event,<time in s>,"<name>"`; so are
-empty rows and a byte order mark. Numbers of JointState messages (`rostopic echo -p`) are named by
-the joints in their cells. Files are read in blocks, so that only numbers stay in memory.
+before it. Of several rows above the first that begins with a number, those as wide as the last are
+the header, its names joined and its units last; titles before are left out. Comments begin with
+`#` and are skipped, except `# event,<time in s>,"<name>"`; so are empty rows and a byte order mark.
+Numbers of JointState messages (`rostopic echo -p`) are named by the joints in their cells. Files
+are read in blocks, so that only numbers stay in memory.
 """
 
 from __future__ import annotations
 
+import codecs
 import csv
 import json
 import re
@@ -28,7 +31,7 @@ import leadthrough._core as core
 from leadthrough import sanity
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io.files import MAX_LINE, ReadLimits, StrPath, not_text, replacing, written_blocks
-from leadthrough.io.headers import JOINT_SUFFIXES, candidates
+from leadthrough.io.headers import JOINT_SUFFIXES, candidates, is_unit
 from leadthrough.io.joint_trajectory import checked_joint_names, joint_columns, quantities
 from leadthrough.io.recording import demonstrated_columns
 from leadthrough.io.table import Table
@@ -41,6 +44,7 @@ _BETWEEN = re.compile(r"\s+(?![\[(])")  # cells: a unit in brackets belongs to t
 # In columns of JointState messages, such as field.name0 with the joint of field.position0.
 _NAME = re.compile(r"name(?=[_.\[]?\d+\]?$)")
 _BLOCK = 2**20  # bytes
+_MAX_HEAD = 12  # rows of titles, names and units
 # The text of a line and its number, counted from 1.
 Line = tuple[int, str]
 
@@ -109,26 +113,32 @@ def read_table(path: Path) -> TextTable:
     limits = ReadLimits()
     count = _count_lines(path, limits)
     try:
-        with path.open(encoding="utf-8-sig") as file:
+        with path.open(encoding=_encoding(path)) as file:
             return _table(file, count, limits)
     except UnicodeDecodeError:
         raise not_text() from None
 
 
+def _encoding(path: Path) -> str:
+    with path.open("rb") as file:
+        mark = file.read(2)
+    return "utf-16" if mark in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE) else "utf-8-sig"
+
+
 def _table(file: TextIO, count: int, limits: ReadLimits) -> TextTable:
     events: list[Event] = []
-    (start, header), first = _header(_lines(file, 0), events)
-    delimiter = max(_DELIMITERS, key=header.count)
-    delimiter = delimiter if delimiter in header else _SPACES
+    head, first = _header(_lines(file, 0), events)
+    start, header = head[-1]
+    delimiter = _delimiter(header)
     limits.columns(header.count(delimiter) + 1, f"line {start}")
-    names = _split(header, delimiter, start)
+    names = _names([_split(line, delimiter, number) for number, line in head])
     if name := next((name for name, times in Counter(names).items() if name and times > 1), ""):
         raise InvalidInput(f"line {start}: expected different column names, got {name!r} twice")
     limits.numbers(count * len(names), "the rows")
     rows = _Rows(names, delimiter)
-    if first is not None:
-        rows.add(*first)
-    number = start if first is None else first[0]
+    number = start
+    for number, line in first:
+        rows.add(number, line)
     layout = core.RecordLayout(["", "\n"], [len(names)], delimiter)
     while text := file.read(_BLOCK) + file.readline(MAX_LINE):
         values, length = core.read_records(block := text.encode(), layout)
@@ -231,26 +241,68 @@ def _lines(file: TextIO, number: int) -> Iterator[Line]:
         yield number, line
 
 
-def _header(lines: Iterator[Line], events: list[Event]) -> tuple[Line, Line | None]:
-    """The row of names, and the first row of numbers if it has been read to find them."""
+def _header(lines: Iterator[Line], events: list[Event]) -> tuple[list[Line], list[Line]]:
+    """The rows of names, and the rows below them that have been read to find them."""
     comment: Line | None = None
+    texts: list[Line] = []
     for number, line in lines:
         if line.startswith("#"):
             _collect_event(line, number, events)
             names = line.lstrip("# ")
             comment = (number, names) if names.strip() else comment
         elif line.strip() and not _starts_with_number(line):
-            return (number, line), None
+            texts.append((number, line))
+            if len(texts) == _MAX_HEAD or (len(texts) == 2 and _has_numbers(*texts)):
+                break
+        elif line.strip() and texts:
+            return _divided(texts, (number, line))
         elif line.strip():
             if comment is None:
                 raise InvalidInput(
                     f"line {number}: expected a header of column names, got numbers; put one "
                     "above, such as time,joint_1,joint_2"
                 )
-            return comment, (number, line)
+            return [comment], [(number, line)]
+    if texts:
+        return texts[:1], texts[1:]
     if comment is None:
         raise InvalidInput("expected a table with a header, got a file without rows")
-    return comment, None
+    return [comment], []
+
+
+def _divided(texts: list[Line], row: Line) -> tuple[list[Line], list[Line]]:
+    """The rows of names above the first one of numbers, and the others below the first."""
+    delimiter = _delimiter(texts[-1][1])
+    widths = [len(_split(line, delimiter, number)) for number, line in [*texts, row]]
+    if widths[-1] != widths[-2]:
+        return [texts[0]], [*texts[1:], row]
+    others = [i for i, width in enumerate(widths) if width != widths[-1]]
+    return texts[others[-1] + 1 if others else 0 :], [row]
+
+
+def _has_numbers(header: Line, row: Line) -> bool:
+    """Whether a row that begins with text is one of the header's samples all the same."""
+    cells = _split(row[1], _delimiter(header[1]), row[0])
+    return any(map(_starts_with_number, cells)) or not any(cells)
+
+
+def _names(rows: list[tuple[str, ...]]) -> tuple[str, ...]:
+    """The columns' names from the rows of a header, each with the unit that the last may state."""
+    *above, last = rows
+    units = above and all(is_unit(cell) for cell in last if cell)
+    names = [
+        "_".join(filter(None, cells)) for cells in zip(*(above if units else rows), strict=True)
+    ]
+    if not units:
+        return tuple(names)
+    return tuple(
+        f"{name} [{u.strip('[]()')}]" if u else name for name, u in zip(names, last, strict=True)
+    )
+
+
+def _delimiter(header: str) -> str:
+    found = max(_DELIMITERS, key=header.count)
+    return found if found in header else _SPACES
 
 
 def _starts_with_number(line: str) -> bool:

@@ -78,6 +78,8 @@ _UNITS: dict[str, dict[str, float]] = {
     "joints": {"mm": 1e-3, "rad": 1.0, "radians": 1.0, "mrad": 1e-3}
     | dict.fromkeys(("deg", "degrees", "°"), _DEGREE),
 }
+# Of columns that are no motion's.
+_MORE_UNITS = {"-", "rad/s", "deg/s", "°/s", "m/s", "mm/s", "n", "nm", "n m", "a", "v", "hz"}
 
 
 def unit(name: str, role: str) -> tuple[str, float | None]:
@@ -87,6 +89,12 @@ def unit(name: str, role: str) -> tuple[str, float | None]:
         return name, None
     factor = _UNITS.get(role, {}).get((match["a"] or match["b"] or match["c"]).lower())
     return (name, None) if factor is None else (match["plain"], factor)
+
+
+def is_unit(text: str) -> bool:
+    """Whether a cell of a header is a unit, of whatever column, and no name."""
+    plain = text.strip("[]()").lower()
+    return plain in _MORE_UNITS or any(plain in units for units in _UNITS.values())
 
 
 def joint(name: str) -> str:

@@ -255,9 +255,10 @@ def _faultless(path: Path, found: Recording, table: Table, request: Request) -> 
             raise InvalidInput(f"{error}{cure}") from None
         if (gone := lost(motion.positions)).any():
             row = int(gone.argmax())
-            state = "stands still and then leaps" if motion.positions[row].any() else "is 0, far off"
+            seen = "stands still and then leaps" if motion.positions[row].any() else "is 0, far off"
             raise InvalidInput(
-                f"{table.place(row)}: the position {state}, as of a tracker without a target{CLEANED}"
+                f"{table.place(row)}: the position {seen}, as of a tracker "
+                f"without a target{CLEANED}"
             )
         return motion
 

@@ -222,7 +222,7 @@ def _held(steps: Float64Array) -> NDArray[np.bool_]:
         return held
     waits, steps = np.diff(moves, prepend=-1), steps[moves]
     if steps.shape[1] == _SPACE:
-        steps = np.linalg.norm(steps, axis=1, keepdims=True)
+        steps = steps.max(axis=1, keepdims=True)
     long = waits > _HELD * np.median(waits)
     usual = steps[~long]
     leaps = (steps > _LEAP * usual.max(axis=0)).sum(axis=1) >= min(_SPACE, steps.shape[1])

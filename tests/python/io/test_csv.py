@@ -188,6 +188,33 @@ def test_dialects_are_understood(write, text):
     assert np.array_equal(motion.positions, [[1, 2], [3, 4]])
 
 
+TRACKED = """Format Version,1.23,Take Name,Take 1
+
+,,RigidBody,RigidBody,RigidBody,RigidBody,RigidBody,RigidBody,RigidBody
+,,tool,tool,tool,tool,tool,tool,tool
+,,Rotation,Rotation,Rotation,Rotation,Position,Position,Position
+Frame,Time (Seconds),X,Y,Z,W,X,Y,Z
+0,0.0,0,0,0,1,0.1,0.2,0.3
+1,0.5,0,0,1,0,0.4,0.5,0.6
+"""
+
+
+def test_headers_of_several_rows_are_joined_and_titles_left_out(write):
+    motion = lt.read_motion(write(TRACKED))
+    assert np.array_equal(motion.positions, [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
+    assert np.array_equal(motion.orientations, [[1, 0, 0, 0], [0, 0, 0, 1]])
+    for units, factor in (("s,deg,deg", np.pi / 180.0), ("[s],[rad],[mrad]", 1.0)):
+        motion = lt.read_motion(write(f"UR5\ntime,joint_1,joint_2\n{units}\n0,1,2\n1,3,4"))
+        last = 1e-3 if "m" in units else factor
+        np.testing.assert_allclose(motion.positions, np.array([[1, 2], [3, 4]]) * [factor, last])
+
+
+def test_text_of_windows_with_two_bytes_a_letter_is_read(tmp_path):
+    (tmp_path / "wide.csv").write_text("time,x,y\n0,1,2\n1,3,4\n", encoding="utf-16")
+    motion = lt.read_motion(tmp_path / "wide.csv")
+    assert np.array_equal(motion.positions, [[1, 2], [3, 4]])
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

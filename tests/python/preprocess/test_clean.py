@@ -18,7 +18,9 @@ TIMES = np.arange(201) / 100.0
 SWING = np.column_stack([np.sin(2.0 * TIMES), np.cos(3.0 * TIMES)])
 TURNED = lt.rotations.exp(np.column_stack([TIMES, 0.5 * TIMES**2, 0.0 * TIMES]))
 JOINTS = Recording(TIMES, SWING, joint_names=("a", "b"), name="swing")
-FOUR = Recording(TIMES, np.hstack([SWING, SWING[:, ::-1]]), joint_names=tuple(f"joint_{i}" for i in range(4)))
+FOUR = Recording(
+    TIMES, np.hstack([SWING, SWING[:, ::-1]]), joint_names=tuple(f"joint_{i}" for i in range(4))
+)
 POSES = Recording(TIMES, np.column_stack([SWING, TIMES]), TURNED, name="tool")
 
 
