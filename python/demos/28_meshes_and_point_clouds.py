@@ -24,15 +24,15 @@ head += "".join(f"property double {axis}\n" for axis in "xyz") + "end_header\n"
 (folder / "obstacles.ply").write_bytes(head.encode() + points.tobytes())
 shelf = lt.read_point_cloud(folder / "obstacles.ply", radius=0.006)
 
-# A bin of four walls, in millimetres; each wall is a part of its own, so the bin stays open.
-text, count = "", 0
-for x, y, wide, deep in ((0, 160, 305, 5), (0, -160, 305, 5), (150, 0, 5, 325), (-150, 0, 5, 325)):
-    corners = [(x + sx * wide / 2, y + sy * deep / 2, z)
-               for z in (0, 120) for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]  # fmt: skip
-    text += "".join(f"v {a} {b} {c}\n" for a, b, c in corners)
-    for side in ("1234", "5678", "1265", "2376", "3487", "4158"):
-        text += f"f {' '.join(str(count + int(corner)) for corner in side)}\n"
-    count += 8
+# A bin of one closed surface, in millimetres, which counts as four walls and a bottom.
+text, sides = "", ((-1, -1), (1, -1), (1, 1), (-1, 1))
+for wide, deep, z in ((310, 330, 0), (310, 330, 120), (300, 320, 120), (300, 320, 5)):
+    text += "".join(f"v {sx * wide / 2} {sy * deep / 2} {z}\n" for sx, sy in sides)
+for ring in (1, 5, 9):
+    for k in range(4):
+        a, b = ring + k, ring + (k + 1) % 4
+        text += f"f {a} {b} {b + 4} {a + 4}\n"
+text += "f 4 3 2 1\nf 13 14 15 16\n"
 (folder / "bin.obj").write_text(text)
 bin_ = lt.read_mesh(folder / "bin.obj", scale=0.001, position=(0.45, 0.0, 0.07))
 drum = lt.Cylinder(0.12, 0.5, (0.2, -0.6, 0.25))
@@ -51,6 +51,6 @@ print(arm.check(joints, lt.Scene(around, 0.005)))
 begin = process_time()
 clear = arm.is_clear(joints.positions, around)
 each = 1e6 * (process_time() - begin) / len(clear)
-print(f"clear of {len(shelf.points):,} points, walls and drum: {clear.all()}, {each:.0f} us each")
+print(f"clear of {len(shelf.points):,} points, bin and drum: {clear.all()}, {each:.0f} us each")
 lt.show.view(arm, joints, scene=around, html=folder / "obstacles.html")
 print(f"wrote {folder / 'obstacles.html'}")

@@ -62,6 +62,8 @@ std::optional<Error> check_joint(const Joint& joint) {
                             " is above its upper limit " + std::to_string(joint.upper)};
   if (!(joint.velocity >= 0.0)) return Error{where, "its velocity limit is negative"};
   if (!(joint.effort >= 0.0)) return Error{where, "its effort limit is negative"};
+  if (!(joint.damping >= 0.0)) return Error{where, "its damping is negative"};
+  if (!(joint.friction >= 0.0)) return Error{where, "its friction is negative"};
   return std::nullopt;
 }
 

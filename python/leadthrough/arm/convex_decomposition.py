@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadthrough.check import Float64Array
+from leadthrough.shapes.convex_parts import MAX_GAP, clipped, hull_of
 
 _MAX_CUTS = 3  # one after another, so that a mesh has eight parts at most
-_MAX_GAP = 0.002  # m, from a part to the surface in it, in the mean over the part's own surface
 _MIN_GAIN = 0.02  # of a hull's volume, which a cut takes away
 _PLACES = np.arange(1, 8) / 8  # of planes, in the part's extent
 _TRIED = 2000  # triangles by which planes are compared
@@ -36,11 +36,11 @@ def convex_parts(vertices: Float64Array, faces: NDArray[np.int64]) -> tuple[Floa
 
 def _parts(triangles: Float64Array, hull: Any, axes: frozenset[int], cuts: int = 0) -> list[Any]:
     """The hulls of triangles (n, 3, 3), after `cuts` cuts normal to these axes."""
-    if cuts == _MAX_CUTS or _gap(triangles, hull, min({0, 1, 2} - axes)) < _MAX_GAP:
+    if cuts == _MAX_CUTS or _gap(triangles, hull, min({0, 1, 2} - axes)) < MAX_GAP:
         return [hull]
     plane = _best_plane(triangles, axes if len(axes) == 2 else {0, 1, 2})
     sides = [_clipped(triangles, plane, side) for side in (-1.0, 1.0)]
-    hulls = [_hull(side) for side in sides]
+    hulls = [hull_of(side) for side in sides]
     if _volume(hulls) > (1.0 - _MIN_GAIN) * hull.volume:
         return [hull]
     both = zip(sides, hulls, strict=True)
@@ -78,7 +78,7 @@ def _volumes(slabs: list[Float64Array]) -> list[float]:
         points = np.concatenate([points, slab.reshape(-1, 3)])
         if len(points) > 0:
             points = points[np.unique((points @ directions).argmax(axis=0))]
-        volumes.append(_volume([_hull(points)]))
+        volumes.append(_volume([hull_of(points)]))
     return volumes
 
 
@@ -90,33 +90,8 @@ def _directions() -> Float64Array:
 
 
 def _clipped(triangles: Float64Array, plane: _Plane, side: float) -> Float64Array:
-    """The triangles (n, 3, 3) on a side of a plane; those that it cuts, their pieces there."""
     axis, place = plane
-    heights = side * (triangles[:, :, axis] - place)
-    inside = heights > 0.0 if side > 0.0 else heights >= 0.0  # those in the plane are on one side
-    counts = inside.sum(axis=1)
-    pieces = [triangles[counts == 3]]
-    for count in (1, 2):
-        cut = counts == count
-        some, height = triangles[cut], heights[cut]
-        alone = np.argmax(inside[cut] == (count == 1), axis=1)
-        order = (alone[:, None] + np.arange(3)) % 3  # its vertex on a side of its own is the first
-        a, b, c = np.take_along_axis(some, order[:, :, None], axis=1).transpose(1, 0, 2)
-        at_a, at_b, at_c = np.take_along_axis(height, order, axis=1).T[:, :, None]
-        ab, ac = a + at_a / (at_a - at_b) * (b - a), a + at_a / (at_a - at_c) * (c - a)
-        found = [(a, ab, ac)] if count == 1 else [(ab, b, c), (ab, c, ac)]
-        pieces += [np.stack(corners, axis=1) for corners in found]
-    return np.concatenate(pieces)
-
-
-def _hull(corners: Float64Array) -> Any:
-    """The convex hull of the corners (..., 3) of triangles, or None if they are flat."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        return ConvexHull(corners.reshape(-1, 3))
-    except (QhullError, ValueError):  # the latter without a triangle
-        return None
+    return clipped(triangles, np.eye(3)[axis], place, side)
 
 
 def _volume(hulls: list[Any]) -> float:

@@ -30,7 +30,7 @@ def read_mesh(
     position: ArrayLike = (0.0, 0.0, 0.0),
     orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
 ) -> Mesh:
-    """The mesh of a file as an obstacle: the convex hull of each connected part.
+    """The mesh of a file as an obstacle, which counts as convex parts.
 
     Args:
         path: an STL or OBJ file; others, as COLLADA, with the extra `mesh`.

@@ -1,4 +1,4 @@
-"""Meshes, each connected part of which is replaced by its convex hull, and point clouds."""
+"""Meshes, replaced by convex parts, and point clouds."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.shapes import surface
+from leadthrough.shapes.convex_parts import exact_parts
 from leadthrough.shapes.shape import IDENTITY, ConvexPart, PointBased, Solid, checked_points, pose
 from leadthrough.shapes.surface import Surface, merged
 
@@ -22,18 +23,19 @@ _THIN, _SHEET = 1e-4, 1e-3
 
 @dataclass(frozen=True, eq=False, init=False)
 class Mesh(PointBased, Solid):
-    """A surface of triangles; each connected part counts as its convex hull.
+    """A surface of triangles, which counts as convex parts.
 
-    The hulls contain the surface, so that no collision is missed, and the free space inside a
-    hollow part counts as occupied: a shelf that is modelled as separate boards stays open, one that
-    is a single surface does not. Parts thinner than a tenth of a millimetre count as 1 mm thick.
+    Closed surfaces of flat faces, such as shelves, bins and brackets, are divided into parts that
+    fill them to 2 mm. Of curved and of open ones each connected part counts as its convex hull: the
+    free space inside counts as occupied. The parts contain the surface, so that no collision is
+    missed; those thinner than a tenth of a millimetre count as 1 mm thick.
 
     Attributes:
         vertices: (n, 3), m in the mesh's own frame.
         faces: indices of vertices (m, 3), m > 0; vertices at the same place are one.
         position: of the mesh's frame in the base frame, (3,), m; by default its origin.
         orientation: w, x, y, z of the mesh's frame in the base frame, (4,); by default the same.
-        parts: the hulls, in the mesh's own frame.
+        parts: the convex parts, in the mesh's own frame.
 
     Raises:
         InvalidInput: if a part is too thin for its size, or there are more than a thousand parts.
@@ -58,7 +60,7 @@ class Mesh(PointBased, Solid):
             vertices=corners,
             faces=triangles,
             **pose(position, orientation),
-            parts=check.freeze(tuple(map(_hull, _parts(corners, triangles)))),
+            parts=check.freeze(tuple(map(_hull, _parts(*_merged(corners, triangles))))),
         )
 
     def surface(self) -> Surface:
@@ -105,26 +107,33 @@ def _triangles(faces: ArrayLike, vertices: int) -> NDArray[np.int64]:
     return check.freeze(whole)
 
 
+def _merged(
+    vertices: Float64Array, faces: NDArray[np.int64]
+) -> tuple[Float64Array, NDArray[np.int64]]:
+    """The vertices that faces use, each place once, and the faces."""
+    unique, own = np.unique(vertices[faces].reshape(-1, 3), axis=0, return_inverse=True)
+    return unique, own.reshape(-1, 3)
+
+
 def _parts(vertices: Float64Array, faces: NDArray[np.int64]) -> list[Float64Array]:
-    """Vertices (k, 3) of each part."""
+    """Vertices (k, 3) of the convex parts of each connected one."""
     # Only meshes need it, and it takes long to load.
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    unique, own = np.unique(vertices, axis=0, return_inverse=True)
-    corners = own.ravel()[faces]
-    edges = np.concatenate([corners[:, :2], corners[:, 1:]]).T
-    links = coo_array((np.ones(edges.shape[1], np.int8), tuple(edges)), shape=(len(unique),) * 2)
-    _, labels = connected_components(links, directed=False)
-    used = np.unique(corners)
-    order = used[np.argsort(labels[used], kind="stable")]
-    starts = np.flatnonzero(np.diff(labels[order])) + 1
-    if len(starts) >= MAX_PARTS:
+    edges = np.concatenate([faces[:, :2], faces[:, 1:]]).T
+    links = coo_array((np.ones(edges.shape[1], np.int8), tuple(edges)), shape=(len(vertices),) * 2)
+    count, labels = connected_components(links, directed=False)
+    if count > MAX_PARTS:
         raise InvalidInput(
-            f"faces: expected at most {MAX_PARTS:,} connected parts, got {len(starts) + 1:,}; "
+            f"faces: expected at most {MAX_PARTS:,} connected parts, got {count:,}; "
             "leave small parts out, or give the vertices as a PointCloud"
         )
-    return np.split(unique[order], starts)
+    order = np.argsort(labels[faces[:, 0]], kind="stable")
+    starts = np.flatnonzero(np.diff(labels[faces[order, 0]])) + 1
+    connected = [_merged(vertices, each) for each in np.split(faces[order], starts)]
+    parts = [part for each in connected for part in exact_parts(*each) or [each[0]]]
+    return parts if len(parts) <= MAX_PARTS else [own for own, _ in connected]
 
 
 def _hull(points: Float64Array) -> Surface:

@@ -75,6 +75,10 @@ TEST(Urdf, ContradictoryJointsAreRefusedWithTheReason) {
             "joint 'j': its velocity limit is negative");
   EXPECT_EQ(refusal(two_links("<limit lower='-1' upper='1' velocity='2' effort='-3'/>")),
             "joint 'j': its effort limit is negative");
+  EXPECT_EQ(refusal(two_links("<dynamics damping='-1'/>" + kLimit)),
+            "joint 'j': its damping is negative");
+  EXPECT_EQ(refusal(two_links("<dynamics friction='-1'/>" + kLimit)),
+            "joint 'j': its friction is negative");
   EXPECT_EQ(refusal(two_links("<axis xyz='0 0 0'/>" + kLimit)),
             "joint 'j': its axis is zero or not finite");
   EXPECT_EQ(refusal(two_links("<mimic joint='ghost'/>" + kLimit)),

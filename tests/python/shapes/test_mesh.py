@@ -4,7 +4,7 @@ import coal
 import numpy as np
 import pytest
 from refusals import refused
-from shapes.meshes import mesh_of
+from shapes.meshes import bin_of, mesh_of
 
 import leadthrough as lt
 from leadthrough import rotations
@@ -50,6 +50,60 @@ def test_room_between_parts_stays_free_and_inside_a_part_does_not():
     faces = np.concatenate([joined.faces, [[0, 8, 9]]])
     (part,) = lt.Mesh(joined.vertices, faces).parts
     assert lt.Mesh(part.vertices, part.faces).distance([[0.1, 0.1, 0.0]])[0] < 0.0
+
+
+@pytest.mark.parametrize("flipped", [False, True])
+@pytest.mark.parametrize("frame", [(1.0, 0.0, 0.0, 0.0), TURN])
+def test_a_bin_of_one_closed_surface_is_as_its_five_boards(frame, flipped):
+    vertices, faces = bin_of((0.4, 0.3, 0.2), 0.005)
+    turn = rotations.to_matrix(np.array([frame]))[0]
+    whole = lt.Mesh(vertices @ turn.T, faces[:, ::-1] if flipped else faces)
+    low = np.array([[0, 0, 0], [0, 0, 0], [0.395, 0, 0], [0, 0, 0], [0, 0.295, 0]])
+    high = np.array([[0.4, 0.3, 0.005], [0.005, 0.3, 0.2], *[[0.4, 0.3, 0.2]] * 3])
+    high[3, 1] = 0.005
+    boards = [
+        lt.Box(size, middle) for size, middle in zip(high - low, (low + high) / 2, strict=True)
+    ]
+    queries = np.random.default_rng(4).uniform(-0.1, 0.5, (500, 3))
+    truth = np.min([board.distance(queries) for board in boards], axis=0)
+    ours = whole.distance(queries @ turn.T)
+    np.testing.assert_allclose(np.maximum(ours, 0.0), np.maximum(truth, 0.0), atol=1e-6)
+    assert (ours < 0.0).tolist() == (truth < 0.0).tolist()
+    opened = lt.Mesh(vertices, faces[2:])  # without its bottom it has no inside
+    assert opened.distance([[0.2, 0.15, 0.1]])[0] < 0.0
+
+
+def around(cells):
+    """Corners and faces of the surface around the unit cells that are set."""
+    corners, faces = [], []
+    for cell in np.argwhere(cells):
+        for axis in range(3):
+            for side in (0, 1):
+                beside = cell + (2 * side - 1) * np.eye(3, dtype=int)[axis]
+                if ((beside >= 0) & (beside < cells.shape)).all() and cells[tuple(beside)]:
+                    continue
+                u, v = np.eye(3)[[(axis + 1 + side) % 3, (axis + 2 - side) % 3]][::-1]
+                base = cell + side * np.eye(3)[axis]
+                faces += [(len(corners) + np.array(f)) for f in ((0, 1, 2), (0, 2, 3))]
+                corners += [base, base + u, base + u + v, base + v]
+    return np.array(corners), np.array(faces)
+
+
+def test_surfaces_around_cells_are_occupied_in_these_alone():
+    """Also where planes divide the inside into pieces that no face reaches."""
+    closed = 0
+    for seed in range(100):
+        cells = np.random.default_rng(seed).random((3, 3, 3)) < 0.8
+        corners, faces = around(cells)
+        middles = corners[faces] + corners[np.roll(faces, 1, axis=1)]
+        _, shared = np.unique(middles.reshape(-1, 3), axis=0, return_counts=True)
+        if (shared != 2).any():  # cells that meet in an edge alone do not close a surface
+            continue
+        points = np.random.default_rng(seed).uniform(0.0, 3.0, (300, 3))
+        occupied = cells[tuple(points.astype(int).T)]
+        assert ((lt.Mesh(corners, faces).distance(points) < 0.0) == occupied).all()
+        closed += 1
+    assert closed > 20
 
 
 def test_vertices_at_one_place_are_one_as_in_stl_files():
