@@ -92,7 +92,10 @@ def _models(candidates: Sequence[str | Model], motion: Motion) -> dict[str, Mode
     if isinstance(motion, PoseTrajectory | JointTrajectory):
         kind = "poses" if isinstance(motion, PoseTrajectory) else "joints"
     found: dict[str, Model] = {}
-    for each in candidates:
+    several: Sequence[Any] = candidates if isinstance(candidates, list | tuple) else [candidates]
+    for each in several:
+        if not (isinstance(each, str) or callable(getattr(each, "fit", None))):
+            raise InvalidInput(f"candidates: expected models or their names, got {candidates!r}")
         if not isinstance(each, str):
             found[repr(each)] = each
         elif kind in (entry := model_entry(each)).motions:

@@ -26,6 +26,7 @@ from leadthrough import check, models, motion_planning, simulation
 from leadthrough.arm import Arm, check_arm
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, NoPath, ShortRepr
 from leadthrough.models import Certificate, Skill, Target, TargetRegion, ValidatedScene
+from leadthrough.models.protocol import check_skill
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory
 from leadthrough.shapes import Scene, SceneLike, as_scene
 from leadthrough.tasks import Execution, Outcome, Row, Store, Task, pickled
@@ -406,6 +407,7 @@ class Setup:
         controller: simulation.Controller | None,
     ) -> Setup:
         """The setup, checked, with regions of the starts and goals."""
+        check_skill(skill)
         check_arm(arm)
         if controller is not None:
             check.package("mujoco", extra="simulation")

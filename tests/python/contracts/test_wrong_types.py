@@ -31,6 +31,13 @@ def test_what_is_no_arm_is_named():
     refused("arm: expected an Arm, got None", lt.DifferentialIk, None)
 
 
+def test_what_is_no_skill_or_model_is_named():
+    refused("skill: expected a skill, as `fit` returns, got list", lt.validate, [LINE], UR3)
+    refused("skill: ", lt.augment, [LINE], UR3, episodes=1, out="never")
+    for wrong in (3, [UR3], np.zeros(3), None):
+        refused("candidates: expected models or their names", lt.learn, [LINE], candidates=wrong)
+
+
 @pytest.mark.filterwarnings("ignore:demonstrations. periods")  # a rhythm of a line, bent to close
 @pytest.mark.parametrize("model", [lt.DMP(weights=10), lt.RhythmicDMP(weights=10)])
 def test_what_is_no_state_is_named(model):
