@@ -79,20 +79,22 @@ def retime(
     else:
         robots.refuse("a path in m and rad, without --path-tolerance", tip_tolerance=tip_tolerance)
         tolerance = path_tolerance
+    limits = _with_torque_reserve(arm.limits) if torques else arm.limits
+    dynamics = arm.motor_torques if torques else None
     law = partial(
         lt.keep_timing if keep_timing else lt.retime,
-        limits=_with_torque_reserve(arm.limits) if torques else arm.limits,
+        limits=limits,
         rate=rate,
         path_tolerance=tolerance,
         tip_speed=None if tip_speed is None else lt.timing.TipSpeed(tip_speed, arm.jacobian),
-        inverse_dynamics=arm.motor_torques if torques else None,
+        inverse_dynamics=dynamics,
     )
     with output.busy("timing"):
         timed = law(path)
     if start is not None:
         with output.naming(state="--start"):
             timed = law(lt.connect(parse.numbers(start, "--start"), timed, arm, around))
-    limited = _limited_by(lt.timing.binding_limits(timed, arm.limits))
+    limited = _limited_by(lt.timing.binding_limits(timed, limits, inverse_dynamics=dynamics))
     reading.write_motion(timed, out, format)
     found = {
         "motion": str(out),

@@ -13,9 +13,9 @@ differences of the positions at that rate.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Literal
 
 import numpy as np
@@ -27,10 +27,16 @@ from leadthrough.arm.limits import JointLimits
 from leadthrough.check import Float64Array, InvalidInput, LimitsInfeasible, ShortRepr
 from leadthrough.drawing import Drawn, Panel, bars
 from leadthrough.motion import JointTrajectory, computed_joints, in_order, lerp, with_derivatives
-from leadthrough.timing.request import POSITION_ROUNDING
+from leadthrough.timing.request import (
+    POSITION_ROUNDING,
+    InverseDynamics,
+    efforts,
+    known_efforts,
+)
 
 Kind = Literal["velocity", "acceleration", "jerk"]
 KINDS: tuple[Kind, ...] = ("velocity", "acceleration", "jerk")
+_BINDING: tuple[Kind | Literal["torque"], ...] = (*KINDS, "torque")
 # A ratio above 1 by less is rounding: differences of accelerations sampled at 1 kHz carry 1e-9
 # rad/s^3 of it, and a position given with seven digits 1e-7 rad.
 ROUNDING = 1e-6
@@ -126,7 +132,7 @@ class Binding:
     start: float
     end: float
     joint: str
-    kind: Kind
+    kind: Kind | Literal["torque"]
     ratio: float
 
     @property
@@ -156,15 +162,27 @@ def check_limits(
     return report_of(_played_straight(trajectory, rate), limits, trajectory.times)
 
 
-def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Binding]:
+def binding_limits(
+    trajectory: JointTrajectory,
+    limits: JointLimits,
+    *,
+    inverse_dynamics: InverseDynamics | None = None,
+) -> list[Binding]:
     """The limit that is nearest in each stretch of a trajectory, in the order of time.
 
-    A stretch in which the nearest limit binds is separate from one in which it does not.
+    A stretch in which the nearest limit binds is separate from one in which it does not. With
+    `inverse_dynamics`, as for `retime`, torques against `limits.effort` count too.
     """
     trajectory, joints = _ordered(trajectory, limits), limits.joint_names
     if len(trajectory.times) == 1:
         return []
-    nearest, most = _nearest_in_steps(with_derivatives(trajectory), limits)
+    motion = with_derivatives(trajectory)
+    ratios = _ratios_in_steps(motion, limits)
+    if inverse_dynamics is not None:
+        used = np.abs(efforts(inverse_dynamics, motion.positions, *arrays_of(motion)[1:]))
+        torques = np.maximum(used[1:], used[:-1]) / known_efforts(limits)
+        ratios = chain(ratios, [(len(KINDS), torques)])
+    nearest, most = _nearest_in_steps(ratios, len(motion.times) - 1)
     binds = most >= _BINDS
     changes = np.flatnonzero(np.diff(nearest) | np.diff(binds)) + 1
     return [
@@ -172,7 +190,7 @@ def binding_limits(trajectory: JointTrajectory, limits: JointLimits) -> list[Bin
             start=float(trajectory.times[first]),
             end=float(trajectory.times[last]),
             joint=joints[int(nearest[first]) % len(joints)],
-            kind=KINDS[int(nearest[first]) // len(joints)],
+            kind=_BINDING[int(nearest[first]) // len(joints)],
             ratio=float(most[first:last].max()),
         )
         for first, last in pairwise([0, *changes, len(nearest)])
@@ -252,22 +270,27 @@ def extremes(motion: JointTrajectory, rests: tuple[bool, bool]) -> Extremes:
 
 
 def _nearest_in_steps(
-    motion: JointTrajectory, limits: JointLimits
+    ratios: Iterable[tuple[int, Float64Array]], steps: int
 ) -> tuple[NDArray[np.intp], Float64Array]:
     """The limit of which each step uses most, by kind and joint, and its ratio, (steps,)."""
-    steps = len(motion.times) - 1
     nearest, most = np.zeros(steps, dtype=np.intp), np.zeros(steps)
-    still = np.ptp(motion.positions, axis=0) <= POSITION_ROUNDING
-    for first, (kind, used) in enumerate(_used_in_steps(motion)):
-        limit = getattr(limits, kind)
-        if limit is None:
-            continue
-        ratios = _ratios(used, limit, still)
-        worst = ratios.max(axis=1)
+    for kind, used in ratios:
+        worst = used.max(axis=1)
         nearer = worst > most
-        nearest[nearer] = first * used.shape[1] + ratios[nearer].argmax(axis=1)
+        nearest[nearer] = kind * used.shape[1] + used[nearer].argmax(axis=1)
         most[nearer] = worst[nearer]
     return nearest, most
+
+
+def _ratios_in_steps(
+    motion: JointTrajectory, limits: JointLimits
+) -> Iterator[tuple[int, Float64Array]]:
+    """The fractions (steps, joints) of the limits of each kind that is limited, by its number."""
+    still = np.ptp(motion.positions, axis=0) <= POSITION_ROUNDING
+    for number, (kind, used) in enumerate(_used_in_steps(motion)):
+        limit = getattr(limits, kind)
+        if limit is not None:
+            yield number, _ratios(used, limit, still)
 
 
 def _used_in_steps(motion: JointTrajectory) -> Iterator[tuple[Kind, Float64Array]]:

@@ -258,6 +258,10 @@ def test_efforts_keep_their_limits():
     rows = zip(motion.positions, motion.velocities, motion.accelerations, strict=True)
     efforts = np.abs([pendulum(*row) for row in rows])
     assert 11.0 < efforts.max() <= 12.0 * (1.0 + 1e-3)
+    told = binding_limits(motion, limits, inverse_dynamics=pendulum)
+    torque = max((each for each in told if each.kind == "torque"), key=lambda each: each.ratio)
+    assert torque.ratio == pytest.approx(efforts.max() / 12.0)
+    assert not any(each.kind == "torque" for each in binding_limits(motion, limits))
     with pytest.raises(LimitsInfeasible, match="cannot hold"):
         lt.retime(
             [[-2.0], [2.0]],
