@@ -11,6 +11,7 @@ from pathlib import Path
 
 from rich.progress import Progress
 
+from leadthrough import check
 from leadthrough.errors import MissingDependency
 from leadthrough.io import lasa
 from leadthrough_studies.demo import report, scenes
@@ -45,8 +46,12 @@ def perform(names: Sequence[str], motions: Sequence[str], out: Path) -> Performa
         out: folder of the files, made if missing.
 
     Raises:
-        MissingDependency: if the handwriting is named and its set is not installed.
+        InvalidInput: if the set has no such motion; before any scene is performed.
+        MissingDependency: if the handwriting or a motion is named and the set is not installed.
     """
+    for motion in motions:
+        check.choice(motion, "motion", lasa.motions())
+    out.mkdir(parents=True, exist_ok=True)  # before the scenes, which take their time
     wanted = list(dict.fromkeys(names or scenes.NAMES))
     left_out = "" if names or motions else _missing()
     if left_out:
@@ -71,9 +76,7 @@ def perform(names: Sequence[str], motions: Sequence[str], out: Path) -> Performa
         f"{performed[0].name} under gravity and a controller: {simulated}",
         *([f"Without handwriting: {left_out}"] if left_out else []),
     ]
-    tables: list[Table] = [report.glance(performed)]
-    if written:
-        tables.append(report.errors(written))
+    tables: list[Table] = [report.glance(performed), *([report.errors(written)] if written else [])]
     ok = all(each.ok for each in performed) and all(each.ok for each in written)
     return Performance(tables, remarks, ok)
 

@@ -89,10 +89,8 @@ def test_experiment_writes_results_and_goes_on_where_it_was(tmp_path, monkeypatc
     written = (tmp_path / "results.json").read_bytes()
     assert json.loads(written)["configuration"]["seed"] == 3
     assert "Under gravity and a controller: fit to run" in " ".join(first.output.split())
-    assert (
-        "The arm as simulated; transparent, as planned."
-        in (tmp_path / "simulated.html").read_text()
-    )
+    page = (tmp_path / "simulated.html").read_text()
+    assert "The arm as simulated; transparent, as planned." in page
     run(*words)
     assert (tmp_path / "results.json").read_bytes() == written
     monkeypatch.setitem(sys.modules, "mujoco", None)
@@ -140,6 +138,7 @@ def test_wrong_arguments_are_an_error_of_one_line(wrong, empty_folder, monkeypat
     monkeypatch.setattr("sys.argv", ["leadthrough", *wrong])
     assert raised(SystemExit, cli.main).code == 2
     assert wrong[-1] in capsys.readouterr().err.replace("\n", "")
+    assert [path.name for path in empty_folder.iterdir()] == ["file"]
 
 
 def test_experiment_without_a_name_lists_the_studies():
@@ -153,6 +152,4 @@ def test_traceback_comes_with_debug_only():
 
 
 def test_help_names_the_commands():
-    said = run("--help").output
-    assert "demo" in said
-    assert "experiment" in said
+    assert {"demo", "experiment"} <= set(run("--help").output.split())
