@@ -38,8 +38,6 @@ _PACES = np.log(np.geomspace(0.4, 2.5, 37))
 # fraction of motions that go at another pace than the demonstrations.
 _PACE_SPREAD = 0.25
 _UNUSUAL = 0.1
-# Power of the likelihood of the duration: deviations of neighbouring samples are not independent.
-_TEMPERED = 0.5
 # Demonstrations of one duration: the least standard deviation, which counts as one of them.
 _MIN_PACE_SPREAD = 0.03
 _STEPS = np.linspace(-3.0, 3.0, 13)  # paces tried about the demonstrated ones, in deviations
@@ -305,10 +303,12 @@ class Continuation(Generic[MotionT]):
             for pace in np.exp(_OFF_PACE * spread * np.array([0.0, -1.0, 1.0]))
         ]
         on_pace, *off_pace = ([np.array(part) for part in zip(*own, strict=True)] for own in judged)
-        kept = _kept(*on_pace[:2])
+        # Positions, and the orientations of poses, which have another unit.
+        units = [np.split(each, [self.skill.coordinates.size], axis=2) for each in on_pace[:2]]
+        kept = np.hstack([_kept(*each) for each in zip(*units, strict=True)])
         foreseen, gained, after, before = map(np.concatenate, zip(*off_pace, strict=True))
-        missed = gained - kept[:, None] * foreseen
-        lost = ((1.0 - kept) ** 2)[:, None, None]
+        missed, left = gained - kept * foreseen, 1.0 - kept
+        lost = left[:, :, None] * left[:, None, :]
         expected = after + lost * (before - after) + np.diag(self._noise)
         squared = (missed * np.linalg.solve(expected, missed[..., None])[..., 0]).sum(axis=2)
         # The mean of a variance after as many squared errors, if nothing was known before.
@@ -338,7 +338,8 @@ class Continuation(Generic[MotionT]):
         count = len(self._rows) * len(self._noise)
         constant = len(self._rows) * np.log(2.0 * np.pi * self._noise).sum()
         squared = -2.0 * np.array([each.evidence for each in seen]) - constant
-        return np.asarray(-0.5 * _TEMPERED * count * np.log1p(np.maximum(squared, 0.0) / count))
+        # A sample counts once: by another pace, all its columns deviate together.
+        return np.asarray(-0.5 * len(self._rows) * np.log1p(np.maximum(squared, 0.0) / count))
 
     def _log_prior(self, paces: Float64Array) -> Float64Array:
         """Log density (n,) of paces before anything is seen."""
@@ -385,18 +386,21 @@ def _forecast_of(
 
 
 def _followed(kept: Float64Array, deviations: Float64Array, most: Float64Array) -> Float64Array:
-    """The fractions (n, d) to follow: those (n,) that come true, of no more than `most` (n, d)."""
-    near = np.clip(kept[:, None] * deviations, -most, most)
+    """The fractions (n, d) to follow: those that come true, of no more than `most` (n, d)."""
+    near = np.clip(kept * deviations, -most, most)
     return np.divide(near, deviations, out=np.zeros_like(near), where=deviations != 0.0)
 
 
 def _kept(foreseen: Float64Array, gained: Float64Array) -> Float64Array:
-    """Fractions (n,) in [0, 1] of deviations (m, n, d) that come true, half by their own phase."""
-    product, squared = (foreseen * gained).sum(axis=(0, 2)), (foreseen**2).sum(axis=(0, 2))
+    """Fractions (n, d) in [0, 1] of deviations (m, n, d) that come true, half by phase."""
     smallest = np.finfo(np.float64).tiny
+    # In units of the deviations at each phase, or the first phases, the widest, would decide.
+    unit = np.maximum((gained**2).sum(axis=(0, 2)), smallest)
+    product, squared = ((foreseen * each).sum(axis=(0, 2)) / unit for each in (gained, foreseen))
     own = product / np.maximum(squared, smallest)
     every = product.sum() / max(squared.sum(), smallest)
-    return np.asarray(0.5 * (np.clip(own, 0.0, 1.0) + np.clip(every, 0.0, 1.0)))
+    kept = 0.5 * (np.clip(own, 0.0, 1.0) + np.clip(every, 0.0, 1.0))
+    return np.repeat(kept[:, None], foreseen.shape[2], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
