@@ -12,7 +12,7 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.shapes import surface
-from leadthrough.shapes.convex_parts import exact_parts
+from leadthrough.shapes.convex_parts import divided
 from leadthrough.shapes.shape import IDENTITY, ConvexPart, PointBased, Solid, checked_points, pose
 from leadthrough.shapes.surface import Surface, merged
 
@@ -25,10 +25,11 @@ _THIN, _SHEET = 1e-4, 1e-3
 class Mesh(PointBased, Solid):
     """A surface of triangles, which counts as convex parts.
 
-    Closed surfaces of flat faces, such as shelves, bins and brackets, are divided into parts that
-    fill them to 2 mm. Of curved and of open ones each connected part counts as its convex hull: the
-    free space inside counts as occupied. The parts contain the surface, so that no collision is
-    missed; those thinner than a tenth of a millimetre count as 1 mm thick.
+    Closed surfaces of faces that are flat, or rounded at edges, such as shelves, bins and brackets,
+    are divided into parts that fill them to 3 mm. Of curved and of open ones each connected part
+    counts as its convex hull: the free space inside counts as occupied. The parts contain the
+    surface, so that no collision is missed; those thinner than a tenth of a millimetre count as
+    1 mm thick.
 
     Attributes:
         vertices: (n, 3), m in the mesh's own frame.
@@ -132,7 +133,7 @@ def _parts(vertices: Float64Array, faces: NDArray[np.int64]) -> list[Float64Arra
     order = np.argsort(labels[faces[:, 0]], kind="stable")
     starts = np.flatnonzero(np.diff(labels[faces[order, 0]])) + 1
     connected = [_merged(vertices, each) for each in np.split(faces[order], starts)]
-    parts = [part for each in connected for part in exact_parts(*each) or [each[0]]]
+    parts = [part for each in connected for part in divided(*each) or [each[0]]]
     return parts if len(parts) <= MAX_PARTS else [own for own, _ in connected]
 
 

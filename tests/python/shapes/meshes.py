@@ -15,16 +15,31 @@ def mesh_of(*solids, place=(0.0, 0.0, 0.0), turn=(1.0, 0.0, 0.0, 0.0)):
     )
 
 
-def bin_of(size, wall):
-    """Corners and faces of an open box of one surface, its bottom at z = 0."""
+def bin_of(size, wall, radius=0.0, count=1):
+    """Corners and faces of an open box of one surface, its edges rounded by `count` points."""
     width, depth, height = size
-    sides = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
-    outer, inner = sides * (width, depth), wall + sides * (width - 2 * wall, depth - 2 * wall)
-    rings = [(outer, 0.0), (outer, height), (inner, height), (inner, wall)]
-    vertices = np.concatenate([np.column_stack([ring, np.full(4, z)]) for ring, z in rings])
-    side, after = np.arange(4), (np.arange(4) + 1) % 4
-    faces = [[(0, 2, 1), (0, 3, 2), (12, 13, 14), (12, 14, 15)]]
-    for below in (0, 4, 8):
-        square = np.column_stack([side, after, after + 4, side + 4]) + below
-        faces += [square[:, [0, 1, 2]], square[:, [0, 2, 3]]]
-    return vertices, np.concatenate(faces)
+    slopes = np.linspace(0.0, np.pi / 2, count) if count > 1 else [0.0]
+    insets = [wall + radius * (1.0 - np.cos(slope)) for slope in slopes]
+    heights = [wall + radius * (1.0 - np.sin(slope)) for slope in slopes]
+    insets, heights = [0.0, 0.0, wall, *insets], [0.0, height, height, *heights]
+    vertices = []
+    for inset, z in zip(insets, heights, strict=True):
+        bend = max(radius + wall - inset, 1e-4) if radius else 0.0
+        for corner, (x, y) in enumerate([(1, 1), (0, 1), (0, 0), (1, 0)]):
+            turns = np.pi / 2 * (corner + np.linspace(0.0, 1.0, count))
+            middle = [
+                x * width - (2 * x - 1) * (inset + bend),
+                y * depth - (2 * y - 1) * (inset + bend),
+            ]
+            ring = middle + bend * np.column_stack([np.cos(turns), np.sin(turns)])
+            vertices += [(*point, z) for point in ring]
+    n, last = 4 * count, len(vertices) - 4 * count
+    side, inner = np.arange(last), np.arange(1, n - 1)
+    after = side - side % n + (side + 1) % n
+    faces = [
+        np.column_stack([0 * inner, inner + 1, inner]),
+        np.column_stack([0 * inner, inner, inner + 1]) + last,
+        np.column_stack([side, after, after + n]),
+        np.column_stack([side, after + n, side + n]),
+    ]
+    return np.array(vertices), np.concatenate(faces)

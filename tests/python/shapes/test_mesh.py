@@ -73,6 +73,24 @@ def test_a_bin_of_one_closed_surface_is_as_its_five_boards(frame, flipped):
     assert opened.distance([[0.2, 0.15, 0.1]])[0] < 0.0
 
 
+def test_rounded_edges_of_a_bin_are_filled_by_three_millimetres_at_most():
+    vertices, faces = bin_of((0.4, 0.3, 0.2), 0.005, 0.01, 7)
+    mesh = lt.Mesh(vertices, faces)
+    assert 1 < len(mesh.parts) < 64
+    model, corners = coal.BVHModelOBBRSS(), coal.StdVec_Vec3s()
+    triangles = coal.StdVec_Triangle()
+    corners.extend(list(vertices))
+    triangles.extend([coal.Triangle(*map(int, face)) for face in faces])
+    model.beginModel(len(faces), len(vertices))
+    model.addSubModel(corners, triangles)
+    model.endModel()
+    for query in np.random.default_rng(4).uniform(0.02, (0.38, 0.28, 0.2), (100, 3)):
+        result, place = coal.DistanceResult(), coal.Transform3s(np.eye(3), query)
+        pair = (model, coal.Transform3s(), coal.Sphere(1e-3), place)
+        coal.distance(*pair, coal.DistanceRequest(), result)
+        assert -0.003 < mesh.distance([query])[0] - 1e-3 - result.min_distance < 1e-6
+
+
 def around(cells):
     """Corners and faces of the surface around the unit cells that are set."""
     corners, faces = [], []
