@@ -2,7 +2,7 @@
 
 A solid is cut along the face with the most room between it and the hull, and so are both sides,
 until every part is its own hull. A side is what the planes leave of the surface, and the corners
-between planes that lie inside the mesh, told by its winding number (Jacobson et al. 2013). Where
+between planes that lie inside the mesh, told by its winding number (Jacobson et al. 2013). If
 rounded edges would need too many planes, these lie a millimetre in front of the faces, so that one
 serves several.
 """
