@@ -258,8 +258,7 @@ def test_efforts_keep_their_limits():
     efforts = np.abs(pendulum(motion.positions, motion.velocities, motion.accelerations))
     assert 11.0 < efforts.max() <= 12.0 * (1.0 + 1e-3)
     told = binding_limits(motion, limits, inverse_dynamics=pendulum)
-    used = [each.ratio for each in told if each.kind == "torque"]
-    assert max(used) == pytest.approx(efforts.max() / 12.0)
+    assert max(b.ratio for b in told if b.kind == "torque") == pytest.approx(efforts.max() / 12.0)
     with pytest.raises(LimitsInfeasible, match="cannot hold"):
         lt.retime(
             [[-2.0], [2.0]],
