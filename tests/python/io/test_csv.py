@@ -204,7 +204,7 @@ def test_headers_of_several_rows_are_joined_and_titles_left_out(write):
     assert np.array_equal(motion.positions, [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
     assert np.array_equal(motion.orientations, [[1, 0, 0, 0], [0, 0, 0, 1]])
     for units, factor in (("s,deg,deg", np.pi / 180.0), ("[s],[rad],[mrad]", 1.0)):
-        motion = lt.read_motion(write(f"UR5\ntime,joint_1,joint_2\n{units}\n0,1,2\n1,3,4"))
+        motion = lt.read_motion(write(f'A "UR5\ntime,joint_1,joint_2\n{units}\n0,1,2\n1,3,4'))
         last = 1e-3 if "m" in units else factor
         np.testing.assert_allclose(motion.positions, np.array([[1, 2], [3, 4]]) * [factor, last])
 
