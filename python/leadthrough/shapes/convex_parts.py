@@ -30,7 +30,8 @@ _Faces = tuple[Float64Array, Float64Array, Float64Array]
 
 def divided(vertices: Float64Array, faces: NDArray[np.int64]) -> list[Float64Array]:
     """Vertices (k, 3) of each part of a mesh; none if it is not closed or would need too many."""
-    if not _is_closed(faces):
+    faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]  # the others are lines
+    if len(faces) == 0 or not _is_closed(faces):
         return []
     solid = vertices[faces]
     if np.linalg.det(solid).sum() < 0.0:
