@@ -247,7 +247,7 @@ _LOWEST, _HIGHEST, _RATES = 0, 1, {"velocity": 2, "acceleration": 3, "jerk": 4}
 
 
 def _ordered(trajectory: JointTrajectory, limits: JointLimits) -> JointTrajectory:
-    check.instance(limits, "limits", JointLimits, "JointLimits")
+    check.instance(limits, "limits", JointLimits, "JointLimits, as arm.limits")
     return in_order(trajectory, limits.joint_names, "trajectory")
 
 

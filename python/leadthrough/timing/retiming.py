@@ -210,7 +210,7 @@ def keep_timing(
 
 def _named(path: PathT, limits: JointLimits, argument: str) -> PathT:
     """The path with its joints in the order of the limits, where it names them."""
-    check.instance(limits, "limits", JointLimits, "JointLimits")
+    check.instance(limits, "limits", JointLimits, "JointLimits, as arm.limits")
     if not isinstance(path, JointTrajectory):
         return path
     return cast(PathT, in_order(path, limits.joint_names, argument))  # of the same type
