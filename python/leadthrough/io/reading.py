@@ -24,9 +24,9 @@ from leadthrough.motion import Demonstration, Motion
 from leadthrough.rest import trim
 
 _AT_A_TIME = 20  # demonstrations of a robomimic file
-# Signs of a motion in the beginning of a file: a row of numbers, or the name of its points.
+# Signs of a motion in the beginning of a file: numbers in a row, or the name of its points.
 _HEAD, _POINTS = 65_536, re.compile(r"\bpoints\b")
-_ROW = re.compile(r"""^\s*["']?[-+.\d][^\s,;]*(\s*[,;]|\s+[-+.\d])""", re.MULTILINE)
+_ROW = re.compile(r"""(^|[,;\s"'])[-+.]?\d[^\s,;]*(\s*[,;]\s*|\s+)["']?[-+.]?\d""", re.MULTILINE)
 _SIGNS = {".txt": _ROW, ".json": _POINTS, ".yaml": _POINTS, ".yml": _POINTS}
 
 
@@ -214,8 +214,9 @@ def _is_note(path: Path) -> bool:
     sign = _SIGNS.get(path.suffix.lower())
     if sign is None or path.is_dir():
         return False
-    with path.open(encoding="utf-8", errors="replace") as file:
-        return sign.search(file.read(_HEAD)) is None
+    with blaming(path), path.open(encoding="utf-8", errors="replace") as file:
+        # Without the zeros between the letters of UTF-16.
+        return sign.search(file.read(_HEAD).replace("\0", "")) is None
 
 
 def can_read(path: Path) -> bool:

@@ -66,6 +66,10 @@ def test_in_a_folder_text_with_a_motion_is_never_left_out(folder, form):
     else:
         lt.write_motion(with_derivatives(shown), f"texts/one.{form}")
     assert [each["path"] for each in facts("info", "texts")] == [f"texts/one.{form}"]
+    if form == "txt":
+        text = Path("texts/one.txt").read_text()
+        Path("texts/one.txt").write_text(text, encoding="utf-16")
+        assert [each["path"] for each in facts("info", "texts")] == ["texts/one.txt"]
     Path(f"texts/broken.{form}").write_text("time,x\n0,a\n1,2\n" if form == "txt" else "points: 3")
     assert f"broken.{form}" in run("learn", "texts", "-o", "s.npz", code=2).stderr
 
