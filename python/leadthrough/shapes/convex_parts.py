@@ -64,12 +64,12 @@ def _parts(solid: Float64Array, spare: float) -> list[Float64Array]:
         if len(left) + len(parts) > _MAX_PARTS:
             return []
         surface, corners = left.pop()
-        hull = hull_of(np.concatenate([surface.reshape(-1, 3), _inside(corners, solid)]))
-        if hull is None:  # no more than rounding
-            continue
-        face = _deepest_face(surface, hull)
+        points = np.concatenate([surface.reshape(-1, 3), _inside(corners, solid)])
+        hull = hull_of(points)
+        face = None if hull is None else _deepest_face(surface, hull)
         if face is None:
-            parts.append(hull.points[hull.vertices])
+            if len(points) > 0:
+                parts.append(points if hull is None else hull.points[hull.vertices])
             continue
         around, plane = hull_of(corners), (face[0], face[1] + spare)
         box = around.points[around.simplices]

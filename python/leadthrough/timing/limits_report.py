@@ -30,6 +30,7 @@ from leadthrough.motion import JointTrajectory, computed_joints, in_order, lerp,
 from leadthrough.timing.request import (
     POSITION_ROUNDING,
     InverseDynamics,
+    checked_dynamics,
     efforts,
     known_efforts,
 )
@@ -178,8 +179,8 @@ def binding_limits(
         return []
     motion = with_derivatives(trajectory)
     ratios = _ratios_in_steps(motion, limits)
-    if inverse_dynamics is not None:
-        used = np.abs(efforts(inverse_dynamics, motion.positions, *arrays_of(motion)[1:]))
+    if (dynamics := checked_dynamics(inverse_dynamics)) is not None:
+        used = np.abs(efforts(dynamics, motion.positions, *arrays_of(motion)[1:]))
         torques = np.maximum(used[1:], used[:-1]) / known_efforts(limits)
         ratios = chain(ratios, [(len(KINDS), torques)])
     nearest, most = _nearest_in_steps(ratios, len(motion.times) - 1)
