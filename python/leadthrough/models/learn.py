@@ -31,7 +31,7 @@ from leadthrough.preprocess.align import MIN_TURN, TURNING
 CANDIDATES = ("aligned-mean", "fast-marching", "promp", "dmp")
 _MAX_LEFT_OUT = 8  # demonstrations, evenly chosen
 # Which of several predicts a few left-out demonstrations slightly better than others is chance.
-_BETTER = 0.75
+_BETTER = 0.5
 _STEP = 1e-3  # of the extent, between compared points of a path
 MAX_ROWS = 4000  # of a demonstration that families are compared by; a long log has 600,000
 _MIN_POINTS, _FEW_POINTS, _MAX_POINTS, _POINTS_A_ROW = 200, 4000, 64_000, 10
@@ -52,7 +52,7 @@ def learn(
 
     Each demonstration (of more than eight, eight of them) is left out, and reproduced by each
     family from the others, given its start and goal. `skill.choice` has the mean errors. The first
-    candidate is taken unless another errs by a quarter less.
+    candidate is taken unless another errs less than half as much.
 
     Args:
         demonstrations: one or more demonstrations, or motions, of one type.

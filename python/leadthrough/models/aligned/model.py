@@ -224,8 +224,10 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> AlignedMeanSkill:
     options = check.with_gaps(arrays["options"], "options", shape=("m", "n"))
     if options.shape[1] == 4:  # of equal shares, as earlier versions wrote them
         options = np.insert(options, 4, 1.0 / max(len(options), 1), axis=1)
-    options = check.with_gaps(options, "options", shape=("m", 5))
-    shares = options[:, 4]
+    if options.shape[1] == 5:  # without combinations
+        options = np.insert(options, 4, 0.0, axis=1)
+    options = check.with_gaps(options, "options", shape=("m", 6))
+    shares = options[:, 5]
     if not ((shares > 0.0).all() and abs(shares.sum() - 1.0) < _ROUNDING):
         raise check.refused("options", "shares > 0 whose sum is 1", shares)
     phased = Curves(rows[0], clocks[0]), Curves(rows[1], clocks[1])
@@ -235,8 +237,8 @@ def from_archive(settings: dict[str, Any], arrays: Arrays) -> AlignedMeanSkill:
         check.frozen(arrays["scale"], "scale", shape=(coordinates.width,)),
         Predictor(phased, coordinates.size, coordinates.kind != "joints"),
         {
-            Option(int(row[0]), *(float(each) for each in row[1:4])): float(x)
-            for row, x in zip(options, shares, strict=True)
+            Option(int(phase), float(width), float(prior), float(rotated), bool(combined)): float(x)
+            for phase, width, prior, rotated, combined, x in options
         },
         check.integer(int(arrays["pieces"]), "pieces", at_least=0),
     )

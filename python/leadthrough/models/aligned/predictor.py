@@ -3,14 +3,15 @@
 Demonstrations are weighted by the nearness of their ends to the new ones. Their mean follows the
 offsets of both ends as the demonstrations do: at each phase, regression on their own offsets tells
 how much of an offset is left. That is the mean of a Gaussian over curves, conditioned on both ends,
-whose prior covariance is a linear fade. The ways of weighting and fading that predict left-out
-demonstrations best are averaged.
+whose prior covariance is a linear fade. Where parts between the ends move with these in other
+directions, a combination of demonstrations comes near the new ends first, and the rest fades. The
+ways of weighting and fading that predict left-out demonstrations best are averaged.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,15 +26,19 @@ from leadthrough.preprocess.moved_ends import ROTATED, Chords, bounded, with_end
 _WIDTHS = (1e3, 1.0, 0.4, 0.15)
 # Weight of the linear fade against the demonstrations'; infinite: the linear fade alone.
 _PRIORS = (0.03, 0.3, 3.0, np.inf)
-# An option counts by the error that it stays below with this confidence: where that is 3 % larger
-# it has 1/e of the best one's share in the mean. Shares below the last are left out.
-_SURE, _SPREAD, _LEAST = 0.87, 0.03, 0.025
+# The prior of the fade after a combination, and the weight of none against the demonstrations';
+# offsets of ends much below the last, in extents, are no reason to combine.
+_COMBINED, _UNCOMBINED, _SMALL = 0.3, 0.015, 0.05
+# An option counts by the error that it stays below with this confidence: where that is 2 % larger
+# it has 1/e of the best one's share in the mean. Shares below the last, less than all have where
+# none is better, are left out.
+_SURE, _SPREAD, _LEAST = 0.87, 0.02, 0.02
 _COMPARED = 100  # even rows, at which a prediction is compared with the left-out curve
 _MOST_LEFT_OUT = 16  # demonstrations, evenly chosen
 # Ends this far from those of every demonstration, in extents, and farther than these are apart, say
 # nothing about the fade: up to 0.6 of the nominal path is then rotated and scaled with its chord.
 _FAR, _SIMILAR = 0.3, 0.6
-_TINY = 1e-300
+_TINY, _ROUNDING = 1e-300, 1e-9
 _NEGLIGIBLE = 1e-3  # offsets of ends, in extents: how smaller ones fade cannot be seen
 
 
@@ -45,6 +50,7 @@ class Option:
     width: float
     prior: float
     rotated: float = 0.0  # fraction that rotates with the chord, of a linear fade
+    combined: bool = False  # whether a combination of demonstrations comes near the ends first
 
 
 DEFAULT = Option(0, 1.0, np.inf, ROTATED)
@@ -60,7 +66,8 @@ class Predictor:
 
     @cached_property
     def options(self) -> list[Option]:
-        kinds = [(np.inf, ROTATED)] * self.rotating + [(prior, 0.0) for prior in _PRIORS]
+        kinds = [(np.inf, ROTATED, False)] * self.rotating
+        kinds += [(prior, 0.0, False) for prior in _PRIORS] + [(_COMBINED, 0.0, True)]
         return [Option(phase, w, *kind) for phase in (0, 1) for kind in kinds for w in _WIDTHS]
 
     @cached_property
@@ -79,15 +86,15 @@ class Predictor:
             own = [each for each in options if each.phase == kind]
             widths = sorted({each.width for each in own}, reverse=True)
             weights = _weights(curves.rows[:, [0, -1]], ends, widths, without)
-            kinds: dict[tuple[float, float], Float64Array] = {}
+            kinds: dict[tuple[float, float, bool], Float64Array] = {}
             if any(each.rotated for each in own):
                 adapted = self._rotated(kind, ends)
-                kinds[np.inf, ROTATED] = np.einsum("wmk,mknd->wmnd", weights, adapted)
-            if priors := dict.fromkeys(each.prior for each in own if not each.rotated):
-                faded = self._faded(curves.rows, weights, ends, list(priors))
-                kinds |= {(prior, 0.0): rows for prior, rows in zip(priors, faded, strict=True)}
+                kinds[np.inf, ROTATED, False] = np.einsum("wmk,mknd->wmnd", weights, adapted)
+            if fades := dict.fromkeys(_kind(each) for each in own if not each.rotated):
+                faded = self._faded(curves.rows, weights, ends, list(fades))
+                kinds |= dict(zip(fades, faded, strict=True))
             for each in own:
-                found[each] = kinds[each.prior, each.rotated][widths.index(each.width)]
+                found[each] = kinds[_kind(each)][widths.index(each.width)]
         return found
 
     def _faded(
@@ -95,9 +102,9 @@ class Predictor:
         rows: Float64Array,
         weights: Float64Array,
         ends: Float64Array,
-        priors: Sequence[float],
+        fades: Sequence[tuple[float, float, bool]],
     ) -> Iterator[Float64Array]:
-        """For each prior the means (widths, m, n, width) of curves, with new ends."""
+        """For each kind of fade the means (widths, m, n, width) of curves, with new ends."""
         means = np.einsum("wmk,knd->wmnd", weights, rows)
         progress = np.array([[arc_phases(each) for each in own] for own in means])
         linear = np.stack([1.0 - progress, progress], axis=2)
@@ -106,8 +113,9 @@ class Predictor:
             _Fade(rows[:, :, each], weights, means[..., each], ends[:, :, each])
             for each in (groups if rows.shape[2] > self.size else groups[:1])
         ]
-        for prior in priors:
-            yield np.concatenate([each.rows(linear, prior) for each in ready], axis=-1)
+        for prior, _, combined in fades:
+            made = [each.rows(linear, prior, combined=combined) for each in ready]
+            yield np.concatenate(made, axis=-1)
 
     def _rotated(self, phase: int, ends: Float64Array) -> Float64Array:
         """Curves (m, k, n, width) with new ends, partly shifted and partly rotated."""
@@ -137,7 +145,8 @@ class Predictor:
                 for found in few.between(wanted[:, [0, -1]], self.options, out).values()
             ]
         )
-        gain = np.log(missed + _TINY) - np.log(missed[default] + _TINY)
+        gain = missed / (missed[default].mean() + _ROUNDING)
+        gain -= gain[default]
         error = gain.std(axis=1, ddof=1) / np.sqrt(len(out))
         surely = gain.mean(axis=1) + stdtrit(len(out) - 1, _SURE) * error
         shares = np.exp((surely.min() - surely) / _SPREAD)
@@ -149,12 +158,16 @@ class Predictor:
         self, shares: dict[Option, float], ends: Float64Array
     ) -> tuple[Float64Array, Float64Array, Float64Array]:
         """Mean rows (n, width) between ends (2, width), elastic phases (n,) and times (n,)."""
-        every = self.between(ends[None], [*shares, _TIMING])
+        timed = {replace(each, phase=1): x for each, x in shares.items()}
+        every = self.between(ends[None], [*{**shares, **timed}])
         rows = np.sum([x * _evened(every[each][0]) for each, x in shares.items()], axis=0)
         rows[[0, -1]] = ends
         aligned, even = self.phased[1], even_phases(len(rows))
-        phases = np.interp(even, arc_phases(every[_TIMING][0]), even)
-        ((weights,),) = _weights(aligned.rows[:, [0, -1]], ends[None], [_TIMING.width], None)
+        elastic = np.sum(
+            [x * every[replace(each, phase=1)][0] for each, x in shares.items()], axis=0
+        )
+        phases = np.interp(even, arc_phases(elastic), even)
+        ((weights,),) = _weights(aligned.rows[:, [0, -1]], ends[None], [_TIMED], None)
         clock = np.maximum.accumulate(np.interp(phases, even, weights @ aligned.times))
         # The median, as the mean follows one that was slow.
         duration = weighted_median(aligned.times[:, -1], weights)
@@ -195,7 +208,11 @@ class Predictor:
 
 
 _PLAIN = Option(0, 1.0, np.inf)
-_TIMING = Option(1, 2.0, np.inf)
+_TIMED = 2.0
+
+
+def _kind(option: Option) -> tuple[float, float, bool]:
+    return option.prior, option.rotated, option.combined
 
 
 def _evened(rows: Float64Array) -> Float64Array:
@@ -226,19 +243,33 @@ class _Fade:
     def __init__(
         self, rows: Float64Array, weights: Float64Array, means: Float64Array, ends: Float64Array
     ) -> None:
+        self._rows, self._weights = rows, weights
         self._means, self._offsets = means, ends - means[:, :, [0, -1]]
-        off = rows[:, [0, -1]] - means[:, :, None, [0, -1]]
+        self._off = off = rows[:, [0, -1]] - means[:, :, None, [0, -1]]
         self._gram = np.einsum("wmk,wmkid,wmkjd->wmij", weights, off, off)
         # The mean's own part of the product vanishes, as the offsets' mean does.
         self._seen = np.einsum("wmk,wmkid,knd->wmin", weights, off, rows)
         variance = np.trace(self._gram, axis1=2, axis2=3) / rows.shape[2]
-        self._variance = np.maximum(variance, _NEGLIGIBLE**2)
+        self._variance = np.maximum(variance, _NEGLIGIBLE**2)[..., None, None]
 
-    def rows(self, linear: Float64Array, prior: float) -> Float64Array:
+    def rows(self, linear: Float64Array, prior: float, *, combined: bool) -> Float64Array:
         """Rows (widths, m, n, d) with the ends asked for; `linear` are fades (widths, m, 2, n)."""
-        left = linear
+        left, made, offsets = linear, self._means, self._offsets
         if np.isfinite(prior):
-            pull = (prior * self._variance)[..., None, None]
+            pull = prior * self._variance
             left = np.linalg.solve(self._gram + pull * np.eye(2), self._seen + pull * linear)
             left[..., [0, -1]] = np.eye(2)
-        return np.asarray(self._means + np.einsum("wmin,wmid->wmnd", left, self._offsets))
+        if combined:
+            shares = self._shares()
+            made = made + np.einsum("wmk,knd->wmnd", shares, self._rows)
+            offsets = offsets - np.einsum("wmk,wmkid->wmid", shares, self._off)
+        return np.asarray(made + np.einsum("wmin,wmid->wmnd", left, offsets))
+
+    def _shares(self) -> Float64Array:
+        """Shares (widths, m, k), of sum 0, in a combination that comes near the ends asked for."""
+        off = self._off.reshape(*self._weights.shape, -1)
+        weighted = self._weights[..., None] * off
+        pull = _UNCOMBINED * self._variance + _SMALL**2
+        gram = weighted.swapaxes(2, 3) @ off + pull * np.eye(off.shape[3])
+        asked = self._offsets.reshape(*off.shape[:2], -1, 1)
+        return np.asarray((weighted @ np.linalg.solve(gram, asked))[..., 0])

@@ -201,7 +201,7 @@ def test_the_first_family_stays_unless_another_is_a_quarter_nearer():
 def test_a_file_with_shares_that_are_none_is_refused(tmp_path, share):
     lt.AlignedMean().fit([stroke((0.0, y)) for y in (-0.1, 0.0, 0.1)]).save(tmp_path / "skill.npz")
     arrays = dict(np.load(tmp_path / "skill.npz"))
-    arrays["options"][0, 4] = share
+    arrays["options"][0, -1] = share
     np.savez(tmp_path / "skill.npz", **arrays)
     refused("damaged|shares", lt.load_skill, tmp_path / "skill.npz")
 
