@@ -157,8 +157,8 @@ def clock(times: Float64Array, name: str) -> None:
         )
     elif steps[i] > max(_GAP * step, _MIN_GAP):
         warn(
-            f"{name}: no sample from {times[i]:.6g} to {times[i + 1]:.6g} s; if a clock jumped or "
-            "another motion begins, divide it there, in Python with preprocess.cut_at_gaps"
+            f"{name}: no sample from {times[i]:.13g} to {times[i + 1]:.13g} s; if a clock jumped "
+            "or another motion begins, divide it there, in Python with preprocess.cut_at_gaps"
         )
 
 

@@ -258,9 +258,11 @@ def _header(lines: Iterator[Line], events: list[Event]) -> tuple[list[Line], lis
             return _divided(texts, (number, line))
         elif line.strip():
             if comment is None:
+                delimiter = _delimiter(line)
+                count, such = len(_split(line, delimiter, number)), ("time", "joint_1", "joint_2")
                 raise InvalidInput(
-                    f"line {number}: expected a header of column names, got numbers; put one "
-                    "above, such as time,joint_1,joint_2"
+                    f"line {number}: expected a header of column names, got {count} numbers; put "
+                    f"as many names above, such as {delimiter.join(such)}; a row is a sample"
                 )
             return [comment], [(number, line)]
     if texts:

@@ -38,7 +38,7 @@ from leadthrough.motion import (
     checked_motion,
 )
 
-_OF_POINT, _OF_POSE = (2, 3), 7  # numbers in a row
+_OF_POINT, _OF_POSE, _WIDE = (2, 3), 7, 32  # numbers in a row; the last of more than an arm
 _UNIT = 1e-3  # error of a quaternion's norm, of a log that rounds
 _JITTER = 0.05  # of a clock, in periods: half of its steps are nearer
 # Errors of NumPy and zipfile for archives that are cut off, encrypted, pickled or altered, and for
@@ -181,6 +181,8 @@ def _check_claims(path: Path, limits: ReadLimits) -> None:
 
 def read_array(content: bytes, limits: ReadLimits) -> NDArray[Any]:
     """The array of an .npy file."""
+    if b"'|O'" in content[:128]:  # its header
+        raise InvalidInput("expected numbers, got pickled objects; save an array (n, k) of numbers")
     count, size = claimed(BytesIO(content))
     limits.numbers(count, "the array")
     if size > len(content):
@@ -198,6 +200,8 @@ def table_of_rows(path: Path, request: Request) -> ArrayTable:
     if rows.ndim != 2 or rows.dtype.kind not in "fiu":
         raise InvalidInput(f"expected rows of numbers (n, k), got {rows.dtype} {rows.shape}")
     count, arm = rows.shape[1], len(request.joints)
+    if len(rows) < count > _WIDE and not request.columns:
+        raise InvalidInput(f"expected a row for each sample, got shape {rows.shape}; transpose it")
     limits.columns(count, "the array")
     numbered = {str(i + 1): rows[:, i] for i in range(count)}
     moved = [name for name in numbered if name not in request.columns.get("time", ())]

@@ -115,8 +115,8 @@ def _columns(columns: object) -> dict[str, Columns]:
     named = {role: _names(columns[role], f"columns[{role!r}]") for role in columns}
     if "joints" in named and ("positions" in named or "orientations" in named):
         raise InvalidInput("columns: expected either poses or joints, got both")
-    if len(named.get("time", ("t",))) != 1:
-        raise InvalidInput(f"columns['time']: expected one name, got {len(named['time'])}")
+    if len(named.get("time", ("t",))) > 2:
+        raise InvalidInput(f"columns['time']: expected one or two names, got {len(named['time'])}")
     return named
 
 
