@@ -102,7 +102,10 @@ class TextTable(Table):
         column = self.header.index(name)
         if column in self.faults:
             line, cell = self.faults[column]
-            raise InvalidInput(f"line {line}, column {name!r}: expected a number, got {cell!r}")
+            cure = "; put each number in a column of its own" if cell[0] in "[(" else ""
+            raise InvalidInput(
+                f"line {line}, column {name!r}: expected a number, got {cell!r}{cure}"
+            )
         return self.values[:, column].copy()
 
     def place(self, row: int) -> str:

@@ -56,9 +56,9 @@ _NUMBERED_JOINT = re.compile(
 # Words of columns: not of joints' positions, hardly of measured ones, certainly of these. A joint
 # may be named by one of the first (`cart_joint`).
 OTHER = re.compile(
-    r"(?i)(^|[_.\-/ ])(velocit(y|ies)|vel|qd|d?dq|effort|torque|tau|acceleration|force|wrench"
-    r"|temperature|voltage|error|pose|tcp|cart|cartesian|eef?|quat|v|[vwf][xyz]|stamp|seq|n?secs?"
-    r"|nanosec)([_.\-/ \d\[](?!joint$)|$)"
+    r"(?i)(^|[_.\-/ ])(velocit(y|ies)|vel|speed|qd|qd?dot|d?dq|effort|torque|tau|acceleration|acc"
+    r"|accel|jerk|force|moment|wrench|twist|temperature|voltage|error|pose|tcp|cart|cartesian|eef?"
+    r"|quat|v|[vwf][xyz]|stamp|seq|n?secs?|nanosec)([_.\-/ \d\[](?!joint$)|$)"
 )
 _SECOND = re.compile(r"(^|[_.\-/ ])(current|target|desired|cmd|command)([_.\-/ ]|$)")
 _MEASURED = re.compile(

@@ -362,7 +362,8 @@ def guessed(table: Table, request: Request) -> dict[str, Columns]:
     names = [n for n in table.names if n not in (*time, *turned) and not headers.OTHER.search(n)]
     rest = [name for name in names if _of_numbers(table, name) is not None]
     count = 0 if turned else len(request.joints)
-    if len(rest) < max(count, 2) or (turned and len(rest) > _SPACE):
+    apart = turned or any(name.lower().endswith(("_x", ".x")) for name in rest)  # no joints
+    if len(rest) < max(count, 2) or (apart and len(rest) > _SPACE):
         return {}
     role = "joints" if count or len(rest) > _SPACE else "positions"
     by_role = {"time": () if found["time"] else time, role: tuple(rest[: count or len(rest)])}
@@ -431,9 +432,7 @@ def _times(table: Table, time: Columns | None, asked: float | None, count: int) 
     if time[1:]:  # nanoseconds, some with the seconds in them
         times = np.floor(times) + 1e-9 * (table.numbers(time[1]) % 1e9)
     if times.shape != (count,):
-        raise InvalidInput(
-            f"{time[0]}: expected one time for each of {count} samples, got shape {times.shape}"
-        )
+        raise check.refused(time[0], f"one time for each of {count} samples", f"{times.shape}")
     return times
 
 

@@ -350,7 +350,7 @@ def _remarks(summary: RecordingSummary) -> tuple[str, ...]:
         remarks.append(f"{summary.rate:.3g} Hz: are the times in s?")
     farthest = max(map(abs, (*summary.lower, *summary.upper)))
     if len(summary.lower) == 3 and summary.kind != "joints" and farthest > _MAX_REACH:
-        remarks.append(f"positions up to {farthest:.4g} m: are they in m?")
+        remarks.append(f"positions up to {farthest:.4g} m: are they in m? (x_mm names mm)")
     if summary.lower == summary.upper:
         remarks.append("nothing moves")
     return tuple(remarks)

@@ -177,6 +177,8 @@ def test_a_proposal_takes_no_joint_for_the_time_and_nothing_else_for_a_joint(wri
         ("hand_x0,hand_x1", "columns['positions']=hand_x0,hand_x1"),
         *((f"t,{n}0,{n}1,{n}2", f"{n}2") for n in ("ee_pos_", "ee_quat_", "O_T_EE_", "v")),
         ("t,vx,vy,vz", "there are t, vx, vy, vz"),
+        ("t,v.lin.x,v.lin.y,v.ang.x,v.ang.y", "v.ang.y"),
+        *((f"t,{n}_q0,{n}_q1", f"{n}_q1") for n in ("acc", "speed", "jerk", "moment")),
     ]:
         names = header.split(",")
         clock = 0.01 * np.arange(20)
@@ -238,6 +240,11 @@ def test_four_numbers_of_norm_one_are_proposed_as_orientations(write):
     path = write("t,x,y,z,q1,q2,q3,q4\n0,1,2,3,0.5,0.5,0.5,0.5\n1,1,2,3,0.6,0,0.8,0\n")
     words = "columns['positions']=x,y,z columns['orientations']=q1,q2,q3,q4"
     assert str(raised(InvalidInput, lt.read_motion, path)).endswith(words)
+
+
+def test_lists_in_cells_are_refused_with_their_cure(write):
+    path = write('t,position\n0,"[1.0, 2.0]"\n1,"[1.0, 3.0]"\n')
+    refused("got '.1.0, 2.0.'; put each number in a column of its own", lt.read_motion, path)
 
 
 @pytest.mark.parametrize(
