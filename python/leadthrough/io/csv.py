@@ -103,6 +103,7 @@ class TextTable(Table):
         if column in self.faults:
             line, cell = self.faults[column]
             cure = "; put each number in a column of its own" if cell[0] in "[(" else ""
+            cure = "; give the rate in Hz for clocks of text, rate=100" if ":" in cell else cure
             raise InvalidInput(
                 f"line {line}, column {name!r}: expected a number, got {cell!r}{cure}"
             )

@@ -156,8 +156,8 @@ _SPACE = 3  # coordinates of a position
 # Steps of a recording that make sure of its largest, and the leap that is none of a motion's.
 _RECORDED, _LEAP = 20, 3.0
 _HELD = 4  # times as many equal rows as usual are a sensor's that waits
-# Of a clock's steps, the ratio of the quartiles; of a quaternion's squared norm, the error.
-_UNEVEN, _ROUNDED = 1.5, 0.02
+_UNEVEN = 1.5  # times the lower quartile of a clock's steps is more than the upper one
+_UNIT = 1e-2  # error of a quaternion's norm, of a log that rounds to two digits
 _SUFFIX = "_recorded"
 
 
@@ -194,6 +194,8 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
             f"columns: {', '.join(rotated)} are left out; orientations are read as quaternions, "
             "such as qw, qx, qy, qz"
         )
+    if orientations is None:
+        refuse_pose(data["positions"], "save positions (n, 3) and orientations (n, 4) apart")
     return Recording(
         times,
         data["positions"],
@@ -202,6 +204,17 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
         events=table.events,
         name=name,
     )
+
+
+def refuse_pose(rows: Float64Array, cure: str) -> None:
+    """Refuses rows (n, 7) that end in a quaternion, which are neither a point nor joints."""
+    if rows.shape[1] == 7 and _are_unit(rows[:, 3:].T):
+        raise InvalidInput(f"columns: the last four of each row have norm 1, as of a pose; {cure}")
+
+
+def _are_unit(numbers: Float64Array) -> bool:
+    """Whether numbers (4, n) are quaternions."""
+    return len(numbers) == 4 and bool((np.abs(np.linalg.norm(numbers, axis=0) - 1) < _UNIT).all())
 
 
 def lost(positions: Float64Array) -> NDArray[np.bool_]:
@@ -353,7 +366,7 @@ def guessed(table: Table, request: Request) -> dict[str, Columns]:
     found = headers.candidates(table.names) | {role: [own] for role, own in table.roles.items()}
     if found["positions"] and [len(names) for names in found["joints"]] == [4]:  # ABB's q1 to q4
         numbers = [_of_numbers(table, name) for name in found["joints"][0]]
-        if np.allclose(sum(each**2 for each in numbers if each is not None), 1.0, atol=_ROUNDED):
+        if _are_unit(np.array([each for each in numbers if each is not None])):
             return {"positions": found["positions"][0], "orientations": found["joints"][0]}
     if known := [role for role in ("joints", "positions") if found[role]]:
         return {known[0]: found[known[0]][0]}

@@ -247,6 +247,12 @@ def test_lists_in_cells_are_refused_with_their_cure(write):
     refused("got '.1.0, 2.0.'; put each number in a column of its own", lt.read_motion, path)
 
 
+def test_a_clock_of_text_is_refused_with_the_rate_that_reads_it(write):
+    path = write("time,x,y\n2024-01-01 12:30:01.1,1,2\n2024-01-01 12:30:01.2,1,2\n")
+    refused("got '2024-.*'; give the rate in Hz for clocks of text, rate=100", lt.read_motion, path)
+    assert lt.read_motion(path, rate=10.0).times[1] == 0.1
+
+
 @pytest.mark.parametrize(
     "text",
     [
