@@ -57,7 +57,7 @@ _NUMBERED_JOINT = re.compile(
 # may be named by one of the first (`cart_joint`).
 OTHER = re.compile(
     r"(?i)(^|[_.\-/ ])(velocit(y|ies)|vel|speed|qd|qd?dot|d?dq|effort|torque|tau|acceleration|acc"
-    r"|accel|jerk|force|moment|wrench|twist|temperature|voltage|error|pose|tcp|cart|cartesian|eef?"
+    r"|accel|jerk|force|moment|wrench|twist|temperature|voltage|error|pose|tcp|cart|cartesian|o_t_ee"
     r"|quat|v|[vwf][xyz]|stamp|seq|n?secs?|nanosec)([_.\-/ \d\[](?!joint$)|$)"
 )
 _SECOND = re.compile(r"(^|[_.\-/ ])(current|target|desired|cmd|command)([_.\-/ ]|$)")

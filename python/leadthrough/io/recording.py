@@ -17,6 +17,7 @@ import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import chain
 from typing import Literal
 
 import numpy as np
@@ -375,8 +376,8 @@ def guessed(table: Table, request: Request) -> dict[str, Columns]:
     names = [n for n in table.names if n not in (*time, *turned) and not headers.OTHER.search(n)]
     rest = [name for name in names if _of_numbers(table, name) is not None]
     count = 0 if turned else len(request.joints)
-    apart = turned or any(name.lower().endswith(("_x", ".x")) for name in rest)  # no joints
-    if len(rest) < max(count, 2) or (apart and len(rest) > _SPACE):
+    lengths = [n for n in rest if n.lower()[-2:] in ("_x", ".x") or headers.unit(n, "positions")[1]]
+    if len(rest) < max(count, 2) or (len(rest) > _SPACE and (turned or lengths)):
         return {}
     role = "joints" if count or len(rest) > _SPACE else "positions"
     by_role = {"time": () if found["time"] else time, role: tuple(rest[: count or len(rest)])}
@@ -385,7 +386,8 @@ def guessed(table: Table, request: Request) -> dict[str, Columns]:
 
 def _rising(table: Table) -> Columns:
     """The columns whose numbers rise by similar steps, as times do, and joints hardly."""
-    columns = ((name, _of_numbers(table, name)) for name in table.names)
+    used = {*chain(*chain(*headers.candidates(table.names).values()))}
+    columns = ((name, _of_numbers(table, name)) for name in table.names if name not in used)
     steps = ((name, np.diff(rows)) for name, rows in columns if rows is not None and len(rows) > 1)
     spread = ((name, each.min(), *np.percentile(each, [25, 75])) for name, each in steps)
     return tuple(name for name, least, q1, q3 in spread if least > 0.0 and q3 < _UNEVEN * q1)

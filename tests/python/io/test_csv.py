@@ -175,14 +175,20 @@ def test_a_proposal_takes_no_joint_for_the_time_and_nothing_else_for_a_joint(wri
         ("clock,a,b", "columns['time']=clock columns['positions']=a,b"),
         ("tick,a,b,seq", "columns['time']=tick columns['positions']=a,b"),
         ("hand_x0,hand_x1", "columns['positions']=hand_x0,hand_x1"),
-        *((f"t,{n}0,{n}1,{n}2", f"{n}2") for n in ("ee_pos_", "ee_quat_", "O_T_EE_", "v")),
+        ("t,ee_x,ee_y,ee_z", "such as columns['positions']=ee_x,ee_y,ee_z"),
+        ("t,dX [m],dY [m],dZ [m],dRoll [rad]", "there are t, dX [m], dY [m], dZ [m], dRoll [rad]"),
+        ("x,y,z", "rate=100"),
+        *(
+            (f"t,{n}0,{n}1,{n}2", f"there are t, {n}0, {n}1, {n}2")
+            for n in ("ee_quat_", "O_T_EE_", "v")
+        ),
         ("t,vx,vy,vz", "there are t, vx, vy, vz"),
         ("t,v.lin.x,v.lin.y,v.ang.x,v.ang.y", "v.ang.y"),
         *((f"t,{n}_q0,{n}_q1", f"{n}_q1") for n in ("acc", "speed", "jerk", "moment")),
     ]:
         names = header.split(",")
         clock = 0.01 * np.arange(20)
-        rows = [clock if name in ("t", "clock", "tick") else joint for name in names]
+        rows = [clock if name in ("t", "clock", "tick", "y") else joint for name in names]
         text = "\n".join(",".join(map(str, row)) for row in zip(*rows, strict=True))
         assert str(raised(InvalidInput, lt.read_motion, write(f"{header}\n{text}"))).endswith(words)
 
