@@ -23,12 +23,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import check
+from leadthrough import check, sanity
 from leadthrough.check import InvalidInput
 from leadthrough.io.files import ReadLimits, StrPath, read_bytes, refusing_damage, replacing
 from leadthrough.io.headers import Columns
 from leadthrough.io.joint_trajectory import joint_columns, quantities
-from leadthrough.io.recording import demonstrated_columns, refuse_pose
+from leadthrough.io.recording import demonstrated_columns
 from leadthrough.io.table import ArrayTable, Request
 from leadthrough.motion import Event, JointTrajectory, Motion, PoseTrajectory, checked_motion
 
@@ -201,7 +201,7 @@ def table_of_rows(path: Path, request: Request) -> ArrayTable:
     moving = rows[:, [int(name) - 1 for name in moved]]
     if not set(request.columns) - {"time"}:
         first, last = (",".join(names) for names in (moved[:3], moved[3:]))
-        refuse_pose(
+        sanity.pose(
             moving,
             f"name the columns, columns['positions']={first} and columns['orientations']={last} "
             "with their order, quaternions=wxyz or quaternions=xyzw; or columns['joints']="

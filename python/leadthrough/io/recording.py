@@ -158,7 +158,6 @@ _SPACE = 3  # coordinates of a position
 _RECORDED, _LEAP = 20, 3.0
 _HELD = 4  # times as many equal rows as usual are a sensor's that waits
 _UNEVEN = 1.5  # times the lower quartile of a clock's steps is more than the upper one
-_UNIT = 1e-2  # error of a quaternion's norm, of a log that rounds to two digits
 _SUFFIX = "_recorded"
 
 
@@ -196,7 +195,7 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
             "such as qw, qx, qy, qz"
         )
     if orientations is None:
-        refuse_pose(data["positions"], "save positions (n, 3) and orientations (n, 4) apart")
+        sanity.pose(data["positions"], "save positions (n, 3) and orientations (n, 4) apart")
     return Recording(
         times,
         data["positions"],
@@ -205,17 +204,6 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
         events=table.events,
         name=name,
     )
-
-
-def refuse_pose(rows: Float64Array, cure: str) -> None:
-    """Refuses rows (n, 7) that end in a quaternion, which are neither a point nor joints."""
-    if rows.shape[1] == 7 and _are_unit(rows[:, 3:].T):
-        raise InvalidInput(f"columns: the last four of each row have norm 1, as of a pose; {cure}")
-
-
-def _are_unit(numbers: Float64Array) -> bool:
-    """Whether numbers (4, n) are quaternions."""
-    return len(numbers) == 4 and bool((np.abs(np.linalg.norm(numbers, axis=0) - 1) < _UNIT).all())
 
 
 def lost(positions: Float64Array) -> NDArray[np.bool_]:
@@ -367,7 +355,7 @@ def guessed(table: Table, request: Request) -> dict[str, Columns]:
     found = headers.candidates(table.names) | {role: [own] for role, own in table.roles.items()}
     if found["positions"] and [len(names) for names in found["joints"]] == [4]:  # ABB's q1 to q4
         numbers = [_of_numbers(table, name) for name in found["joints"][0]]
-        if _are_unit(np.array([each for each in numbers if each is not None])):
+        if sanity.are_quaternions(np.array([each for each in numbers if each is not None])):
             return {"positions": found["positions"][0], "orientations": found["joints"][0]}
     if known := [role for role in ("joints", "positions") if found[role]]:
         return {known[0]: found[known[0]][0]}
@@ -453,8 +441,7 @@ def _times(table: Table, time: Columns | None, asked: float | None, count: int) 
 
 def _unit_since_1970(stamps: Float64Array) -> float:
     """The unit, s, of times that state none: by their digits if they count from 1970, or else s."""
-    first = stamps.flat[0] if len(stamps) else 0.0
-    return next((unit for unit in (1e-3, 1e-6, 1e-9) if 1e9 <= unit * first < 1e10), 1.0)
+    return next((u for u in (1e-3, 1e-6, 1e-9) if 1e9 <= u * stamps[:1].sum() < 1e10), 1.0)
 
 
 def _joint_names(columns: Columns, positions: Float64Array, request: Request) -> tuple[str, ...]:
