@@ -157,9 +157,10 @@ def clock(times: Float64Array, name: str) -> None:
             "or leave them out of the columns and set rate"
         )
     elif steps[i] > max(_GAP * step, _MIN_GAP):
+        start, end = times[i : i + 2].round(3)
         warn(
-            f"{name}: no sample from {times[i]:.13g} to {times[i + 1]:.13g} s; if a clock jumped "
-            "or another motion begins, divide it there, in Python with preprocess.cut_at_gaps"
+            f"{name}: no sample from {start:.13g} to {end:.13g} s; if a clock jumped or "
+            "another motion begins, divide it there, in Python with preprocess.cut_at_gaps"
         )
 
 

@@ -445,8 +445,8 @@ def _check_gaps(gaps: Sequence[Span], longest: float) -> None:
     for start, end in gaps:
         if end - start > longest:
             raise InvalidInput(
-                f"recording: no sample from {start:.13g} to {end:.13g} s; allow it with "
-                f"longest_gap, now {longest:g} s, or cut it there, in Python with "
+                f"recording: no sample from {round(start, 3):.13g} to {round(end, 3):.13g} s; "
+                f"allow it with longest_gap, now {longest:g} s, or cut it there, in Python with "
                 "preprocess.cut_at_gaps"
             )
 
