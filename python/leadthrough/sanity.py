@@ -37,6 +37,7 @@ _CLEARLY_NEAR = 0.75  # more than the cosine of half of the former
 _MAX_STEP, _MAX_EVEN_STEP, _EVEN = 20.0, 1.0, 1.5
 # A time without samples is longer than so many usual steps and s, as for `preprocess.clean`.
 _GAP, _MIN_GAP = 5.0, 0.5
+_UNIT = 1e-2  # error of a quaternion's norm, of a log that rounds to two digits
 _RECORDED = 20  # samples from which on a motion was recorded, not typed
 
 
@@ -156,10 +157,22 @@ def clock(times: Float64Array, name: str) -> None:
             "or leave them out of the columns and set rate"
         )
     elif steps[i] > max(_GAP * step, _MIN_GAP):
+        start, end = times[i : i + 2].round(3)
         warn(
-            f"{name}: no sample from {times[i]:.6g} to {times[i + 1]:.6g} s; if a clock jumped or "
+            f"{name}: no sample from {start:.13g} to {end:.13g} s; if a clock jumped or "
             "another motion begins, divide it there, in Python with preprocess.cut_at_gaps"
         )
+
+
+def pose(rows: Float64Array, cure: str) -> None:
+    """Refuses rows (n, 7) that end in a quaternion, which are neither a point nor joints."""
+    if rows.shape[1] == 7 and are_quaternions(rows[:, 3:].T):
+        raise InvalidInput(f"columns: the last four of each row have norm 1, as of a pose; {cure}")
+
+
+def are_quaternions(numbers: Float64Array) -> bool:
+    """Whether numbers (4, n) are quaternions."""
+    return len(numbers) == 4 and bool((np.abs(np.linalg.norm(numbers, axis=0) - 1) < _UNIT).all())
 
 
 def step(dt: float, duration: float) -> None:

@@ -102,7 +102,11 @@ class TextTable(Table):
         column = self.header.index(name)
         if column in self.faults:
             line, cell = self.faults[column]
-            raise InvalidInput(f"line {line}, column {name!r}: expected a number, got {cell!r}")
+            cure = "; put each number in a column of its own" if cell[0] in "[(" else ""
+            cure = "; give the rate in Hz for clocks of text, rate=100" if ":" in cell else cure
+            raise InvalidInput(
+                f"line {line}, column {name!r}: expected a number, got {cell!r}{cure}"
+            )
         return self.values[:, column].copy()
 
     def place(self, row: int) -> str:
@@ -258,9 +262,11 @@ def _header(lines: Iterator[Line], events: list[Event]) -> tuple[list[Line], lis
             return _divided(texts, (number, line))
         elif line.strip():
             if comment is None:
+                delimiter = _delimiter(line)
+                count, such = len(_split(line, delimiter, number)), ("time", "joint_1", "joint_2")
                 raise InvalidInput(
-                    f"line {number}: expected a header of column names, got numbers; put one "
-                    "above, such as time,joint_1,joint_2"
+                    f"line {number}: expected a header of column names, got {count} numbers; put "
+                    f"as many names above, such as {delimiter.join(such)}; a row is a sample"
                 )
             return [comment], [(number, line)]
     if texts:

@@ -1,10 +1,11 @@
 """Contents of a recording's columns, identified by their names in either case.
 
-- Time: `time`, `times`, `t`, `timestamp`, `stamp`, also behind `%` or `_` (`__time`).
+- Time: `time`, `times`, `t`, `timestamp`, `stamp`, also behind `%` or `_` (`__time`); or whole
+  seconds and the nanoseconds beyond them (`secs` and `nsecs`, `stamp.sec` and `stamp.nanosec`).
 - Positions: `x`, `y` and, where there is one, `z`, alone or after `p`, `pos`, `position` or
   `translation` (`px`, `pos_x`, `position.x`, `current_pos_x`), or `left` or `right` (`left_x`).
-- Orientations: `w`, `x`, `y`, `z` after `q`, `quat`, `quaternion`, `orientation`, `rotation` or
-  `rot` (`qw`, `orientation_w`, `current_orientation_w`).
+- Orientations: `w`, `x`, `y`, `z`, alone or after `q`, `quat`, `quaternion`, `orientation`,
+  `rotation` or `rot` (`qw`, `orientation_w`, `current_orientation_w`).
 - Joints: `joint`, `j`, `q` or `q_d` with a number (`joint_1`, `panda_joint1`, `q0`, `q[0]`), or
   `joint` with a letter and a number (`joint_a1`), in the order of the numbers, which start at 0 or
   1 without a gap; names that end in `_joint` (`shoulder_pan_joint`), in the order of the file; or,
@@ -37,6 +38,7 @@ SIDES = ("left", "right")
 JOINT_SUFFIXES = {"positions": "", "velocities": "_velocity", "accelerations": "_acceleration"}
 
 _TIME = {"time", "times", "t", "timestamp", "stamp"}
+_NANO = re.compile(r"n(ano)?(?=(secs?|seconds)$)", re.IGNORECASE)
 _POSITION = {"p", "pos", "position", "translation"}
 _ORIENTATION = {"q", "quat", "quaternion", "orientation", "rotation", "rot"}
 _WHOLE = {
@@ -54,8 +56,9 @@ _NUMBERED_JOINT = re.compile(
 # Words of columns: not of joints' positions, hardly of measured ones, certainly of these. A joint
 # may be named by one of the first (`cart_joint`).
 OTHER = re.compile(
-    r"(?i)(^|[_.\-/ ])(velocit(y|ies)|vel|qd|d?dq|effort|torque|tau|acceleration|force|wrench"
-    r"|temperature|voltage|error|pose|tcp|cart|cartesian)([_.\-/ \d\[](?!joint$)|$)"
+    r"(?i)(^|[_.\-/ ])(velocit(y|ies)|vel|speed|qd|qd?dot|d?dq|effort|torque|tau|acceleration|acc"
+    r"|accel|jerk|force|moment|wrench|twist|temperature|voltage|error|pose|tcp|cart|cartesian|o_t_ee"
+    r"|quat|v|[vwf][xyz]|stamp|seq|n?secs?|nanosec)([_.\-/ \d\[](?!joint$)|$)"
 )
 _SECOND = re.compile(r"(^|[_.\-/ ])(current|target|desired|cmd|command)([_.\-/ ]|$)")
 _MEASURED = re.compile(
@@ -71,12 +74,12 @@ _ROTATED = re.compile(
     r"(.*[_.\-/ ])?([rq][xyz]|r\d\d|roll|pitch|yaw"
     r"|(rot|rotation|rotvec|ori|orientation|quat|quaternion)([_.\-/ ].*)?)"
 )
-_DEGREE = math.pi / 180.0
+DEGREE = math.pi / 180.0
 _UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "positions": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
     "joints": {"mm": 1e-3, "rad": 1.0, "radians": 1.0, "mrad": 1e-3}
-    | dict.fromkeys(("deg", "degrees", "°"), _DEGREE),
+    | dict.fromkeys(("deg", "degrees", "°"), DEGREE),
 }
 # Of columns that are no motion's.
 _MORE_UNITS = {"-", "rad/s", "deg/s", "°/s", "m/s", "mm/s", "n", "nm", "n m", "a", "v", "hz"}
@@ -120,7 +123,7 @@ def quaternion_order(names: Columns) -> str | None:
 def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     """Every choice of columns for each of time, positions, orientations and joints."""
     found: dict[str, list[Columns]] = {
-        "time": [(name,) for name in names if unit(name, "time")[0].lower().strip("%_") in _TIME],
+        "time": _clocks(names),
         **{
             role: [(name,) for name in names if _whole(name, role).lower() in whole]
             for role, whole in _WHOLE.items()
@@ -128,10 +131,10 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     }
     for part, axes in _components(names).items():
         last_word = re.split(r"[_.\-/ ]", part)[-1]
-        if (part in ("", *SIDES) or last_word in _POSITION) and {"x", "y"} <= axes.keys():
-            found["positions"].append(tuple(axes[axis] for axis in "xyz" if axis in axes))
-        elif last_word in _ORIENTATION and len(axes) == 4:
+        if (last_word in _ORIENTATION or not part) and len(axes) == 4:
             found["orientations"].append(tuple(axes[axis] for axis in "wxyz"))
+        elif (part in ("", *SIDES) or last_word in _POSITION) and {"x", "y"} <= axes.keys():
+            found["positions"].append(tuple(axes[axis] for axis in "xyz" if axis in axes))
     may = [name for name in names if not OTHER.search(name)]
     named = tuple(name for name in may if _NAMED_JOINT.fullmatch(joint(name).lower()))
     measured = tuple(name for name in named if not _SECOND.search(name.lower())) or named
@@ -163,6 +166,15 @@ def derivatives(names: Sequence[str], joints: Columns) -> dict[str, Columns]:
             if set(columns) <= set(names):
                 found[role] = columns
     return found
+
+
+def _clocks(names: Sequence[str]) -> list[Columns]:
+    """The columns of times, each one or whole seconds and the nanoseconds beyond them."""
+    whole = {name.lower(): name for name in names if not _NANO.search(name)}
+    seconds = {name: _NANO.sub("", name.lower()) for name in names if _NANO.search(name)}
+    pairs: list[Columns] = [(whole[s], name) for name, s in seconds.items() if s in whole]
+    times = [name for name in names if unit(name, "time")[0].lower().strip("%_") in _TIME]
+    return [(name,) for name in times if not any(name in pair for pair in pairs)] or pairs
 
 
 def _whole(name: str, role: str) -> str:

@@ -15,7 +15,7 @@ import tokenize
 import warnings
 import zipfile
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -23,23 +23,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import check
+from leadthrough import check, sanity
 from leadthrough.check import InvalidInput
 from leadthrough.io.files import ReadLimits, StrPath, read_bytes, refusing_damage, replacing
 from leadthrough.io.headers import Columns
 from leadthrough.io.joint_trajectory import joint_columns, quantities
 from leadthrough.io.recording import demonstrated_columns
 from leadthrough.io.table import ArrayTable, Request
-from leadthrough.motion import (
-    Event,
-    JointTrajectory,
-    Motion,
-    PoseTrajectory,
-    checked_motion,
-)
+from leadthrough.motion import Event, JointTrajectory, Motion, PoseTrajectory, checked_motion
 
-_OF_POINT, _OF_POSE = (2, 3), 7  # numbers in a row
-_UNIT = 1e-3  # error of a quaternion's norm, of a log that rounds
+_OF_POINT, _WIDE = (2, 3), 32  # numbers in a row, of a point and of more than an arm
 _JITTER = 0.05  # of a clock, in periods: half of its steps are nearer
 # Errors of NumPy and zipfile for archives that are cut off, encrypted, pickled or altered, and for
 # a single array that was renamed to .npz (TypeError).
@@ -181,6 +174,8 @@ def _check_claims(path: Path, limits: ReadLimits) -> None:
 
 def read_array(content: bytes, limits: ReadLimits) -> NDArray[Any]:
     """The array of an .npy file."""
+    if b"'|O'" in content[:128]:  # its header
+        raise InvalidInput("expected numbers, got pickled objects; save an array (n, k) of numbers")
     count, size = claimed(BytesIO(content))
     limits.numbers(count, "the array")
     if size > len(content):
@@ -198,15 +193,24 @@ def table_of_rows(path: Path, request: Request) -> ArrayTable:
     if rows.ndim != 2 or rows.dtype.kind not in "fiu":
         raise InvalidInput(f"expected rows of numbers (n, k), got {rows.dtype} {rows.shape}")
     count, arm = rows.shape[1], len(request.joints)
+    if len(rows) < count > _WIDE and not request.columns:
+        raise InvalidInput(f"expected a row for each sample, got shape {rows.shape}; transpose it")
     limits.columns(count, "the array")
     numbered = {str(i + 1): rows[:, i] for i in range(count)}
     moved = [name for name in numbered if name not in request.columns.get("time", ())]
-    if not set(request.columns) - {"time"} and len(moved) == _OF_POSE != arm:
-        _refuse_pose(numbered, moved)
+    moving = rows[:, [int(name) - 1 for name in moved]]
+    if not set(request.columns) - {"time"}:
+        first, last = (",".join(names) for names in (moved[:3], moved[3:]))
+        sanity.pose(
+            moving,
+            f"name the columns, columns['positions']={first} and columns['orientations']={last} "
+            "with their order, quaternions=wxyz or quaternions=xyzw; or columns['joints']="
+            f"{first},{last}",
+        )
     if count and not request.columns and request.rate is not None:
         _refuse_clock(rows[:, 0], request.rate)
     role = "positions" if len(moved) in _OF_POINT and len(moved) != arm else "joints"
-    return ArrayTable(numbered | {role: rows[:, [int(name) - 1 for name in moved]]})
+    return ArrayTable(numbered | {role: moving})
 
 
 def _refuse_clock(column: NDArray[Any], rate: float) -> None:
@@ -214,18 +218,6 @@ def _refuse_clock(column: NDArray[Any], rate: float) -> None:
     steps = np.diff(column) * rate
     if len(steps) > 1 and steps.min() > 0.0 and np.median(np.abs(steps - 1.0)) < _JITTER:
         raise InvalidInput(f"rate: column 1 is time at {rate:g} Hz; give columns['time']=1 for it")
-
-
-def _refuse_pose(columns: Mapping[str, NDArray[Any]], names: Sequence[str]) -> None:
-    """Refuses seven numbers that end in a quaternion, which must not be taken for joints."""
-    norms = np.linalg.norm([columns[name] for name in names[3:]], axis=0)
-    if norms.size and np.abs(norms - 1.0).max() < _UNIT:
-        raise InvalidInput(
-            f"columns: the last four of each row have norm 1, as of a pose; name the columns, "
-            f"columns['positions']={','.join(names[:3])} and "
-            f"columns['orientations']={','.join(names[3:])} with their order, quaternions=wxyz or "
-            f"quaternions=xyzw; or columns['joints']={','.join(names)}"
-        )
 
 
 def claimed(file: Any) -> tuple[int, int]:

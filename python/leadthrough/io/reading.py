@@ -109,9 +109,7 @@ def read_motion(
         raise InvalidInput(f"path: expected the path of one file or folder, got {path!r}")
     found = _demonstrations([Path(path)], request)
     if len(found) != 1:
-        raise InvalidInput(
-            f"{printable(Path(path))}: expected a file with one motion, got {len(found)}"
-        )
+        raise check.refused(printable(Path(path)), "a file with one motion", len(found))
     sanity.clock(found[0].motion.times, printable(Path(path)))
     return found[0].motion
 

@@ -17,6 +17,7 @@ import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import chain
 from typing import Literal
 
 import numpy as np
@@ -148,7 +149,6 @@ def _frozen(value: ArrayLike, name: str, shape: Sequence[int | str]) -> Float64A
 
 # No arm stays more than two turns from zero for half of a recording; degrees do.
 _MAX_ANGLE = 4.0 * math.pi
-_DEGREE = math.pi / 180.0
 # Joints come this much beyond their limits by the slack of a calibration, rad; percent by rounding.
 _SLACK = 0.1
 _MAX_PERCENT, _END = 100.01, 1e-4
@@ -157,6 +157,7 @@ _SPACE = 3  # coordinates of a position
 # Steps of a recording that make sure of its largest, and the leap that is none of a motion's.
 _RECORDED, _LEAP = 20, 3.0
 _HELD = 4  # times as many equal rows as usual are a sensor's that waits
+_UNEVEN = 1.5  # times the lower quartile of a clock's steps is more than the upper one
 _SUFFIX = "_recorded"
 
 
@@ -193,6 +194,8 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
             f"columns: {', '.join(rotated)} are left out; orientations are read as quaternions, "
             "such as qw, qx, qy, qz"
         )
+    if orientations is None:
+        sanity.pose(data["positions"], "save positions (n, 3) and orientations (n, 4) apart")
     return Recording(
         times,
         data["positions"],
@@ -350,28 +353,32 @@ def _words(role: str, names: Columns) -> str:
 def guessed(table: Table, request: Request) -> dict[str, Columns]:
     """Columns by role, for a person to confirm: by their names, else the rising one as the time."""
     found = headers.candidates(table.names) | {role: [own] for role, own in table.roles.items()}
-    for role in ("joints", "positions"):
-        if found[role]:
-            return {role: found[role][0]}
-    time = (found["time"][0] if found["time"] else _rising(table))[:1]
-    names = [name for name in table.names if name not in time and not headers.OTHER.search(name)]
+    if found["positions"] and [len(names) for names in found["joints"]] == [4]:  # ABB's q1 to q4
+        numbers = [_of_numbers(table, name) for name in found["joints"][0]]
+        if sanity.are_quaternions(np.array([each for each in numbers if each is not None])):
+            return {"positions": found["positions"][0], "orientations": found["joints"][0]}
+    if known := [role for role in ("joints", "positions") if found[role]]:
+        return {known[0]: found[known[0]][0]}
+    time = found["time"][0] if found["time"] else _rising(table)[:1]
+    turned = found["orientations"][0] if found["orientations"] else ()
+    names = [n for n in table.names if n not in (*time, *turned) and not headers.OTHER.search(n)]
     rest = [name for name in names if _of_numbers(table, name) is not None]
-    count = len(request.joints)
-    if len(rest) < max(count, 2):
+    count = 0 if turned else len(request.joints)
+    lengths = [n for n in rest if n.lower()[-2:] in ("_x", ".x") or headers.unit(n, "positions")[1]]
+    if len(rest) < max(count, 2) or (len(rest) > _SPACE and (turned or lengths)):
         return {}
     role = "joints" if count or len(rest) > _SPACE else "positions"
-    named = {"time": time} if time and not found["time"] else {}
-    return named | {role: tuple(rest[: count or len(rest)])}
+    by_role = {"time": () if found["time"] else time, role: tuple(rest[: count or len(rest)])}
+    return {role: each for role, each in (by_role | {"orientations": turned}).items() if each}
 
 
 def _rising(table: Table) -> Columns:
-    """The columns whose numbers rise from each sample to the next, as times do."""
-    columns = ((name, _of_numbers(table, name)) for name in table.names)
-    return tuple(
-        name
-        for name, rows in columns
-        if rows is not None and len(rows) > 1 and (np.diff(rows) > 0.0).all()
-    )
+    """The columns whose numbers rise by similar steps, as times do, and joints hardly."""
+    used = {*chain(*chain(*headers.candidates(table.names).values()))}
+    columns = ((name, _of_numbers(table, name)) for name in table.names if name not in used)
+    steps = ((name, np.diff(rows)) for name, rows in columns if rows is not None and len(rows) > 1)
+    spread = ((name, each.min(), *np.percentile(each, [25, 75])) for name, each in steps)
+    return tuple(name for name, least, q1, q3 in spread if least > 0.0 and q3 < _UNEVEN * q1)
 
 
 def _of_numbers(table: Table, name: str) -> Float64Array | None:
@@ -404,10 +411,8 @@ def _in_si(
     table: Table, name: str, role: str, angles: AngleUnit | None, request: Request
 ) -> Float64Array:
     numbers = table.numbers(name)
-    if role == "joints":
-        return in_radians(name, numbers, angles, request)
-    if role in ("velocities", "accelerations"):
-        unit = None if angles == "percent" else angles
+    if role in ("joints", "velocities", "accelerations"):
+        unit = None if angles == "percent" and role != "joints" else angles
         return in_radians(name, numbers, unit, request)
     factor = headers.unit(name, role)[1] or 1.0
     return numbers if factor == 1.0 else numbers * factor
@@ -427,19 +432,16 @@ def _times(table: Table, time: Columns | None, asked: float | None, count: int) 
         raise InvalidInput(f"rate: the file has a time column, {time[0]!r}; leave rate out")
     stamps = table.numbers(time[0])
     times = stamps * (headers.unit(time[0], "time")[1] or _unit_since_1970(stamps))
+    if time[1:]:  # nanoseconds, some with the seconds in them
+        times = np.floor(times) + 1e-9 * (table.numbers(time[1]) % 1e9)
     if times.shape != (count,):
-        raise InvalidInput(
-            f"{time[0]}: expected one time for each of {count} samples, got shape {times.shape}"
-        )
+        raise check.refused(time[0], f"one time for each of {count} samples", f"{times.shape}")
     return times
 
 
 def _unit_since_1970(stamps: Float64Array) -> float:
     """The unit, s, of times that state none: by their digits if they count from 1970, or else s."""
-    for unit in (1e-3, 1e-6, 1e-9):
-        if len(stamps) and 1e9 <= unit * stamps.flat[0] < 1e10:
-            return unit
-    return 1.0
+    return next((u for u in (1e-3, 1e-6, 1e-9) if 1e9 <= u * stamps[:1].sum() < 1e10), 1.0)
 
 
 def _joint_names(columns: Columns, positions: Float64Array, request: Request) -> tuple[str, ...]:
@@ -471,7 +473,7 @@ def _back_to_metres(
         column = columns[i if names else 0]
         if joint in request.prismatic and headers.unit(column, "joints")[1] is None:
             for rows in data.values():
-                rows[:, i] /= _DEGREE
+                rows[:, i] /= headers.DEGREE
 
 
 def _order(table: Table, columns: Columns, request: Request) -> str:
@@ -534,7 +536,7 @@ def in_radians(
             raise InvalidInput(f"angles: percent are of a joint's range, and {joint} has no limits")
         least = 0.0 if is_gripper(name) else -100.0
         return np.asarray(lower + (numbers - least) / (100.0 - least) * (upper - lower))
-    return numbers * (_DEGREE if unit == "degrees" else 1.0)
+    return numbers * (headers.DEGREE if unit == "degrees" else 1.0)
 
 
 def is_gripper(name: str) -> bool:
@@ -566,7 +568,8 @@ def _only_fitting(extents: Mapping[str, tuple[float, float]], request: Request) 
         return "percent"
     for name, extent in extents.items():
         lower, upper = request.joints.get(headers.joint(name), (-math.inf, math.inf))
-        if _DEGREE * extent[0] < lower - _SLACK or _DEGREE * extent[1] > upper + _SLACK:
+        least, most = headers.DEGREE * np.asarray(extent)
+        if least < lower - _SLACK or most > upper + _SLACK:
             return "percent"
     raise InvalidInput(
         f"angles: the data set does not say whether its joints, which reach {largest:.6g}, are in "

@@ -45,7 +45,7 @@ def _labels(file: Any) -> list[str]:
     data = file.get("data")
     names = [] if data is None else [name for name in data if str(name).startswith("demo_")]
     if not names:
-        raise InvalidInput("expected groups data/demo_<i>, as robomimic writes them, got none")
+        raise InvalidInput("expected groups data/demo_<i>; save other recordings as .csv or .npz")
     return sorted(names, key=_number)
 
 

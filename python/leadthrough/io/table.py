@@ -115,8 +115,8 @@ def _columns(columns: object) -> dict[str, Columns]:
     named = {role: _names(columns[role], f"columns[{role!r}]") for role in columns}
     if "joints" in named and ("positions" in named or "orientations" in named):
         raise InvalidInput("columns: expected either poses or joints, got both")
-    if len(named.get("time", ("t",))) != 1:
-        raise InvalidInput(f"columns['time']: expected one name, got {len(named['time'])}")
+    if len(named.get("time", ("t",))) > 2:
+        raise InvalidInput(f"columns['time']: expected one or two names, got {len(named['time'])}")
     return named
 
 
@@ -148,14 +148,9 @@ def _joints(value: object) -> tuple[dict[str, tuple[float, float]], Sequence[str
 
 
 def _frames(value: object) -> tuple[str, str] | None:
-    if value is None:
-        return None
-    if (
-        isinstance(value, Sequence)
-        and not isinstance(value, str)
-        and len(value) == 2
-        and all(isinstance(name, str) for name in value)
-    ):
-        parent, child = value
-        return parent, child
+    match value:
+        case None:
+            return None
+        case [str(parent), str(child)]:
+            return parent, child
     raise InvalidInput(f"frames: expected the names of a frame and its child frame, got {value!r}")

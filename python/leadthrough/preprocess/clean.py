@@ -143,7 +143,7 @@ def _some(values: tuple[float, ...]) -> str:
 
 
 def _spans(spans: tuple[Span, ...]) -> str:
-    listed = ", ".join(f"{start:.4g} to {end:.4g} s" for start, end in spans[:_LISTED])
+    listed = ", ".join(f"{a:.13g} to {b:.13g} s" for a, b in np.round(spans[:_LISTED], 3))
     return listed + (", ..." if len(spans) > _LISTED else "")
 
 
@@ -349,8 +349,8 @@ def _remarks(summary: RecordingSummary) -> tuple[str, ...]:
     if summary.rate and not _MIN_RATE < summary.rate <= _MAX_RATE:
         remarks.append(f"{summary.rate:.3g} Hz: are the times in s?")
     farthest = max(map(abs, (*summary.lower, *summary.upper)))
-    if summary.kind == "poses" and farthest > _MAX_REACH:
-        remarks.append(f"positions up to {farthest:.4g} m: are they in m?")
+    if len(summary.lower) == 3 and summary.kind != "joints" and farthest > _MAX_REACH:
+        remarks.append(f"positions up to {farthest:.4g} m: are they in m? (x_mm names mm)")
     if summary.lower == summary.upper:
         remarks.append("nothing moves")
     return tuple(remarks)
@@ -445,8 +445,8 @@ def _check_gaps(gaps: Sequence[Span], longest: float) -> None:
     for start, end in gaps:
         if end - start > longest:
             raise InvalidInput(
-                f"recording: no sample from {start:.6g} to {end:.6g} s; allow it with "
-                f"longest_gap, now {longest:g} s, or cut it there, in Python with "
+                f"recording: no sample from {round(start, 3):.13g} to {round(end, 3):.13g} s; "
+                f"allow it with longest_gap, now {longest:g} s, or cut it there, in Python with "
                 "preprocess.cut_at_gaps"
             )
 

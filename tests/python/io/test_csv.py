@@ -168,6 +168,97 @@ def test_choices_that_are_missing_or_impossible_are_refused(write):
         refused("rate: ", lt.read_motion, write("x,y\n1,2\n"), rate=rate)
 
 
+def test_a_proposal_takes_no_joint_for_the_time_and_nothing_else_for_a_joint(write):
+    s = np.linspace(0.0, 1.0, 20)
+    joint = 0.3 + s**2 * (3.0 - 2.0 * s)  # rises as time does, not by even steps
+    for header, words in [
+        ("clock,a,b", "columns['time']=clock columns['positions']=a,b"),
+        ("tick,a,b,seq", "columns['time']=tick columns['positions']=a,b"),
+        ("hand_x0,hand_x1", "columns['positions']=hand_x0,hand_x1"),
+        ("t,ee_x,ee_y,ee_z", "such as columns['positions']=ee_x,ee_y,ee_z"),
+        ("t,dX [m],dY [m],dZ [m],dRoll [rad]", "there are t, dX [m], dY [m], dZ [m], dRoll [rad]"),
+        ("x,y,z", "rate=100"),
+        *(
+            (f"t,{n}0,{n}1,{n}2", f"there are t, {n}0, {n}1, {n}2")
+            for n in ("ee_quat_", "O_T_EE_", "v")
+        ),
+        ("t,vx,vy,vz", "there are t, vx, vy, vz"),
+        ("t,v.lin.x,v.lin.y,v.ang.x,v.ang.y", "v.ang.y"),
+        *((f"t,{n}_q0,{n}_q1", f"{n}_q1") for n in ("acc", "speed", "jerk", "moment")),
+    ]:
+        names = header.split(",")
+        clock = 0.01 * np.arange(20)
+        rows = [clock if name in ("t", "clock", "tick", "y") else joint for name in names]
+        text = "\n".join(",".join(map(str, row)) for row in zip(*rows, strict=True))
+        assert str(raised(InvalidInput, lt.read_motion, write(f"{header}\n{text}"))).endswith(words)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        "secs,nsecs",
+        "header.stamp.sec,header.stamp.nanosec",
+        "time_sec,time_nsec",
+        "ZeitSec,ZeitNanoSec",
+    ],
+)
+def test_a_clock_of_seconds_and_nanoseconds_is_one(write, names):
+    path = write(f"{names},q1,q2\n1635361626,990000000,1,2\n1635361627,5000000,1,3\n")
+    for columns in (None, {"time": names.split(",")}):
+        motion = lt.read_motion(path, columns=columns)
+        np.testing.assert_allclose(motion.times - 1635361626, [0.99, 1.005], atol=1e-6)
+        np.testing.assert_array_equal(motion.positions, [[1, 2], [1, 3]])
+
+
+def test_seconds_that_both_columns_of_a_clock_hold_count_once(write):
+    path = write("sec,nsec,q1\n1635361626.99,1635361626990000000,1\n")
+    assert lt.read_motion(path).times[0] == pytest.approx(1635361626.99, abs=1e-6)
+
+
+@pytest.mark.parametrize(("mark", "line"), [(", ", ","), (" ", " "), ("\t", "\t")])
+def test_the_header_asked_for_above_bare_numbers_makes_them_readable(write, mark, line):
+    rows = "\n".join(mark.join(map(str, row)) for row in ([0, 1, 2], [1, 3, 4]))
+    words = line.join(("time", "joint_1", "joint_2"))
+    refused(
+        f"got 3 numbers; put as many names above, such as {words};", lt.read_motion, write(rows)
+    )
+    assert lt.read_motion(write(f"{words}\n{rows}")).joint_names == ("joint_1", "joint_2")
+
+
+def test_an_unnamed_quaternion_is_no_position(write):
+    rows = "0,1,2,3,0.5,0.5,0.5,0.5\n1,1,2,4,0.5,0.5,0.5,0.5"
+    motion = lt.read_motion(write(f"t,px,py,pz,x,y,z,w\n{rows}"))
+    assert type(motion) is lt.PoseTrajectory
+    refused("no names of positions", lt.read_motion, write("t,w,x,y,z\n0,1,0,0,0\n1,1,0,0,0\n"))
+    arm = dict.fromkeys("abcdefg", (-4.0, 4.0))
+    error = raised(
+        InvalidInput, lt.read_motion, write(f"t,tx,ty,tz,qx,qy,qz,qw\n{rows}"), joints=arm
+    )
+    assert str(error).endswith("columns['positions']=tx,ty,tz columns['orientations']=qw,qx,qy,qz")
+
+
+def test_a_clock_that_is_one_column_comes_before_one_that_is_two(write):
+    motion = lt.read_motion(write("Time,stamp_secs,stamp_nsecs,q1\n0,7,0,1\n0.5,8,9,1\n"))
+    np.testing.assert_array_equal(motion.times, [0.0, 0.5])
+
+
+def test_four_numbers_of_norm_one_are_proposed_as_orientations(write):
+    path = write("t,x,y,z,q1,q2,q3,q4\n0,1,2,3,0.5,0.5,0.5,0.5\n1,1,2,3,0.6,0,0.8,0\n")
+    words = "columns['positions']=x,y,z columns['orientations']=q1,q2,q3,q4"
+    assert str(raised(InvalidInput, lt.read_motion, path)).endswith(words)
+
+
+def test_lists_in_cells_are_refused_with_their_cure(write):
+    path = write('t,position\n0,"[1.0, 2.0]"\n1,"[1.0, 3.0]"\n')
+    refused("got '.1.0, 2.0.'; put each number in a column of its own", lt.read_motion, path)
+
+
+def test_a_clock_of_text_is_refused_with_the_rate_that_reads_it(write):
+    path = write("time,x,y\n2024-01-01 12:30:01.1,1,2\n2024-01-01 12:30:01.2,1,2\n")
+    refused("got '2024-.*'; give the rate in Hz for clocks of text, rate=100", lt.read_motion, path)
+    assert lt.read_motion(path, rate=10.0).times[1] == 0.1
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -273,7 +364,7 @@ def test_any_text_is_read_or_refused(tmp_path_factory, text):
         ),
         ({"positions": 3}, r"columns\['positions'\]: expected names of columns"),
         ({"positions": [1, 2]}, r"columns\['positions'\]: expected names of columns"),
-        ({"time": ["t", "x"]}, r"columns\['time'\]: expected one name, got 2"),
+        ({"time": ["t", "x", "y"]}, r"columns\['time'\]: expected one or two names, got 3"),
         ({"positions": ["x"], "joints": ["y"]}, "expected either poses or joints, got both"),
         ({"positions": ["x", "y", "z"], "orientations": ["qw"]}, "orientations: expected shape"),
         (["x", "y"], "columns: expected a mapping, got list"),

@@ -111,4 +111,18 @@ def test_an_npy_that_is_not_clear_is_refused_with_the_words_that_make_it_so(tmp_
 
 def test_a_pickled_npy_is_never_loaded(tmp_path):
     np.save(tmp_path / "rows.npy", np.array([{}], dtype=object), allow_pickle=True)
-    refused(r"not a readable \.npy array", lt.read_motion, tmp_path / "rows.npy", rate=10.0)
+    refused("got pickled objects; save an array", lt.read_motion, tmp_path / "rows.npy", rate=10.0)
+
+
+def test_seven_numbers_that_end_in_a_quaternion_are_neither_joints_nor_a_point(tmp_path):
+    rows = np.hstack([ROWS[:, 1:4], np.full((5, 4), 0.5)])
+    np.save(tmp_path / "rows.npy", rows)
+    arm = dict.fromkeys("abcdefg", (-9.0, 99.0))
+    refused("as of a pose; name", lt.read_motion, tmp_path / "rows.npy", rate=10.0, joints=arm)
+    np.savez(tmp_path / "rows.npz", time=ROWS[:, 0], pos=rows)
+    refused("as of a pose; save", lt.read_motion, tmp_path / "rows.npz")
+
+
+def test_an_npy_of_a_row_for_each_joint_is_refused_as_transposed(tmp_path):
+    np.save(tmp_path / "rows.npy", np.zeros((7, 300)))
+    refused(r"got shape \(7, 300\); transpose", lt.read_motion, tmp_path / "rows.npy", rate=10.0)

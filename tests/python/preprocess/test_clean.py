@@ -1,5 +1,6 @@
 """Cleaned and summarised recordings."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -298,12 +299,23 @@ def test_faults_are_counted_and_gaps_of_any_length_told():
             },
             "positions up to 400 m: are they in m",
         ),
+        (
+            {"positions": 400.0 * np.ones((101, 3)), "joint_names": None},
+            "positions up to 400 m: are they in m",
+        ),
     ],
 )
 def test_what_looks_wrong_is_remarked(changes, remark):
     found = summarize(replace(ARM, events=(), **changes))
     assert any(remark in each for each in found.remarks)
     assert f"! {found.remarks[0]}" in str(found)
+
+
+def test_times_since_1970_are_told_apart():
+    times = np.arange(200) / 100.0
+    positions = np.outer(np.clip(times - 1.0, 0.0, None), np.ones(3))
+    told = str(summarize(Recording(1.6e9 + times, positions)))
+    assert re.search(r"1 pause: 1600000000 to 1600000000\.\d+ s", told)
 
 
 def test_impossible_options_and_what_is_no_recording_are_refused():
