@@ -3,7 +3,7 @@
 Demonstrations are weighted by the nearness of their ends to the new ones. Their mean follows the
 offsets of both ends as the demonstrations do: at each phase, regression on their own offsets tells
 how much of an offset is left. That is the mean of a Gaussian over curves, conditioned on both ends,
-whose prior covariance is a linear fade. Where parts between the ends move with these in other
+whose prior covariance is a linear fade. If parts between the ends move with these in other
 directions, a combination of demonstrations comes near the new ends first, and the rest fades. The
 ways of weighting and fading that predict left-out demonstrations best are averaged.
 """

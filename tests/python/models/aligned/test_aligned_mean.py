@@ -253,3 +253,15 @@ def test_a_mode_is_taken_by_its_number_or_because_it_is_free():
     blocked = lt.Box((0.1, 0.5, 0.5), (0.5, 0.4, 0.0))
     assert skill.generate(**ends, obstacles=[blocked]).positions[:, 1].min() < -0.3
     refused("mode", skill.generate, mode=2)
+
+
+def test_parts_between_the_ends_follow_these_in_other_directions():
+    def bent(y):  # as high in its middle as it starts aside
+        return np.column_stack([U, y * (1.0 - U), y * np.sin(np.pi * U)])
+
+    shown = [lt.Trajectory(TIMES, bent(y)) for y in (-0.2, -0.12, -0.04, 0.06, 0.14, 0.2)]
+    for y in (-0.16, 0.1):
+        made = lt.AlignedMean().fit(shown).generate(start=(0.0, y, 0.0), goal=(1.0, 0.0, 0.0))
+        truth = by_arc_length(bent(y), 100)
+        apart = np.linalg.norm(by_arc_length(made.positions, 100) - truth, axis=1)
+        assert apart.max() < 0.1 * abs(y)
