@@ -158,14 +158,13 @@ class Predictor:
         self, shares: dict[Option, float], ends: Float64Array
     ) -> tuple[Float64Array, Float64Array, Float64Array]:
         """Mean rows (n, width) between ends (2, width), elastic phases (n,) and times (n,)."""
-        timed = {replace(each, phase=1): x for each, x in shares.items()}
-        every = self.between(ends[None], [*{**shares, **timed}])
+        timed = [replace(each, phase=1) for each in shares]
+        every = self.between(ends[None], [*shares, *timed])
         rows = np.sum([x * _evened(every[each][0]) for each, x in shares.items()], axis=0)
         rows[[0, -1]] = ends
         aligned, even = self.phased[1], even_phases(len(rows))
-        elastic = np.sum(
-            [x * every[replace(each, phase=1)][0] for each, x in shares.items()], axis=0
-        )
+        parts = zip(timed, shares.values(), strict=True)
+        elastic = np.sum([x * every[each][0] for each, x in parts], axis=0)
         phases = np.interp(even, arc_phases(elastic), even)
         ((weights,),) = _weights(aligned.rows[:, [0, -1]], ends[None], [_TIMED], None)
         clock = np.maximum.accumulate(np.interp(phases, even, weights @ aligned.times))
@@ -208,7 +207,7 @@ class Predictor:
 
 
 _PLAIN = Option(0, 1.0, np.inf)
-_TIMED = 2.0
+_TIMED = 2.0  # width of the weights of demonstrated times
 
 
 def _kind(option: Option) -> tuple[float, float, bool]:
