@@ -168,6 +168,11 @@ def derivatives(names: Sequence[str], joints: Columns) -> dict[str, Columns]:
     return found
 
 
+def unit_since_1970(time: float) -> float:
+    """The unit, s, of times that state none: by their digits if they count from 1970, or else s."""
+    return next((unit for unit in (1e-3, 1e-6, 1e-9) if 1e9 <= unit * time < 1e10), 1.0)
+
+
 def _clocks(names: Sequence[str]) -> list[Columns]:
     """The columns of times, each one or whole seconds and the nanoseconds beyond them."""
     whole = {name.lower(): name for name in names if not _NANO.search(name)}

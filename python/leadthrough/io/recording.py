@@ -157,6 +157,7 @@ _SPACE = 3  # coordinates of a position
 # Steps of a recording that make sure of its largest, and the leap that is none of a motion's.
 _RECORDED, _LEAP = 20, 3.0
 _HELD = 4  # times as many equal rows as usual are a sensor's that waits
+_MILLISECOND = 1e6  # ns: a clock that never gets so far beyond its seconds counts other parts
 _UNEVEN = 1.5  # times the lower quartile of a clock's steps is more than the upper one
 _SUFFIX = "_recorded"
 
@@ -431,17 +432,16 @@ def _times(table: Table, time: Columns | None, asked: float | None, count: int) 
     if asked is not None:
         raise InvalidInput(f"rate: the file has a time column, {time[0]!r}; leave rate out")
     stamps = table.numbers(time[0])
-    times = stamps * (headers.unit(time[0], "time")[1] or _unit_since_1970(stamps))
-    if time[1:]:  # nanoseconds, some with the seconds in them
-        times = np.floor(times) + 1e-9 * (table.numbers(time[1]) % 1e9)
+    unit = headers.unit(time[0], "time")[1] or headers.unit_since_1970(stamps[:1].sum())
+    times = stamps * unit
+    if time[1:]:
+        beyond = table.numbers(time[1]) % 1e9  # some hold the seconds too
+        if 0.0 < (most := beyond.max(initial=0.0)) < _MILLISECOND:
+            raise check.refused(time[1], "nanoseconds beyond the seconds", f"{most:g} at most")
+        times = np.floor(times) + 1e-9 * beyond
     if times.shape != (count,):
         raise check.refused(time[0], f"one time for each of {count} samples", f"{times.shape}")
     return times
-
-
-def _unit_since_1970(stamps: Float64Array) -> float:
-    """The unit, s, of times that state none: by their digits if they count from 1970, or else s."""
-    return next((u for u in (1e-3, 1e-6, 1e-9) if 1e9 <= u * stamps[:1].sum() < 1e10), 1.0)
 
 
 def _joint_names(columns: Columns, positions: Float64Array, request: Request) -> tuple[str, ...]:

@@ -210,6 +210,13 @@ def test_a_clock_of_seconds_and_nanoseconds_is_one(write, names):
         np.testing.assert_array_equal(motion.positions, [[1, 2], [1, 3]])
 
 
+@pytest.mark.parametrize(("name", "beyond"), [("usec", 600_000), ("msec", 600)])
+def test_other_parts_of_a_second_are_no_nanoseconds(write, name, beyond):
+    path = write(f"sec,{name},q1\n10,100,1\n10,{beyond},2\n11,100,3\n")
+    words = f"{name}: expected nanoseconds beyond the seconds, got"
+    refused(words, lt.read_motion, path, columns={"time": ["sec", name]})
+
+
 def test_seconds_that_both_columns_of_a_clock_hold_count_once(write):
     path = write("sec,nsec,q1\n1635361626.99,1635361626990000000,1\n")
     assert lt.read_motion(path).times[0] == pytest.approx(1635361626.99, abs=1e-6)
