@@ -247,7 +247,7 @@ class Choice:
         if not self.left_out:
             return f"{self.chosen}: the default, as a single demonstration cannot be left out"
         nearest = self.errors[self.chosen] == min(self.errors.values())
-        why = "nearest" if nearest else "no other is a quarter nearer"
+        why = "nearest" if nearest else "no other is twice as near"
         return f"{self.chosen}: {why} to {self.left_out} left-out demonstrations ({self.table})"
 
     @property

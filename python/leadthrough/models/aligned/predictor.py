@@ -24,6 +24,7 @@ from leadthrough.preprocess.moved_ends import ROTATED, Chords, bounded, with_end
 
 # Width of the weights in median distances of the ends; with the first all are as good as equal.
 _WIDTHS = (1e3, 1.0, 0.4, 0.15)
+_TIMED = 2.0  # of demonstrated times
 # Weight of the linear fade against the demonstrations'; infinite: the linear fade alone.
 _PRIORS = (0.03, 0.3, 3.0, np.inf)
 # The prior of the fade after a combination, and the weight of none against the demonstrations';
@@ -207,7 +208,6 @@ class Predictor:
 
 
 _PLAIN = Option(0, 1.0, np.inf)
-_TIMED = 2.0  # width of the weights of demonstrated times
 
 
 def _kind(option: Option) -> tuple[float, float, bool]:
