@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,19 +72,19 @@ def even_phases(count: int) -> Float64Array:
 
 
 def arc_phases(rows: Float64Array) -> Float64Array:
-    """The fraction (n,) of the length covered at each row (n, width), rising also in a pause."""
-    steps = np.linalg.norm(np.diff(rows, axis=0), axis=1)
-    steps += (_PAUSE * steps.sum() or 1.0) / len(steps)
-    covered = np.concatenate([[0.0], np.cumsum(steps)])
-    return np.asarray(covered / covered[-1])
+    """The fraction (..., n) of the length covered at rows (..., n, width), rising also in rests."""
+    steps = np.linalg.norm(np.diff(rows, axis=-2), axis=-1)
+    total = steps.sum(axis=-1, keepdims=True)
+    steps += np.where(total > 0.0, _PAUSE * total, 1.0) / steps.shape[-1]
+    covered = np.cumsum(steps, axis=-1)
+    return np.insert(covered / covered[..., -1:], 0, 0.0, axis=-1)
 
 
 def by_arc(columns: Sequence[Float64Array], times: Sequence[Float64Array]) -> Curves:
     """Demonstrations (n, width) each, with their times (n,) from 0 on, by their arc length."""
-    smooth = [without_noise(each) for each in columns]
-    phases = [arc_phases(each) for each in smooth]
-    even = even_phases(_row_count(smooth, phases))
-    rows = [lerp(even, u, each) for u, each in zip(phases, smooth, strict=True)]
+    phases = [arc_phases(each) for each in columns]
+    even = even_phases(_row_count(columns, phases))
+    rows = [lerp(even, u, each) for u, each in zip(phases, columns, strict=True)]
     timed = [np.interp(even, u, each) for u, each in zip(phases, times, strict=True)]
     return Curves(np.array(rows), np.array(timed))
 
@@ -174,24 +175,34 @@ def modes_of(rows: Float64Array) -> NDArray[np.int64]:
 
 
 def columns_of(motions: Sequence[Motion]) -> tuple[list[Float64Array], Float64Array]:
-    """Columns (n, width) of each motion, and the mean goal orientation (1, 4) of poses."""
+    """Columns (n, width) of each motion without noise, and the mean goal of poses' orientations."""
+    smooth = [_smooth_positions(each) for each in motions]
     poses = [each for each in motions if isinstance(each, PoseTrajectory)]
     if not poses:
-        return [each.positions for each in motions], np.empty((1, 4))
+        return smooth, np.empty((1, 4))
     reference = mean_orientations([each.orientations[-1:] for each in poses])
-    return [np.hstack([each.positions, _lifted(each, reference)]) for each in poses], reference
+    turned = [without_noise(_lifted(each, reference)) for each in poses]
+    return [np.hstack(each) for each in zip(smooth, turned, strict=True)], reference
+
+
+@lru_cache(maxsize=32)  # the same motions are learned again and again with one of them left out
+def _smooth_positions(motion: Motion) -> Float64Array:
+    return without_noise(motion.positions)
 
 
 def features_of(motions: Sequence[Motion]) -> list[Float64Array]:
     """Rows to tell modes apart, of positions and of rotation matrices, which need no reference."""
-    columns = [
-        np.hstack([each.positions, rotations.to_matrix(each.orientations).reshape(-1, 9)])
-        if isinstance(each, PoseTrajectory)
-        else each.positions
-        for each in motions
-    ]
+    columns = [_smooth_features(each) for each in motions]
     scale = scale_of(columns, motions[0].positions.shape[1])
     return [each / scale for each in columns]
+
+
+@lru_cache(maxsize=32)
+def _smooth_features(motion: Motion) -> Float64Array:
+    if not isinstance(motion, PoseTrajectory):
+        return _smooth_positions(motion)
+    turned = rotations.to_matrix(motion.orientations).reshape(-1, 9)
+    return np.hstack([_smooth_positions(motion), without_noise(turned)])
 
 
 def scale_of(columns: Sequence[Float64Array], size: int) -> Float64Array:

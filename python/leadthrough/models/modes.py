@@ -82,13 +82,13 @@ def phases_like(reference: Motion, motions: Sequence[Motion]) -> list[Float64Arr
     return [np.interp(each, own, normalised_times(reference.times)) for each in others]
 
 
-@lru_cache(maxsize=4)  # models of several families are fitted to the same motions
+@lru_cache(maxsize=9)  # families are fitted to the same motions: all, or one of eight left out
 def _curves_of(motions: tuple[Motion, ...]) -> Curves:
     """The motions by arc length, with normalised times."""
     return by_arc(features_of(motions), [normalised_times(each.times) for each in motions])
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=9)
 def _phases_of(motions: tuple[Motion, ...]) -> tuple[Float64Array, ...]:
     motions = _without_lone_rests(motions)
     own = [normalised_times(each.times) for each in motions]

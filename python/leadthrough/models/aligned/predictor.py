@@ -107,7 +107,7 @@ class Predictor:
     ) -> Iterator[Float64Array]:
         """For each kind of fade the means (widths, m, n, width) of curves, with new ends."""
         means = np.einsum("wmk,knd->wmnd", weights, rows)
-        progress = np.array([[arc_phases(each) for each in own] for own in means])
+        progress = arc_phases(means)
         linear = np.stack([1.0 - progress, progress], axis=2)
         groups = [slice(0, self.size), slice(self.size, rows.shape[2])]
         ready = [
@@ -137,14 +137,9 @@ class Predictor:
         phased = self.phased[0].coarse(_COMPARED), self.phased[1].coarse(_COMPARED)
         few = Predictor(phased, self.size, self.rotating)
         wanted = phased[0].rows[out]
+        found = few.between(wanted[:, [0, -1]], self.options, out)
         missed = np.array(
-            [
-                [
-                    np.linalg.norm(_evened(a) - b, axis=1).mean()
-                    for a, b in zip(found, wanted, strict=True)
-                ]
-                for found in few.between(wanted[:, [0, -1]], self.options, out).values()
-            ]
+            [np.linalg.norm(_evened(each) - wanted, axis=2).mean(axis=1) for each in found.values()]
         )
         gain = missed / (missed[default].mean() + _ROUNDING)
         gain -= gain[default]
@@ -161,7 +156,7 @@ class Predictor:
         """Mean rows (n, width) between ends (2, width), elastic phases (n,) and times (n,)."""
         timed = [replace(each, phase=1) for each in shares]
         every = self.between(ends[None], [*shares, *timed])
-        rows = np.sum([x * _evened(every[each][0]) for each, x in shares.items()], axis=0)
+        rows = np.sum([x * _evened(every[each])[0] for each, x in shares.items()], axis=0)
         rows[[0, -1]] = ends
         aligned, even = self.phased[1], even_phases(len(rows))
         parts = zip(timed, shares.values(), strict=True)
@@ -215,8 +210,10 @@ def _kind(option: Option) -> tuple[float, float, bool]:
 
 
 def _evened(rows: Float64Array) -> Float64Array:
-    """Rows (n, width) at even steps of their length."""
-    return lerp(even_phases(len(rows)), arc_phases(rows), rows)
+    """Curves (m, n, width) at even steps of their lengths."""
+    even, apart = even_phases(rows.shape[1]), 2.0 * np.arange(len(rows))[:, None]
+    at, known = (even + apart).ravel(), (arc_phases(rows) + apart).ravel()
+    return lerp(at, known, rows.reshape(-1, rows.shape[2])).reshape(rows.shape)
 
 
 def _weights(

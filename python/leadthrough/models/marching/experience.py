@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -148,6 +148,7 @@ def experience_of(
     return tuple(_experience(motion) for motion in motions)
 
 
+@lru_cache(maxsize=32)  # the same motions are learned again with one of them left out
 def _experience(motion: Trajectory | PoseTrajectory) -> Experience:
     smooth = without_noise(motion.positions)
     covered = arc_length(smooth)
