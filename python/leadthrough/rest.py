@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import cast
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,10 +41,6 @@ _UNCLEAR = 5.0  # times the speed of a hand at rest: noise of recordings stays b
 _LONG = 0.05  # fraction of the time in motion; shorter rests are slow parts of the motion
 # s: a short window finds the beginning to a tenth of a second; noise may need a longer one.
 _WINDOWS = (0.2, 0.3, 0.5)
-
-
-# Of motions as long as they are in use: each is fitted again with others left out.
-_LONG_RESTS = WeakKeyDictionary[Motion, list[tuple[float, float]]]()
 
 
 @dataclass(frozen=True)
@@ -119,14 +115,9 @@ def rests(
     return [(start, end) for start, end in found if end - start >= pause]
 
 
+@lru_cache(maxsize=32)  # the same motions are learned again and again with one of them left out
 def long_rests(motion: Motion) -> list[tuple[float, float]]:
     """Start and end, s, of rests longer than a twentieth of the time in motion; none in noise."""
-    if motion not in _LONG_RESTS:
-        _LONG_RESTS[motion] = _long_rests(motion)
-    return _LONG_RESTS[motion]
-
-
-def _long_rests(motion: Motion) -> list[tuple[float, float]]:
     times = motion.times
     # Over a longer window, a reversal is as slow as a rest.
     speeds, window = _clearest_speeds(motion, longest=2.0 * _LONG * motion.duration)

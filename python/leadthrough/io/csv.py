@@ -279,16 +279,14 @@ def _header(lines: Iterator[Line], events: list[Event]) -> tuple[list[Line], lis
 def _divided(texts: list[Line], row: Line) -> tuple[list[Line], list[Line]]:
     """The rows of names above the first one of numbers, and the others below the first."""
     delimiter = _delimiter(texts[-1][1])
-    widths = [_width(line, delimiter) for _, line in [*texts, row]]
+    widths = [  # as many as the cells, or one less, whatever their quotes
+        len(_BETWEEN.split(line.strip())) if delimiter == _SPACES else line.count(delimiter)
+        for _, line in [*texts, row]
+    ]
     if widths[-1] != widths[-2]:
         return [texts[0]], [*texts[1:], row]
     others = [i for i, width in enumerate(widths) if width != widths[-1]]
     return texts[others[-1] + 1 if others else 0 :], [row]
-
-
-def _width(line: str, delimiter: str) -> int:
-    """As many as the cells of a line, or one less, whatever its quotes."""
-    return len(_BETWEEN.split(line.strip())) if delimiter == _SPACES else line.count(delimiter)
 
 
 def _has_numbers(header: Line, row: Line) -> bool:

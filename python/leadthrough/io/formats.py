@@ -42,10 +42,6 @@ def _one(read: Callable[[Path], Table]) -> Read:
     return lambda path, _: [read(path)]
 
 
-def _all(read: Callable[[Path], Sequence[Table]]) -> Read:
-    return lambda path, _: read(path)
-
-
 def _in_reader_process(
     read: Callable[..., Sequence[ArrayTable]], module: str, extra: str, *, asked: bool = False
 ) -> Read:
@@ -62,7 +58,7 @@ FORMATS = (
     Format("csv", "text table", (".csv", ".tsv", ".txt"), _one(csv.read_table), csv.write),
     Format("npz", "NumPy archive", (".npz",), _one(npz.table), npz.write),
     Format("npy", "NumPy array", (".npy",), lambda path, asked: [npz.table_of_rows(path, asked)]),
-    Format("mat", "MATLAB 5 to 7.2", (".mat",), _all(mat.tables)),
+    Format("mat", "MATLAB 5 to 7.2", (".mat",), lambda path, _: mat.tables(path)),
     Format(
         "json",
         "ROS 2 JointTrajectory",

@@ -25,10 +25,8 @@ from leadthrough.rest import long_rests
 
 # Fraction of the phase that advances with the demonstration's own time, so that it never stops.
 _ADVANCING = 1e-3
-
-# Rests this close, in phases of the common path, are at the same place.
+# How long motions stay at a place counts so far around it, in phases of the common path.
 _NEAR = 0.08
-
 MAX_ROWS = 10_000  # of a demonstration: ten for each of the most weights
 _MIN_COUNT = 3  # motions, of which two can agree
 _AGREEING = 2  # motions that are rotated alike are a mode; a lone one is refused
@@ -76,12 +74,6 @@ def common_phases(motions: Sequence[Motion]) -> list[Float64Array]:
     return list(_phases_of(tuple(motions)))
 
 
-def phases_like(reference: Motion, motions: Sequence[Motion]) -> list[Float64Array]:
-    """Phases (n,) of the samples of each motion, at which another one passes in its own time."""
-    own, *others = common_phases([reference, *motions])
-    return [np.interp(each, own, normalised_times(reference.times)) for each in others]
-
-
 @lru_cache(maxsize=9)  # families are fitted to the same motions: all, or one of eight left out
 def _curves_of(motions: tuple[Motion, ...]) -> Curves:
     """The motions by arc length, with normalised times."""
@@ -109,38 +101,34 @@ def _without_lone_rests(motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
     found = [long_rests(each) for each in motions] if len(motions) > 1 else []
     if not any(found):
         return motions
-    aligned = elastic(_curves_of(motions)).times
-    even = even_phases(aligned.shape[1])
-    places = [
-        np.interp((np.reshape(rests, (-1, 2)) - each.times[0]) / each.duration, own, even)
-        for each, rests, own in zip(motions, found, aligned, strict=True)
-    ]
+    durations = np.array([each.duration for each in motions])
+    times = elastic(_curves_of(motions)).times * durations[:, None]
     return tuple(
-        _clocked(each, [rest for rest, at in zip(rests, own, strict=True) if _lone(at, places)])
-        for each, rests, own in zip(motions, found, places, strict=True)
+        _clocked(
+            each, [rest for rest in rests if _lone(np.subtract(rest, each.times[0]), i, times)]
+        )
+        for i, (each, rests) in enumerate(zip(motions, found, strict=True))
     )
 
 
-def _lone(place: Float64Array, places: Sequence[Float64Array]) -> bool:
-    """Whether a rest, phases from start to end (2,), is not near to one of each motion."""
-    start, end = place
-    near = [(own[:, 0] < end + _NEAR) & (own[:, 1] > start - _NEAR) for own in places]
-    return not all(each.any() for each in near)
-
-
-def _stopping(motion: Motion, rests: Sequence[tuple[float, float]]) -> Float64Array:
-    """Times (n,) from 0 to 1 on a clock that stops during rests."""
-    clock = motion.times - motion.times[0]
-    for start, end in rests:
-        clock = clock - np.clip(motion.times - start, 0.0, end - start)
-    return np.asarray(clock / clock[-1])
+def _lone(rest: Float64Array, which: int, times: Float64Array) -> bool:
+    """Whether most others pass by a rest (2,) of one motion; at times (k, n) on their way."""
+    even = even_phases(times.shape[1])
+    around = np.add(np.interp(rest, times[which], even), (-_NEAR, _NEAR))
+    stays = np.array([np.ptp(np.interp(around, even, each)) for each in times])
+    other = float(np.median(np.delete(stays, which)))
+    # Where the hand turns back, all are slow, of which a few may count as at rest.
+    return bool(stays[which] - 0.5 * np.ptp(rest) > other)
 
 
 def _clocked(motion: Motion, rests: Sequence[tuple[float, float]]) -> Motion:
     """The shape of a motion on a clock that almost stops during rests."""
     if not rests:
         return motion
-    clock = _advancing(_stopping(motion, rests), normalised_times(motion.times))
+    clock = motion.times - motion.times[0]
+    for start, end in rests:
+        clock = clock - np.clip(motion.times - start, 0.0, end - start)
+    clock = _advancing(clock / clock[-1], normalised_times(motion.times))
     if isinstance(motion, PoseTrajectory):
         return PoseTrajectory(clock, motion.positions, motion.orientations)
     return Trajectory(clock, motion.positions)

@@ -213,7 +213,10 @@ def readouts(
         "names": list(arm.joint_names),
         "positions": q.T.round(3).tolist(),
         "velocities": rates.T.round(3).tolist(),
-        "limits": [_finite(each) for each in (limits.lower, limits.upper, limits.velocity)],
+        "limits": [
+            [float(limit) if np.isfinite(limit) else None for limit in each]
+            for each in (limits.lower, limits.upper, limits.velocity)
+        ],
         "pairs": _pairs(arm, q, scene),
     }
 
@@ -242,7 +245,3 @@ def _pairs(arm: Arm, q: Float64Array, scene: SceneLike) -> list[dict[str, Any]]:
         for distances, bodies, points in found
         if np.isfinite(distances).all()
     ]
-
-
-def _finite(limits: Float64Array) -> list[float | None]:
-    return [float(limit) if np.isfinite(limit) else None for limit in limits]

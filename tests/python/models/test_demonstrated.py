@@ -11,6 +11,7 @@ from refusals import raised, refused
 
 import leadthrough as lt
 from leadthrough.errors import FitError, InvalidInput
+from leadthrough.motion import lerp
 from leadthrough.preprocess import by_arc_length, frechet_distance
 
 T = np.linspace(0.0, 1.0, 60)
@@ -146,6 +147,30 @@ def test_a_long_pause_does_not_hide_a_short_rest(learner):
         for pause in (0.0, 7.0)
     )
     assert frechet_distance(made, wanted) < 0.01
+
+
+def letter_h(rng):
+    """Strokes up, half down, across, up and down, slow where they turn back."""
+    corners = np.array([(-5, -8), (-5, 8), (-5, -1), (5, -1), (5, 8), (5, -8)], float)
+    corners[1:] *= 1.0 + 0.1 * rng.normal(size=(5, 2))
+    u, clock, times, rows = np.linspace(0.0, 1.0, 40), 0.0, [], []
+    for lasting, a, b in zip((0.4, 0.25, 0.3, 0.25, 0.4), corners, corners[1:], strict=False):
+        times.append(clock + lasting * u)
+        rows.append(a + np.outer(0.5 - 0.5 * np.cos(np.pi * u), b - a))
+        clock += lasting + 0.05 * rng.uniform()
+    even = np.linspace(0.0, times[-1][-1], 200)
+    return lt.Trajectory(even, lerp(even, np.concatenate(times), np.vstack(rows)))
+
+
+@pytest.mark.parametrize("learner", (kind("ProMP"), kind("GMR", starts=1)), ids=str)
+def test_turns_of_which_some_count_as_rests_cut_no_corner(learner):
+    rng = np.random.default_rng(1)
+    shown = [letter_h(rng) for _ in range(10)]
+    tops = [
+        [np.max(half) for half in np.array_split(each.positions[:, 1], 2)]
+        for each in (*shown, learner.build().fit(shown).generate())
+    ]
+    np.testing.assert_allclose(tops[-1], np.mean(tops[:-1], axis=0), atol=0.4)
 
 
 @pytest.mark.parametrize("learner", ALIGNED_LEARNERS, ids=str)

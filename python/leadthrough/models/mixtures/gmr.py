@@ -22,7 +22,7 @@ from leadthrough.models.coordinates import Coordinates
 from leadthrough.models.gaussians.mixture import Mixture
 from leadthrough.models.mixtures import phases as phase_mixtures
 from leadthrough.models.mixtures.phases import MAX_COMPONENTS, SAMPLES, adapted, timed_columns
-from leadthrough.models.modes import learned_by_mode, phases_like
+from leadthrough.models.modes import common_phases, learned_by_mode
 from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
 from leadthrough.models.queries import CheckedQuery, asked_times, even_times
 from leadthrough.motion import Motion, MotionT, MotionT_co, normalised_times
@@ -36,8 +36,9 @@ class GMR(Unfitted):
 
     Attributes:
         components: number of components, 1 to 512; None: as few, doubled from 8, as keep the mean
-            within 2 % of the positions' extent from that of the demonstrations: up to 64, and up to
-            512 of motions whose detail 200 samples lose.
+            within 2 % of the positions' extent from that of the demonstrations, or within 4 % if
+            twice as many come hardly nearer: up to 64, and up to 512 of motions whose detail 200
+            samples lose.
         seed: seed of the random number generator that draws the starts of EM, >= 0.
         starts: number of starts of EM that are followed to the end, >= 1; the most likely result
             is taken. 1 is several times faster.
@@ -173,7 +174,9 @@ class GMRSkill(FittedSkill[MotionT_co]):
             FitError: if there is none, or one does not move.
         """
         motions, before = motions_of(demonstrations), self.demonstration_count
-        phases = phases_like(self.generate(), motions)
+        present = self.generate()
+        own, *others = common_phases([present, *motions])
+        phases = [np.interp(each, own, normalised_times(present.times)) for each in others]
         least = phase_mixtures.POINTS_A_COMPONENT * self.mixture.count
         each = phase_mixtures.samples_of(motions, phases, least)
         samples = timed_columns(motions, phases, self.coordinates, self.duration, each)

@@ -43,8 +43,9 @@ WIDE = 0.05
 _THINNER = (0.03, 0.01, 0.003, 0.001)
 # Components chosen by the data are doubled from the first number, as long as each has so many
 # points of a demonstration, until the mean lies within this fraction of the motion's extent from
-# that of the demonstrations.
+# that of the demonstrations, or lies within so many times this and stays: then it follows noise.
 _FIRST_COMPONENTS, POINTS_A_COMPONENT, _MISSED = 8, 3, 0.02
+_NEARLY, _GAINED = 2.0, 0.8
 MAX_COMPONENTS = 512
 # From so many components on, EM begins once, as it takes long, and ends at its first tolerance: the
 # thousands of iterations that follow move a mean of so fine a detail by less than that.
@@ -80,28 +81,27 @@ def fit_phases(
     if components is not None:
         return fitted(components)
     mean = points.reshape(-1, samples, points.shape[1]).mean(axis=0)
-    count, most = _FIRST_COMPONENTS, samples // POINTS_A_COMPONENT
-    # One start of EM tells as well as all whether the components are enough.
-    while count < _MANY_COMPONENTS and 2 * count <= most:
-        if _follows(fitted(count, 1).mixture, mean, poses=poses):
-            return fitted(count)
-        count *= 2
-    if count < _MANY_COMPONENTS:
-        return fitted(count)
-    found = fitted(count, 1, 0)
-    while 2 * count <= most and not _follows(found.mixture, mean, poses=poses):
-        count *= 2
-        found = fitted(count, 1, 0)
-    return found
+    count, most, before, found = _FIRST_COMPONENTS, samples // POINTS_A_COMPONENT, np.inf, {}
+    while True:
+        # One start of EM tells as well as all whether the components are enough.
+        found[count] = fitted(count, 1, LAST_ITERATIONS if count < _MANY_COMPONENTS else 0)
+        missed = _missed(found[count].mixture, mean, poses=poses)
+        if missed > _GAINED * before and before < _NEARLY * _MISSED:
+            count //= 2
+            break
+        if missed <= _MISSED or 2 * count > most:
+            break
+        count, before = 2 * count, missed
+    return fitted(count) if count < _MANY_COMPONENTS else found[count]
 
 
-def _follows(mixture: Mixture, mean: Float64Array, *, poses: bool) -> bool:
-    """Whether the positions of a mixture's mean are near those of the demonstrations' mean."""
+def _missed(mixture: Mixture, mean: Float64Array, *, poses: bool) -> float:
+    """Largest distance of the mean positions of a mixture and of demonstrations, in extents."""
     columns = range(1, 4 if poses else mean.shape[1])
     found, _ = mixture.regress(mean[:, :1], inputs=[0], outputs=columns)
     positions = mean[:, columns]
     missed = np.linalg.norm(found - positions, axis=1).max()
-    return bool(missed <= _MISSED * np.linalg.norm(np.ptp(positions, axis=0)))
+    return float(missed / np.linalg.norm(np.ptp(positions, axis=0)))
 
 
 def phase_blocks(

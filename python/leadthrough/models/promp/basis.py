@@ -171,7 +171,8 @@ def _left_between(basis: Basis, variances: Float64Array) -> Float64Array:
     own = (product(reached, inner) * reached).sum(axis=1)
     left = variances
     if not basis.is_rhythmic:
-        left = variances - variances[:, [0, -1]] @ _ramps(basis) ** 2
+        u = prior_phases(basis)
+        left = variances - variances[:, [0, -1]] @ np.stack([1.0 - u, u]) ** 2
     return np.asarray(np.sqrt(np.maximum(left, 0.0) / np.maximum(own, _MIN_KERNEL)))
 
 
@@ -226,7 +227,13 @@ def multiplied(basis: Basis, factors: Float64Array) -> Float64Array:
 @lru_cache(maxsize=16)
 def lines(basis: Basis) -> Float64Array:
     """Weights (k, 2) of the lines from 1 to 0 and from 0 to 1, exact at both ends."""
-    return _exact_at_ends(basis, product(weights_of_values(basis), _ramps(basis).T), np.eye(2))
+    return fades(basis, prior_phases(basis))
+
+
+def fades(basis: Basis, progress: Float64Array) -> Float64Array:
+    """Weights (k, 2) of the rest of a progress (n,) at `prior_phases` and of it, exact at ends."""
+    values = np.column_stack([1.0 - progress, progress])
+    return _exact_at_ends(basis, product(weights_of_values(basis), values), np.eye(2))
 
 
 def _exact_at_ends(basis: Basis, fitted: Float64Array, values: Float64Array) -> Float64Array:
@@ -235,11 +242,6 @@ def _exact_at_ends(basis: Basis, fitted: Float64Array, values: Float64Array) -> 
         return fitted
     rows = basis(np.array([0.0, 1.0]))
     return np.asarray(fitted + np.linalg.pinv(rows) @ (values - rows @ fitted))
-
-
-def _ramps(basis: Basis) -> Float64Array:
-    u = prior_phases(basis)
-    return np.stack([1.0 - u, u])
 
 
 def prior_phases(basis: Basis) -> Float64Array:

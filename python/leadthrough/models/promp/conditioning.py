@@ -1,9 +1,9 @@
 """Weights of a ProMP after observations, and of motions between a new start and a new goal.
 
 Columns, noisy samples or a value in a task space are observed; exact via points too close for the
-basis are refused. Motions are moved to new ends by a mixture of two: conditioned on them, as far as
-they lie within the demonstrations' spread and no phase moves by much more than they do; the rest is
-shifted, by offsets that fade from end to end.
+basis are refused. Motions are moved to new ends by a mixture of two: conditioned near them, as far
+as they lie within the demonstrations' spread and no phase moves by much more than they do; the rest
+is shifted, by offsets that fade along the path.
 
 Sources: Gomez-Gonzalez et al. 2020, "Adaptation and robust learning of probabilistic movement
 primitives", section IV-D, iterated as by Bell and Cathey 1993, "The iterated Kalman filter update
@@ -25,8 +25,9 @@ import leadthrough._core as core
 from leadthrough import check
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.models.coordinates import Coordinates
+from leadthrough.models.curves import arc_phases
 from leadthrough.models.promp import gaussian
-from leadthrough.models.promp.basis import Basis, inner_prior, lines
+from leadthrough.models.promp.basis import Basis, fades, inner_prior, prior_phases
 from leadthrough.models.promp.gaussian import Gaussian, log_determinant, product, solve_definite
 from leadthrough.motion import Motion, MotionT_co, Target
 from leadthrough.preprocess.moved_ends import MAX_GAIN, fraction_inside
@@ -52,6 +53,8 @@ _PHASES_PER_WEIGHT = 4
 _ROUNDING = 1e-6  # fraction of the reach that counts as no move
 # Standard deviations up to which ends count as demonstrated.
 _MAX_DEVIATIONS = 3.0
+# Variance of ends to which motions are moved, of the squared reach and of the ends' own.
+_OF_REACH, _OF_SPREAD = 0.01, 0.05
 _SAME_END = 1e-9  # fraction of the reach that counts as nothing
 
 
@@ -315,13 +318,15 @@ def moved(skill: PrimitiveT, asked: Sequence[Asked]) -> PrimitiveT:
     size = skill.coordinates.width
     offsets = _offsets(skill, asked)
     shift = _shift(skill, asked, offsets)
-    conditioned = skill
-    for each in asked:
-        conditioned = of_values(
-            conditioned, np.array([each.phase]), each.values[None], name=each.name
-        )
-    learned = (conditioned.free.mean - skill.free.mean).reshape(size, -1) - shift
-    known = min(1.0, _MAX_DEVIATIONS / max(novelty(skill, asked), _MAX_DEVIATIONS))
+    variances = [_unforetold(skill, each) for each in asked]
+    near = exact = skill
+    for each, own in zip(asked, variances, strict=True):
+        at, values = np.array([each.phase]), each.values[None]
+        near = of_values(near, at, values, np.diag(own), name=each.name)
+        exact = of_values(exact, at, values, name=each.name)
+    learned = (near.free.mean - skill.free.mean).reshape(size, -1) - shift
+    learned += _shift(skill, asked, _offsets(near, asked))
+    known = min(1.0, _MAX_DEVIATIONS / max(novelty(skill, asked, variances), _MAX_DEVIATIONS))
     rows = skill.basis(np.linspace(0.0, 1.0, _PHASES_PER_WEIGHT * skill.basis.count + 1))
     position = slice(0, skill.coordinates.size)  # of poses, the rotation has a unit of its own
     for group in (position, slice(position.stop, size))[: 1 + (position.stop < size)]:
@@ -329,11 +334,21 @@ def moved(skill: PrimitiveT, asked: Sequence[Asked]) -> PrimitiveT:
         inside = fraction_inside(rows @ shift[group].T, rows @ learned[group].T, limit)
         shift[group] += min(known, inside) * learned[group]
     mean = skill.free.mean + shift.ravel()
-    return skill.with_weights(Gaussian(mean, conditioned.free.covariance))
+    return skill.with_weights(Gaussian(mean, exact.free.covariance))
 
 
-def novelty(skill: Primitive, asked: Sequence[Asked]) -> float:
-    """Distance of ends from the demonstrated ones, in standard deviations."""
+def _unforetold(skill: Primitive, asked: Asked) -> Float64Array:
+    """Variances (p,) of an end: few demonstrations hardly foretell the rest of a motion by it."""
+    count = len(asked.values)
+    covariance = skill.free.columns_at(skill.basis(np.array([asked.phase])))[1][0]
+    own = float(covariance.diagonal()[:count].mean())
+    return np.asarray(_OF_REACH * skill.scale[:count] ** 2 + _OF_SPREAD * own)
+
+
+def novelty(
+    skill: Primitive, asked: Sequence[Asked], variances: Sequence[Float64Array] = ()
+) -> float:
+    """Distance of ends, with variances (p,) each, from the demonstrated ones, in deviations."""
     offsets = _offsets(skill, asked)
     selection, surprise = [], []
     for each, offset in zip(asked, offsets, strict=True):
@@ -343,10 +358,14 @@ def novelty(skill: Primitive, asked: Sequence[Asked]) -> float:
         selection.append(np.kron(np.eye(skill.coordinates.width)[:count] * unit[:, None], row))
         surprise.append(offset[:count] * unit)
     rows = np.concatenate(selection)
-    variances, axes = np.linalg.eigh(rows @ skill.free.covariance @ rows.T)
+    covariance = rows @ skill.free.covariance @ rows.T
+    if variances:
+        units = [skill.scale[: len(own)] for own in variances]
+        covariance += np.diag(np.concatenate(variances) / np.concatenate(units) ** 2)
+    spread, axes = np.linalg.eigh(covariance)
     along = np.abs(axes.T @ np.concatenate(surprise))
     with np.errstate(divide="ignore", invalid="ignore"):
-        deviations = along / np.sqrt(np.where(variances > gaussian.CERTAIN**2, variances, 0.0))
+        deviations = along / np.sqrt(np.where(spread > gaussian.CERTAIN**2, spread, 0.0))
     # Fixed and asked to be as it is, up to rounding: nothing new.
     return float(np.where(along < _SAME_END, 0.0, deviations).max())
 
@@ -368,7 +387,7 @@ def _shift(
 ) -> Float64Array:
     """Weights (d, k) of the shift; where the motion is fixed, at via points, it does not move."""
     # A rhythmic motion ends where it starts: all of it is shifted.
-    fading = np.ones((skill.basis.count, 1)) if skill.basis.is_rhythmic else lines(skill.basis)
+    fading = np.ones((skill.basis.count, 1)) if skill.basis.is_rhythmic else _fades(skill)
     shift = np.zeros((skill.coordinates.width, skill.basis.count))
     for each, offset in zip(asked, offsets, strict=True):
         shift += np.outer(offset, fading[:, int(each.phase)])
@@ -378,6 +397,12 @@ def _shift(
         wrong = fixed.T @ shift.ravel()
         shift -= (smooth @ np.linalg.pinv(fixed.T @ smooth) @ wrong).reshape(shift.shape)
     return shift
+
+
+def _fades(skill: Primitive) -> Float64Array:
+    """Weights (k, 2) of curves from 1 to 0 and from 0 to 1 along the mean motion's path."""
+    curves = skill.free.mean.reshape(skill.coordinates.width, -1)[: skill.coordinates.size]
+    return fades(skill.basis, arc_phases(skill.basis(prior_phases(skill.basis)) @ curves.T))
 
 
 def _moved_by(

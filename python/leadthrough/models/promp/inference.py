@@ -53,7 +53,6 @@ _FACTORS = np.linspace(-3.0, 5.5, 86)
 # Directions with less information from the samples than this, relative to the most, are unseen.
 _UNSEEN = 1e-12
 
-
 # The weights (d k,) of a demonstration, and what the others predict.
 LeftOut = tuple[Float64Array, PosteriorPredictive]
 

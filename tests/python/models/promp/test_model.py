@@ -263,6 +263,12 @@ def test_inside_what_was_shown_the_ends_tell_the_way():
     np.testing.assert_allclose(made.positions[:, 1], 0.8 * (1.0 - made.times**3), atol=0.05)
 
 
+def test_a_moved_start_fades_along_the_path_not_with_the_time():
+    path = np.column_stack([np.interp(U, [0.0, 0.6, 1.0], [0.0, 0.1, 1.0]), 0.0 * U])
+    made = lt.ProMP().fit([lt.Trajectory(2.0 * U, path)]).generate(start=(0.0, 0.1), dt=0.01)
+    np.testing.assert_allclose(made.positions[:, 1], 0.1 * (1.0 - made.positions[:, 0]), atol=0.01)
+
+
 def test_a_pose_turns_as_poses_that_began_there_did():
     shown = []
     for y in np.linspace(-1.0, 1.0, 20):
