@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from copy import copy
 from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import product
@@ -166,8 +167,8 @@ def _learning(repeats: int = 5) -> Iterator[Row]:
     skill = lt.AlignedMean().fit(shown)
     start = shown[0].positions[0]
     calls: tuple[tuple[str, Callable[[], Any], float], ...] = (
-        ("lt.learn, eight demonstrations", lambda: lt.learn(shown), 1000.0),
-        ("AlignedMean, the same: fit", lambda: lt.AlignedMean().fit(shown), 60.0),
+        ("lt.learn, eight demonstrations", lambda: lt.learn(list(map(copy, shown))), 1000.0),
+        ("AlignedMean, the same: fit", lambda: lt.AlignedMean().fit(list(map(copy, shown))), 60.0),
         ("AlignedMean, the same: query", lambda: skill.generate(start=start), 5.0),
     )
     wrong = "" if np.allclose(skill.generate(start=start).positions[0], start) else "another start"

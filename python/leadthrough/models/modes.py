@@ -1,9 +1,9 @@
 """Modes and common phases of demonstrations, which models find before they average any.
 
 Demonstrations of one mode that are misaligned in time pass the same part of the path at the same
-phase: clocks stop during rests that not all share, and elastic alignment takes further differences
-in timing out. Aligned phases advance with the median pace, so that a pause of one demonstration is
-none of the motion, and one of all is.
+phase: clocks stop during rests where most others pass by, and elastic alignment takes further
+differences in timing out. Aligned phases advance with the median pace, so that a pause of one
+demonstration is none of the motion, and one of all is.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def _phases_of(motions: tuple[Motion, ...]) -> tuple[Float64Array, ...]:
 
 
 def _without_lone_rests(motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
-    """The motions on clocks that stop during the rests which not all motions share."""
+    """The motions on clocks that stop during rests where most others pass by."""
     found = [long_rests(each) for each in motions] if len(motions) > 1 else []
     if not any(found):
         return motions
@@ -117,7 +117,7 @@ def _lone(rest: Float64Array, which: int, times: Float64Array) -> bool:
     around = np.add(np.interp(rest, times[which], even), (-_NEAR, _NEAR))
     stays = np.array([np.ptp(np.interp(around, even, each)) for each in times])
     other = float(np.median(np.delete(stays, which)))
-    # Where the hand turns back, all are slow, of which a few may count as at rest.
+    # At a turn all are slow, and a few may count as at rest.
     return bool(stays[which] - 0.5 * np.ptp(rest) > other)
 
 
