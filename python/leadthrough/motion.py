@@ -8,10 +8,11 @@ stores its events at fractions, 0 to 1, of its duration.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import TYPE_CHECKING, Any, Generic, Self, TypeAlias, TypeVar, cast
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -304,6 +305,7 @@ if TYPE_CHECKING:
 else:
     MotionT = TypeVar("MotionT", bound=Motion)
     MotionT_co = TypeVar("MotionT_co", bound=Motion, covariant=True)
+_Found = TypeVar("_Found")
 
 
 def normalised_times(times: Float64Array) -> Float64Array:
@@ -322,6 +324,12 @@ def target_of(motion: Motion, row: int) -> Target:
 def lerp(at: NDArray[Any], places: NDArray[Any], rows: Float64Array) -> Float64Array:
     """Rows (m, width) at places (m,), linearly between rows (n, width) at rising places (n,)."""
     return np.column_stack([np.interp(at, places, column) for column in rows.T])
+
+
+def kept(find: Callable[[Any], _Found]) -> Callable[[Any], _Found]:
+    """The function of a motion, its results kept as long as the motion is in use."""
+    known = WeakKeyDictionary[Motion, _Found]()
+    return lambda each: known[each] if each in known else known.setdefault(each, find(each))
 
 
 def thin(motion: MotionT, rows: int) -> MotionT:

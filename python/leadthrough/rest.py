@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import cast
 
 import numpy as np
@@ -24,6 +23,7 @@ from leadthrough.motion import (
     PoseTrajectory,
     as_demonstration,
     clipped_events,
+    kept,
 )
 
 # A motion that has begun may become slower than one that begins, by this factor.
@@ -115,7 +115,7 @@ def rests(
     return [(start, end) for start, end in found if end - start >= pause]
 
 
-@lru_cache(maxsize=32)  # the same motions are learned again and again with one of them left out
+@kept
 def long_rests(motion: Motion) -> list[tuple[float, float]]:
     """Start and end, s, of rests longer than a twentieth of the time in motion; none in noise."""
     times = motion.times

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from leadthrough import rotations
 from leadthrough.check import Float64Array
 from leadthrough.models.coordinates import mean_orientations
-from leadthrough.motion import Motion, PoseTrajectory, lerp, normalised_times
+from leadthrough.motion import Motion, PoseTrajectory, kept, lerp, normalised_times
 from leadthrough.noise import without_noise
 from leadthrough.preprocess.align import FREE, MIN_TURN, TURNING, warp
 from leadthrough.preprocess.moved_ends import with_ends
@@ -176,7 +175,7 @@ def modes_of(rows: Float64Array) -> NDArray[np.int64]:
 
 def columns_of(motions: Sequence[Motion]) -> tuple[list[Float64Array], Float64Array]:
     """Columns (n, width) of each motion without noise, and the mean goal of poses' orientations."""
-    smooth = [_smooth_positions(each) for each in motions]
+    smooth = [_smooth(each)[:, : each.positions.shape[1]] for each in motions]
     poses = [each for each in motions if isinstance(each, PoseTrajectory)]
     if not poses:
         return smooth, np.empty((1, 4))
@@ -185,24 +184,20 @@ def columns_of(motions: Sequence[Motion]) -> tuple[list[Float64Array], Float64Ar
     return [np.hstack(each) for each in zip(smooth, turned, strict=True)], reference
 
 
-@lru_cache(maxsize=32)  # the same motions are learned again and again with one of them left out
-def _smooth_positions(motion: Motion) -> Float64Array:
-    return without_noise(motion.positions)
+@kept
+def _smooth(motion: Motion) -> Float64Array:
+    """Positions (n, d), and rotation matrices of poses, without noise."""
+    parts = [motion.positions]
+    if isinstance(motion, PoseTrajectory):
+        parts.append(rotations.to_matrix(motion.orientations).reshape(-1, 9))
+    return np.hstack([without_noise(each) for each in parts])
 
 
 def features_of(motions: Sequence[Motion]) -> list[Float64Array]:
     """Rows to tell modes apart, of positions and of rotation matrices, which need no reference."""
-    columns = [_smooth_features(each) for each in motions]
+    columns = [_smooth(each) for each in motions]
     scale = scale_of(columns, motions[0].positions.shape[1])
     return [each / scale for each in columns]
-
-
-@lru_cache(maxsize=32)
-def _smooth_features(motion: Motion) -> Float64Array:
-    if not isinstance(motion, PoseTrajectory):
-        return _smooth_positions(motion)
-    turned = rotations.to_matrix(motion.orientations).reshape(-1, 9)
-    return np.hstack([_smooth_positions(motion), without_noise(turned)])
 
 
 def scale_of(columns: Sequence[Float64Array], size: int) -> Float64Array:

@@ -101,17 +101,15 @@ def _without_lone_rests(motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
     found = [long_rests(each) for each in motions] if len(motions) > 1 else []
     if not any(found):
         return motions
-    durations = np.array([each.duration for each in motions])
-    times = elastic(_curves_of(motions)).times * durations[:, None]
+    spans = np.array([each.times[[0, -1]] for each in motions])
+    times = spans[:, :1] + elastic(_curves_of(motions)).times * np.diff(spans)
     return tuple(
-        _clocked(
-            each, [rest for rest in rests if _lone(np.subtract(rest, each.times[0]), i, times)]
-        )
+        _clocked(each, [rest for rest in rests if _lone(rest, i, times)])
         for i, (each, rests) in enumerate(zip(motions, found, strict=True))
     )
 
 
-def _lone(rest: Float64Array, which: int, times: Float64Array) -> bool:
+def _lone(rest: tuple[float, float], which: int, times: Float64Array) -> bool:
     """Whether most others pass by a rest (2,) of one motion; at times (k, n) on their way."""
     even = even_phases(times.shape[1])
     around = np.add(np.interp(rest, times[which], even), (-_NEAR, _NEAR))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from leadthrough.motion import (
     Trajectory,
     agreed_events,
     events_of_plain,
+    kept,
     moved_events,
 )
 from leadthrough.noise import is_random_walk, without_noise
@@ -148,7 +149,7 @@ def experience_of(
     return tuple(_experience(motion) for motion in motions)
 
 
-@lru_cache(maxsize=32)  # the same motions are learned again with one of them left out
+@kept
 def _experience(motion: Trajectory | PoseTrajectory) -> Experience:
     smooth = without_noise(motion.positions)
     covered = arc_length(smooth)

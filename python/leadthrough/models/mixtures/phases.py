@@ -101,7 +101,7 @@ def _missed(mixture: Mixture, mean: Float64Array, *, poses: bool) -> float:
     found, _ = mixture.regress(mean[:, :1], inputs=[0], outputs=columns)
     positions = mean[:, columns]
     missed = np.linalg.norm(found - positions, axis=1).max()
-    return float(missed / np.linalg.norm(np.ptp(positions, axis=0)))
+    return float(missed) / (float(np.linalg.norm(np.ptp(positions, axis=0))) or 1.0)
 
 
 def phase_blocks(

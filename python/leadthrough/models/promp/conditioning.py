@@ -32,8 +32,7 @@ from leadthrough.models.promp.gaussian import Gaussian, log_determinant, product
 from leadthrough.motion import Motion, MotionT_co, Target
 from leadthrough.preprocess.moved_ends import MAX_GAIN, fraction_inside
 
-# Standard deviations, as fractions of the scale, of which a Cholesky root loses nothing that
-# matters.
+# Standard deviations, in scales, of which a Cholesky root loses nothing that matters.
 _SURELY_UNCERTAIN = 1e-5
 # Takes the columns (d,) of a motion, returns their value (p,) in the task space and the Jacobian
 # (p, d) of that value.
@@ -401,7 +400,7 @@ def _shift(
 
 def _fades(skill: Primitive) -> Float64Array:
     """Weights (k, 2) of curves from 1 to 0 and from 0 to 1 along the mean motion's path."""
-    curves = skill.free.mean.reshape(skill.coordinates.width, -1)[: skill.coordinates.size]
+    curves = skill.free.mean.reshape(skill.coordinates.width, -1) / skill.scale[:, None]
     return fades(skill.basis, arc_phases(skill.basis(prior_phases(skill.basis)) @ curves.T))
 
 
