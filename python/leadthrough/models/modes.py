@@ -19,6 +19,7 @@ from leadthrough.check import FitError, Float64Array
 from leadthrough.models.archive import FittedSkill
 from leadthrough.models.coordinates import NODES, groups_of, mean_orientations
 from leadthrough.models.curves import Curves, by_arc, elastic, even_phases, features_of, modes_of
+from leadthrough.models.protocol import Demonstrations, Outliers, motions_of
 from leadthrough.motion import Motion, MotionT, PoseTrajectory, Trajectory, normalised_times, thin
 from leadthrough.preprocess.align import lateness
 from leadthrough.rest import long_rests
@@ -35,24 +36,32 @@ _Fitted = TypeVar("_Fitted", bound=FittedSkill)
 
 
 def learned_by_mode(
-    fit: Callable[[Sequence[MotionT]], _Fitted], motions: Sequence[MotionT], rows: int = MAX_ROWS
+    fit: Callable[[Sequence[MotionT]], _Fitted],
+    demonstrations: Demonstrations[MotionT],
+    outliers: Outliers,
+    rows: int = MAX_ROWS,
 ) -> _Fitted:
     """The skill of the most demonstrated mode, which knows those of the others."""
-    skills = [fit(each) for each in by_mode([thin(each, rows) for each in motions])]
+    motions = [thin(each, rows) for each in motions_of(demonstrations, outliers=outliers)]
+    skills = [fit(each) for each in by_mode(motions, drop_lone=outliers == "drop")]
     return skills[0].with_modes(skills)
 
 
-def by_mode(motions: Sequence[MotionT]) -> list[list[MotionT]]:
+def by_mode(motions: Sequence[MotionT], *, drop_lone: bool = False) -> list[list[MotionT]]:
     """The motions of each mode, that of the most motions first."""
     if len(motions) < _MIN_COUNT:
         return [list(motions)]
     numbers = modes_of(_curves_of(tuple(motions)).rows)
     groups = [np.flatnonzero(numbers == number) for number in range(numbers.max() + 1)]
-    parts = [part for group in groups for part in _with_a_mean([motions[int(i)] for i in group])]
+    parts = [
+        part
+        for group in groups
+        for part in _with_a_mean([motions[int(i)] for i in group], drop_lone)
+    ]
     return sorted(parts, key=len, reverse=True)
 
 
-def _with_a_mean(motions: list[MotionT]) -> list[list[MotionT]]:
+def _with_a_mean(motions: list[MotionT], drop_lone: bool) -> list[list[MotionT]]:
     """Motions of one path, in two parts where each has mean orientations and all have none."""
     layers = [
         rotations.interpolate(u, each.orientations, NODES)
@@ -63,8 +72,8 @@ def _with_a_mean(motions: list[MotionT]) -> list[list[MotionT]]:
         if layers:
             mean_orientations(layers)
     except FitError:
-        parts = groups_of(layers)[:2]
-        if min(map(len, parts)) >= _AGREEING:
+        parts = [part for part in groups_of(layers)[:2] if len(part) >= _AGREEING]
+        if len(parts) == 2 or (parts and drop_lone):
             return [[motions[i] for i in part] for part in parts]
     return [motions]
 

@@ -10,6 +10,7 @@ import leadthrough as lt
 from leadthrough import rotations
 from leadthrough.errors import FitError, InvalidInput, UnsupportedQuery
 from leadthrough.models import TaskGMR
+from leadthrough_studies.comparison.recordings import read
 
 U = np.linspace(0.0, 1.0, 120)
 
@@ -165,3 +166,14 @@ def test_ways_apart_may_turn_differently_in_fast_marching():
         made = skill.generate(start=shown.positions[0], goal=shown.positions[-1])
         middle = made.orientations[[len(made.times) // 2]]
         assert rotations.distance(middle, shown.orientations[[60]])[0] < 0.3
+
+
+@pytest.mark.parametrize("model", [lt.DMP(), lt.ProMP()], ids=["DMP", "ProMP"])
+def test_one_that_starts_rotated_as_no_other_does_is_named_and_dropped_on_request(
+    model, recordings
+):
+    one, _, *others = read(recordings / "strokes" / "puma-tomato1.npz")
+    with pytest.raises(FitError, match=r"\[0\] and \[1, 2, 3\] turn up to 149 degrees apart"):
+        model.fit([one, *others])
+    kept = model.fit([one, *others], outliers="drop").generate()
+    np.testing.assert_array_equal(kept.orientations, model.fit(others).generate().orientations)

@@ -32,7 +32,7 @@ from leadthrough.models.curves import (
     smoothed,
     smoothed_progress,
 )
-from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted, motions_of
+from leadthrough.models.protocol import Demonstrations, Outliers, Unfitted
 from leadthrough.models.queries import CheckedQuery, even_times
 from leadthrough.motion import MotionT, MotionT_co, lerp
 from leadthrough.planning import detours
@@ -66,9 +66,7 @@ class AlignedMean(Unfitted):
                 orientations of those of one mode have no mean.
         """
         return modes.learned_by_mode(
-            lambda own: _learned(self, own),
-            motions_of(demonstrations, outliers=outliers),
-            10 * modes.MAX_ROWS,
+            lambda own: _learned(self, own), demonstrations, outliers, 10 * modes.MAX_ROWS
         )
 
 

@@ -104,7 +104,7 @@ class Predictor:
         weights: Float64Array,
         ends: Float64Array,
         fades: Sequence[tuple[float, float, bool]],
-    ) -> Iterator[Float64Array]:
+    ) -> list[Float64Array]:
         """For each kind of fade the means (widths, m, n, width) of curves, with new ends."""
         means = np.einsum("wmk,knd->wmnd", weights, rows)
         progress = arc_phases(means)
@@ -114,9 +114,9 @@ class Predictor:
             _Fade(rows[:, :, each], weights, means[..., each], ends[:, :, each])
             for each in (groups if rows.shape[2] > self.size else groups[:1])
         ]
-        for prior, _, combined in fades:
-            made = [each.rows(linear, prior, combined=combined) for each in ready]
-            yield np.concatenate(made, axis=-1)
+        kinds = [(prior, combined) for prior, _, combined in fades]
+        made = zip(*(each.rows(linear, kinds) for each in ready), strict=True)
+        return [np.concatenate(parts, axis=-1) for parts in made]
 
     def _rotated(self, phase: int, ends: Float64Array) -> Float64Array:
         """Curves (m, k, n, width) with new ends, partly shifted and partly rotated."""
@@ -138,9 +138,8 @@ class Predictor:
         few = Predictor(phased, self.size, self.rotating)
         wanted = phased[0].rows[out]
         found = few.between(wanted[:, [0, -1]], self.options, out)
-        missed = np.array(
-            [np.linalg.norm(_evened(each) - wanted, axis=2).mean(axis=1) for each in found.values()]
-        )
+        even = _evened(np.concatenate(list(found.values()))).reshape(-1, *wanted.shape)
+        missed = np.linalg.norm(even - wanted, axis=3).mean(axis=2)
         gain = missed / (missed[default].mean() + _ROUNDING)
         gain -= gain[default]
         error = gain.std(axis=1, ddof=1) / np.sqrt(len(out))
@@ -156,11 +155,11 @@ class Predictor:
         """Mean rows (n, width) between ends (2, width), elastic phases (n,) and times (n,)."""
         timed = [replace(each, phase=1) for each in shares]
         every = self.between(ends[None], [*shares, *timed])
-        rows = np.sum([x * _evened(every[each])[0] for each, x in shares.items()], axis=0)
+        weighting = np.array(list(shares.values()))
+        rows = _mean(weighting, _evened(np.concatenate([every[each] for each in shares])))
         rows[[0, -1]] = ends
         aligned, even = self.phased[1], even_phases(len(rows))
-        parts = zip(timed, shares.values(), strict=True)
-        elastic = np.sum([x * every[each][0] for each, x in parts], axis=0)
+        elastic = _mean(weighting, np.concatenate([every[each] for each in timed]))
         phases = np.interp(even, arc_phases(elastic), even)
         ((weights,),) = _weights(aligned.rows[:, [0, -1]], ends[None], [_TIMED], None)
         clock = np.maximum.accumulate(np.interp(phases, even, weights @ aligned.times))
@@ -209,6 +208,10 @@ def _kind(option: Option) -> tuple[float, float, bool]:
     return option.prior, option.rotated, option.combined
 
 
+def _mean(shares: Float64Array, rows: Float64Array) -> Float64Array:
+    return np.asarray(np.tensordot(shares, rows, 1))
+
+
 def _evened(rows: Float64Array) -> Float64Array:
     """Curves (m, n, width) at even steps of their lengths."""
     even, apart = even_phases(rows.shape[1]), 2.0 * np.arange(len(rows))[:, None]
@@ -248,18 +251,29 @@ class _Fade:
         variance = np.trace(self._gram, axis1=2, axis2=3) / rows.shape[2]
         self._variance = np.maximum(variance, _NEGLIGIBLE**2)[..., None, None]
 
-    def rows(self, linear: Float64Array, prior: float, *, combined: bool) -> Float64Array:
-        """Rows (widths, m, n, d) with the ends asked for; `linear` are fades (widths, m, 2, n)."""
-        left, made, offsets = linear, self._means, self._offsets
-        if np.isfinite(prior):
-            pull = prior * self._variance
-            left = np.linalg.solve(self._gram + pull * np.eye(2), self._seen + pull * linear)
-            left[..., [0, -1]] = np.eye(2)
-        if combined:
-            shares = self._shares()
-            made = made + np.einsum("wmk,knd->wmnd", shares, self._rows)
-            offsets = offsets - np.einsum("wmk,wmkid->wmid", shares, self._off)
-        return np.asarray(made + np.einsum("wmin,wmid->wmnd", left, offsets))
+    def rows(
+        self, linear: Float64Array, kinds: Sequence[tuple[float, bool]]
+    ) -> Iterator[Float64Array]:
+        """For each prior, combined or not, the rows (widths, m, n, d) with the ends asked for.
+
+        The fades `linear` are (widths, m, 2, n).
+        """
+        left = self._left(linear, sorted({prior for prior, _ in kinds}))
+        for prior, combined in kinds:
+            made, offsets = self._means, self._offsets
+            if combined:
+                shares = self._shares()
+                made = made + np.einsum("wmk,knd->wmnd", shares, self._rows)
+                offsets = offsets - np.einsum("wmk,wmkid->wmid", shares, self._off)
+            yield np.asarray(made + left[prior].swapaxes(2, 3) @ offsets)
+
+    def _left(self, linear: Float64Array, priors: Sequence[float]) -> dict[float, Float64Array]:
+        """The fades (widths, m, 2, n) by each prior."""
+        finite = [prior for prior in priors if np.isfinite(prior)]
+        pull = np.reshape(finite, (-1, 1, 1, 1, 1)) * self._variance
+        left = np.linalg.solve(self._gram + pull * np.eye(2), self._seen + pull * linear)
+        left[..., [0, -1]] = np.eye(2)
+        return {np.inf: linear, **dict(zip(finite, left, strict=True))}
 
     def _shares(self) -> Float64Array:
         """Shares (widths, m, k), of sum 0, in a combination that comes near the ends asked for."""

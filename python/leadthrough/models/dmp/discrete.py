@@ -24,7 +24,7 @@ from leadthrough.models.dmp.learning import Primitive, check_choices, learn_moti
 from leadthrough.models.dmp.query import check_final_velocity, check_state, check_step
 from leadthrough.models.dmp.transformation import MAX_WEIGHTS, RATE
 from leadthrough.models.modes import learned_by_mode
-from leadthrough.models.protocol import Demonstrations, Outliers, Skill, Unfitted, motions_of
+from leadthrough.models.protocol import Demonstrations, Outliers, Skill, Unfitted
 from leadthrough.models.queries import CheckedQuery, even_phases
 from leadthrough.motion import Motion, MotionT, MotionT_co, Target, moved_events
 from leadthrough.shapes import Shape
@@ -99,7 +99,7 @@ class DMP(Unfitted):
                 "ijspeert" for one of which a channel ends where it began; for several whose
                 orientations lie too far apart for a mean, and where "lifted" would spin.
         """
-        return learned_by_mode(self._fitted, motions_of(demonstrations, outliers=outliers))
+        return learned_by_mode(self._fitted, demonstrations, outliers)
 
     def _fitted(self, motions: Sequence[MotionT]) -> DMPSkill[MotionT]:
         mean, parts = learn_motion(motions, **asdict(self))

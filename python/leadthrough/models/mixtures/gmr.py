@@ -72,7 +72,7 @@ class GMR(Unfitted):
             FitError: if there is none, one does not move or contradicts all others, or the
                 orientations of poses have no mean.
         """
-        return learned_by_mode(self._fitted, motions_of(demonstrations, outliers=outliers))
+        return learned_by_mode(self._fitted, demonstrations, outliers)
 
     def _fitted(self, motions: Sequence[MotionT]) -> GMRSkill[MotionT]:
         samples = phase_mixtures.sampled(motions, least=self.components or SAMPLES)

@@ -47,7 +47,9 @@ _MIN_PROBABILITY = 1e-3
 # Instants of left-out forecasts that are judged, as fractions of the part that was not seen.
 _JUDGED = np.array([0.1, 0.4, 0.7, 1.0])
 # Left-out demonstrations are forecast at paces that are off by this many standard deviations.
-_OFF_PACE = 1.3
+_OFF_PACE = 1.15
+# That the covariance is right as it stands counts as one left-out demonstration.
+_KNOWN = 1
 # Logarithms of the factors that the covariance is tried with.
 _FACTORS = np.linspace(-3.0, 5.5, 86)
 # Directions with less information from the samples than this, relative to the most, are unseen.
@@ -310,9 +312,9 @@ class Continuation(Generic[MotionT]):
         lost = left[:, :, None] * left[:, None, :]
         expected = after + lost * (before - after) + np.diag(self._noise)
         squared = (missed * np.linalg.solve(expected, missed[..., None])[..., 0]).sum(axis=2)
-        # The mean of a variance after as many squared errors, if nothing was known before.
-        count = len(left_out)
-        scale = float(squared.mean()) / len(self._noise) * count / (count - 2)
+        # The mean of a variance after as many squared errors.
+        count, error = len(left_out), float(squared.mean()) / len(self._noise)
+        scale = (_KNOWN + count * error) / (_KNOWN + count - 2)
         return _followed(kept, deviations, np.abs(on_pace[1]).max(axis=0)), scale
 
     def _first_paces(self) -> Float64Array:
@@ -398,7 +400,9 @@ def _kept(foreseen: Float64Array, gained: Float64Array) -> Float64Array:
     product, squared = ((foreseen * each).sum(axis=(0, 2)) / unit for each in (gained, foreseen))
     own = product / np.maximum(squared, smallest)
     every = product.sum() / max(squared.sum(), smallest)
-    kept = 0.5 * (np.clip(own, 0.0, 1.0) + np.clip(every, 0.0, 1.0))
+    # Two may deviate alike by chance: one of all pairs does not count.
+    by_chance = 2.0 / (len(foreseen) * (len(foreseen) - 1))
+    kept = (0.5 - 0.5 * by_chance) * (np.clip(own, 0.0, 1.0) + np.clip(every, 0.0, 1.0))
     return np.repeat(kept[:, None], foreseen.shape[2], axis=1)
 
 

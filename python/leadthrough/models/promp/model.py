@@ -121,14 +121,17 @@ class ProMP(protocol.Unfitted):
         Warns:
             MisalignmentWarning: if rhythmic motions are misaligned in time and no phases are given.
         """
-        kept: Outliers = outliers if phases is None else "keep"
-        motions, rhythmic = motions_of(demonstrations, outliers=kept), self.basis == "rhythmic"
+        rhythmic = self.basis == "rhythmic"
         if phases is not None:
+            motions = motions_of(demonstrations, outliers="keep")
             return self._fitted(motions, checked_phases(phases, motions, rhythmic=rhythmic))
         if rhythmic:
+            motions = motions_of(demonstrations, outliers=outliers)
             protocol.warn_of_misalignment(motions)
             return self._fitted(motions, [normalised_times(motion.times) for motion in motions])
-        return learned_by_mode(lambda own: self._fitted(own, common_phases(own)), motions)
+        return learned_by_mode(
+            lambda own: self._fitted(own, common_phases(own)), demonstrations, outliers
+        )
 
     def _fitted(
         self, motions: Sequence[MotionT], at: Sequence[Float64Array]

@@ -1,5 +1,6 @@
 """Motions recognised from their beginning, and forecasts of how they go on."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -208,9 +209,9 @@ def test_hundreds_of_demonstrations_forecast_too():
 
 
 def test_regions_hold_for_other_columns_weights_paces_and_durations():
-    for count in (4, 12):
+    for count, families in ((4, 20), (12, 10)):
         error, inside, *_ = forecasts(
-            count, size=3, functions=8, weights=12, pace=0.15, rate=0.3, families=10
+            count, size=3, functions=8, weights=12, pace=0.15, rate=0.3, families=families
         )
         assert error <= 1.0
         assert inside >= 0.9
@@ -223,6 +224,19 @@ def test_regions_hold_where_random_demonstrations_are_taken_for_modes():
         skill = lt.ProMP(weights=20).fit([lt.Trajectory(2.0 * U, path) for path in draw(4)])
         assert min(len(mode.experience.curves) for mode in skill.modes) == 1
         for path in draw(8):
+            found = infer(lt.Trajectory(2.0 * U, path)[:SEEN], [skill])
+            ahead = found.region(U[SEEN:] * found.durations[0])
+            held.append(ahead.contains(path[SEEN:]).mean())
+    assert 0.92 <= np.mean(held) <= 0.99
+
+
+def test_regions_of_rests_from_four_demonstrations_are_no_wider_than_stated():
+    held = []
+    for seed, factors in itertools.product(range(1000, 1010), (10, 24)):
+        draw = random_family(np.random.default_rng(seed), factors=factors)
+        shown = [lt.Trajectory(2.0 * U, path) for path in draw(4)]
+        skill = lt.ProMP(weights=20).fit(shown, outliers="keep")
+        for path in draw(4):
             found = infer(lt.Trajectory(2.0 * U, path)[:SEEN], [skill])
             ahead = found.region(U[SEEN:] * found.durations[0])
             held.append(ahead.contains(path[SEEN:]).mean())

@@ -13,7 +13,8 @@ def test_the_fade_is_the_mean_of_a_gaussian_conditioned_on_both_ends():
     ends = rng.normal(size=(2, 1))
     linear = np.stack([1.0 - np.linspace(0.0, 1.0, n), np.linspace(0.0, 1.0, n)])
     fade = _Fade(rows, weights[None, None], mean[None, None], ends[None])
-    found = fade.rows(linear[None, None], prior, combined=False)[0, 0, :, 0]
+    (found,) = fade.rows(linear[None, None], [(prior, False)])
+    found = found[0, 0, :, 0]
     off = (rows - mean)[:, :, 0]
     variance = (off[:, [0, -1]] ** 2).sum() / 5
     joint = off.T @ off / 5 + prior * variance * linear.T @ linear
@@ -33,7 +34,8 @@ def test_a_combination_is_the_regression_of_what_the_fade_leaves_on_all_columns_
     def between(offsets, *, combined):
         ends = mean[[0, -1]] + offsets.reshape(2, size)
         fade = _Fade(rows, weights[None, None], mean[None, None], ends[None])
-        return fade.rows(linear, prior, combined=combined)[0, 0] - mean
+        (found,) = fade.rows(linear, [(prior, combined)])
+        return found[0, 0] - mean
 
     off = (rows - mean)[:, [0, -1]].reshape(k, -1)
     left = rows - mean - np.array([between(each, combined=False) for each in off])
