@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <tuple>
 
 #include "bind/parts.hpp"
 #include "leadthrough/arm/dynamics.hpp"
@@ -113,6 +114,14 @@ std::map<std::string, MassProperties> inertias(const urdf::Robot& robot) {
   return bodies;
 }
 
+// The robot with other masses, centres and moments of some links.
+urdf::Robot with_inertias(urdf::Robot robot, const std::map<std::string, MassProperties>& bodies) {
+  for (urdf::Link& link : robot.links)
+    if (const auto body = bodies.find(link.name); body != bodies.end())
+      std::tie(link.inertia.mass, link.inertia.center, link.inertia.moments) = body->second;
+  return robot;
+}
+
 std::map<std::string, std::size_t> collisions(const urdf::Robot& robot) {
   std::map<std::string, std::size_t> counts;
   for (const urdf::Link& link : robot.links)
@@ -187,6 +196,7 @@ void bind_arm(py::module_& module) {
       .def_property_readonly("collisions", &collisions)
       .def_property_readonly("meshes", &meshes)
       .def_property_readonly("inertias", &inertias)
+      .def("with_inertias", &with_inertias, "bodies"_a)
       .def("geometry", &geometry_of, "link"_a, "role"_a)
       .def("path", &path, "base"_a, "tip"_a)
       .def("hold", &hold, "values"_a);

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from types import FunctionType, MappingProxyType
 from typing import TYPE_CHECKING
@@ -19,8 +19,7 @@ from leadthrough.arm.inverse_kinematics import IkBatch, IkOptions, IkResult, IkS
 from leadthrough.arm.limits import JointLimits, checked_values
 from leadthrough.arm.model import ArmModel
 from leadthrough.arm.path_report import PathReport, path_report
-from leadthrough.arm.tip_path import CollisionTest
-from leadthrough.check import InvalidInput
+from leadthrough.check import InvalidInput, InvalidRobot
 from leadthrough.motion import JointTrajectory, Motion, PoseTrajectory, Trajectory
 from leadthrough.shapes import SceneLike
 
@@ -36,7 +35,7 @@ class Arm(ArmModel, CollisionQueries):
 
     Joint values are in rad (m for prismatic joints), in the order of `joint_names`. Poses are
     positions in m and orientations w, x, y, z of the tip in the base frame. An arm never changes:
-    `lock_joints`, `with_tool`, `with_payload` and `with_attached` return new ones.
+    `lock_joints`, `with_tool`, `with_payload`, `with_attached` and `with_density` return new ones.
 
     A configuration `q` is (joints,) and may lie outside the limits; its velocities `qd`, rad/s, and
     accelerations `qdd`, rad/s^2, have its shape. Of a batch, (m, joints) each, the results have a
@@ -52,6 +51,7 @@ class Arm(ArmModel, CollisionQueries):
         locked_joints: joints that are locked, by name, and their values.
         attachment: tool and loads on the tip link.
         mesh_folders: folders with the files of collision meshes.
+        assumed: masses of links whose URDF states none, by `with_density`.
     """
 
     @staticmethod
@@ -123,6 +123,25 @@ class Arm(ArmModel, CollisionQueries):
         base, tip, complete = robot_files.ends_and_limits(document, (base, tip), locked, limits)
         folders = robot_files.folders(path_or_xml, mesh_folders)
         return Arm(document, base, tip, complete, locked, mesh_folders=folders)
+
+    def with_density(self, density: float = 1000.0) -> Arm:
+        """The arm with masses for links whose URDF states none: their shapes, filled.
+
+        Of a link without collision shapes those drawn count. Masses stated stay as they are.
+
+        Args:
+            density: kg/m^3, > 0; the default is that of water, as MuJoCo assumes.
+
+        Raises:
+            InvalidRobot: if a mesh is not found, or no link that the arm moves has a shape.
+        """
+        from leadthrough.arm.link_geometry import filled
+
+        each = check.number(density, "density", above=0.0)
+        arm = replace(self, assumed=filled(self.robot, self.mesh_folders, each))
+        if arm._chain.mass == 0.0:
+            raise InvalidRobot("robot", "no link that the arm moves has a shape to be filled")
+        return arm
 
     def describe(self) -> str:
         """Summary of the robot, its joints with their limits, and its load, as text."""
@@ -307,7 +326,7 @@ class Arm(ArmModel, CollisionQueries):
 
         Source: Nakamura and Hanafusa 1986 for the damped step; Pham and Pham 2018 for the slowing.
         """
-        test = None if scene is None else CollisionTest.of(self._collision, scene)
+        test = None if scene is None else self._planning_test(scene)
         chosen = following.checked_options(options)
         return following.follow(
             self,

@@ -343,6 +343,9 @@ class CollisionQueries(ABC):
             distances, bodies, points = core.nearest_bodies(pairs, np.ascontiguousarray(q), 1)
             yield distances, [(pairs.names[a], pairs.names[b]) for a, b in bodies], points
 
+    def _planning_test(self, scene: SceneLike) -> CollisionTest:
+        return CollisionTest.of(self._collision, scene)
+
     @overload
     def is_clear(self, q: Sequence[float] | JointTrajectory, scene: SceneLike = ...) -> bool: ...
     @overload

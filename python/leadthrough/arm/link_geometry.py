@@ -9,12 +9,13 @@ import numpy as np
 
 import leadthrough._core as core
 from leadthrough import rotations
-from leadthrough.arm.model import ArmModel
+from leadthrough.arm.model import ArmModel, Body
 from leadthrough.arm.robot_files import find_mesh, mesh_parts
 from leadthrough.check import Float64Array, InvalidInput, MissingDependency
+from leadthrough.shapes.mesh import hull
 from leadthrough.shapes.primitives import PRIMITIVES
 from leadthrough.shapes.shape import ConvexPart, Primitive
-from leadthrough.shapes.surface import Surface
+from leadthrough.shapes.surface import Surface, merged
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +52,27 @@ def surfaces(
             instead = "its collision shape is shown" if parts else "it is left out"
             remarks.append(f"link {link}: {trouble}; {instead}")
     return found, tuple(remarks)
+
+
+def filled(robot: core.Robot, mesh_folders: Sequence[str], density: float) -> dict[str, Body]:
+    """The links without a stated mass as if their shapes, or what is drawn of them, were solid."""
+    stated, found = robot.inertias, {}
+    for link in robot.links:
+        pieces = robot.geometry(link, "collision") or robot.geometry(link, "visual")
+        if pieces and stated[link][0] == 0.0:
+            solid = merged([each for piece in pieces for each in _solid(piece, link, mesh_folders)])
+            volume, centre, spread = solid.moments()
+            moments = density * volume * (np.trace(spread) * np.eye(3) - spread)
+            found[link] = density * volume, centre, moments
+    return found
+
+
+def _solid(geometry: core.Geometry, link: str, mesh_folders: Sequence[str]) -> list[Surface]:
+    if geometry.kind != "mesh":
+        return [_primitive(geometry).placed_surface()]
+    turn = rotations.to_matrix(_orientation(geometry)[None])[0]
+    parts = mesh_parts(link, geometry.file, geometry.sizes, mesh_folders)
+    return [hull(each).moved(geometry.position, turn) for each in parts]
 
 
 def _of_link(

@@ -26,6 +26,9 @@ _IDENTITY = (1.0, 0.0, 0.0, 0.0)
 _NO_INERTIA = ((0.0, 0.0, 0.0),) * 3
 _AT_REST = 1e-6  # rad/s (m/s): less is rounding, which dry friction would take for a direction
 
+# Mass of a link, kg, its centre (3,), m, and inertia (3, 3) about it, kg m^2, in the link's frame.
+Body = tuple[float, Float64Array, Float64Array]
+
 _WRIST = 0.1  # m, around the axes of a wrist
 
 
@@ -40,6 +43,7 @@ class ArmModel(Drawn):
     locked_joints: Mapping[str, float] = field(default_factory=dict, repr=False)
     attachment: Attachment = field(default_factory=Attachment, repr=False)
     mesh_folders: tuple[str, ...] = field(default=(), repr=False)
+    assumed: Mapping[str, Body] = field(default_factory=dict, repr=False)
     _robot: core.Robot = field(init=False, repr=False)
     _chain: core.Chain = field(init=False, repr=False)
 
@@ -54,7 +58,8 @@ class ArmModel(Drawn):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "locked_joints", checked_values(self.locked_joints))
-        robot = core.Robot(self.document).hold(list(self.locked_joints.items()))
+        stated = core.Robot(self.document).hold(list(self.locked_joints.items()))
+        robot = stated.with_inertias(dict(self.assumed))
         chain = core.Chain(robot, self.base, self.tip)
         if list(self.joint_names) != chain.joint_names:
             raise check.refused("limits", f"the joints {chain.joint_names}", list(self.joint_names))
@@ -64,7 +69,8 @@ class ArmModel(Drawn):
 
     def __reduce__(self) -> tuple[Any, ...]:
         stated = (self.document, self.base, self.tip, self.limits)
-        return type(self), (*stated, dict(self.locked_joints), self.attachment, self.mesh_folders)
+        load = self.attachment, self.mesh_folders, dict(self.assumed)
+        return type(self), (*stated, dict(self.locked_joints), *load)
 
     @cached_property
     def _dynamics(self) -> core.Dynamics:
@@ -323,5 +329,7 @@ class ArmModel(Drawn):
     def _require_masses(self) -> None:
         if self._chain.mass == 0.0:
             raise InvalidRobot(
-                "robot", "no link that the arm moves has a mass: its URDF states no <inertial>"
+                "robot",
+                "no link that the arm moves has a mass: its URDF states no <inertial>; assume a "
+                "density (--density); in Python, by arm.with_density",
             )

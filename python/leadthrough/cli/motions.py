@@ -381,6 +381,7 @@ def simulate(
     skill: options.SkillPath = None,
     start: str | None = None,
     mass: float = 0.0,
+    density: float | None = None,
     ideal: bool = False,
     payload: float | None = None,
     friction: float | None = None,
@@ -408,6 +409,7 @@ def simulate(
         skill: Skill file; cartesian-impedance is stiff where its demonstrations agree.
         start: Joint positions at which the arm rests before, as 0,-0.5,1.
         mass: Mass that the tip carries, in kg.
+        density: Density of links whose URDF states no mass, in kg/m^3; 1000 is that of water.
         ideal: An arm without rotors, friction, delay and encoder steps, its payload known exactly.
         payload: Factor by which it is heavier than the controller knows; by default 1.05.
         friction: Dry friction of each joint, in N m; by default that of a real arm.
@@ -423,6 +425,8 @@ def simulate(
 
     arm = robots.load(robot, details)
     joints = robots.joints_in(arm, motion)
+    if density is not None:
+        arm = arm.with_density(density)
     if mass:
         arm = arm.with_payload(mass)
     elif payload not in (None, 1.0):

@@ -61,7 +61,7 @@ class Mesh(PointBased, Solid):
             vertices=corners,
             faces=triangles,
             **pose(position, orientation),
-            parts=check.freeze(tuple(map(_hull, _parts(*_merged(corners, triangles))))),
+            parts=check.freeze(tuple(map(hull, _parts(*_merged(corners, triangles))))),
         )
 
     def surface(self) -> Surface:
@@ -72,19 +72,9 @@ class Mesh(PointBased, Solid):
             yield ConvexPart("mesh", (), self.position, self.orientation, part.vertices)
 
     def unit_inertia(self) -> tuple[Float64Array, Float64Array]:
-        centre, spread = self._moments()
+        _, centre, spread = self.surface().moments()
         inertia = np.trace(spread) * np.eye(3) - spread
         return self.position + self._rotation @ centre, self._rotation @ inertia @ self._rotation.T
-
-    def _moments(self) -> tuple[Float64Array, Float64Array]:
-        """Mean (3,) and covariance (3, 3) of the points in its hulls, in its own frame."""
-        corners = np.concatenate([part.vertices[part.faces] for part in self.parts])
-        six_volumes = np.linalg.det(corners)
-        sums = corners.sum(axis=1)
-        mean = six_volumes @ sums / (4.0 * six_volumes.sum())
-        squares = np.einsum("n,ni,nj->ij", six_volumes, sums, sums)
-        squares += np.einsum("n,nki,nkj->ij", six_volumes, corners, corners)
-        return mean, squares / (20.0 * six_volumes.sum()) - np.outer(mean, mean)
 
     def _outline(self) -> Float64Array:
         corners = np.concatenate([part.vertices for part in self.parts])
@@ -137,7 +127,7 @@ def _parts(vertices: Float64Array, faces: NDArray[np.int64]) -> list[Float64Arra
     return parts if len(parts) <= MAX_PARTS else [own for own, _ in connected]
 
 
-def _hull(points: Float64Array) -> Surface:
+def hull(points: Float64Array) -> Surface:
     from scipy.spatial import ConvexHull, QhullError
 
     solid = _with_thickness(points)

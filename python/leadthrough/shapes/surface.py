@@ -25,6 +25,16 @@ class Surface(ShortRepr):
         """The surface with each point p moved to rotation p + position, (3, 3) and (3,), m."""
         return Surface(self.vertices @ rotation.T + position, self.faces)
 
+    def moments(self) -> tuple[float, Float64Array, Float64Array]:
+        """Volume, m^3, mean (3,), m, and covariance (3, 3), m^2, of the points inside."""
+        corners = self.vertices[self.faces]
+        six_volumes = np.linalg.det(corners)
+        total, sums = six_volumes.sum(), corners.sum(axis=1)
+        mean = six_volumes @ sums / (4.0 * total)
+        squares = np.einsum("n,ni,nj->ij", six_volumes, sums, sums)
+        squares += np.einsum("n,nki,nkj->ij", six_volumes, corners, corners)
+        return float(total) / 6.0, mean, squares / (20.0 * total) - np.outer(mean, mean)
+
 
 def merged(surfaces: Sequence[Surface]) -> Surface:
     if len(surfaces) == 1:

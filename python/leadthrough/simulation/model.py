@@ -90,8 +90,7 @@ def specified(
 ) -> tuple[Any, dict[str, tuple[int, float, float]]]:
     """A model of an arm that is not compiled yet, and what drives each of its joints."""
     mujoco = check.package("mujoco", extra="simulation")
-    if arm._chain.mass == 0.0:
-        raise InvalidRobot("robot", "no link that the arm moves has a mass, so nothing resists")
+    arm._require_masses()
     spec = mujoco.MjSpec()
     _set_options(mujoco, spec, gravity, period)
     _add_links(mujoco, spec, arm, link_inertias(arm, payload=motors.payload))

@@ -1,4 +1,5 @@
 import pickle
+import re
 from concurrent.futures import ThreadPoolExecutor
 from xml.etree import ElementTree
 
@@ -158,3 +159,41 @@ def test_what_does_not_fit_is_refused_by_name(arm, posture, bad):
     refused("q: ", arm.mass_matrix, bad)
     refused("gravity", arm.gravity_torques, posture, gravity=(0.0, -9.81))
     refused("too large", arm.inverse_dynamics, posture, np.full_like(posture, 1e200), posture)
+
+
+FILLED = """<robot name="two"><link name="base"/>
+  <link name="upper">{upper}<collision><origin xyz="0.1 0 0.2" rpy="0 0.5 0"/><geometry>
+    <box size="0.1 0.2 0.3"/></geometry></collision></link>
+  <link name="lower">{lower}<visual><origin xyz="0 0 0.3"/><geometry><sphere radius="0.1"/>
+    </geometry></visual></link>
+  <joint name="a" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" velocity="1" effort="0"/></joint>
+  <joint name="b" type="revolute"><origin xyz="0 0 0.4"/><parent link="upper"/><child link="lower"/>
+    <axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="1" effort="0"/></joint></robot>"""
+INERTIAL = """<inertial><origin xyz="{}" rpy="{}"/><mass value="{}"/>
+  <inertia ixx="{}" iyy="{}" izz="{}" ixy="0" ixz="0" iyz="0"/></inertial>"""
+
+
+def test_links_without_masses_are_filled_shapes_at_a_density():
+    """As with the masses and inertias of a box and a ball of twice the density of water."""
+    box, ball = 2000.0 * 0.1 * 0.2 * 0.3, 2000.0 * 4.0 / 3.0 * np.pi * 0.1**3
+    moments = [box / 12.0 * (a**2 + b**2) for a, b in ((0.2, 0.3), (0.1, 0.3), (0.1, 0.2))]
+    upper = INERTIAL.format("0.1 0 0.2", "0 0.5 0", box, *moments)
+    lower = INERTIAL.format("0 0 0.3", "0 0 0", ball, *[0.4 * ball * 0.1**2] * 3)
+    stated = lt.Arm.from_urdf(FILLED.format(upper=upper, lower=lower))
+    assumed = lt.Arm.from_urdf(FILLED.format(upper="", lower="")).with_density(2000.0)
+    partly = lt.Arm.from_urdf(FILLED.format(upper="", lower=lower)).with_density(2000.0)
+    q, qd, qdd = np.random.default_rng(0).uniform(-2.0, 2.0, (3, 20, 2))
+    expected = stated.inverse_dynamics(q, qd, qdd)
+    for arm, tolerance in ((partly, 1e-12), (pickle.loads(pickle.dumps(assumed)), 0.02)):
+        within = tolerance * np.abs(expected).max()
+        np.testing.assert_allclose(arm.inverse_dynamics(q, qd, qdd), expected, atol=within)
+
+
+def test_a_density_needs_shapes_and_is_positive():
+    shapeless = FILLED.replace("collision", "ignored").replace("visual", "ignored")
+    bare = lt.Arm.from_urdf(shapeless.format(upper="", lower=""))
+    words = "no link that the arm moves has a mass.*arm.with_density"
+    assert re.search(words, str(raised(InvalidRobot, bare.gravity_torques, [0.0, 0.0])))
+    assert "has a shape to be filled" in str(raised(InvalidRobot, bare.with_density))
+    refused("density", bare.with_density, 0.0)

@@ -56,8 +56,8 @@ NOT_NEGATIVE = (
     "rotor_inertia", "seed", "smoothing", "speed", "angular_speed", "stiffness", "tip_tolerance",
 )  # fmt: skip
 POSITIVE = (
-    "dt", "episodes", "jobs", "new_rate", "orientations", "rate", "runs", "spacing", "task_timeout",
-    "tip_speed", "yaws",
+    "density", "dt", "episodes", "jobs", "new_rate", "orientations", "rate", "runs", "spacing",
+    "task_timeout", "tip_speed", "yaws",
 )  # fmt: skip
 # What is wrong for an option in any command, and in one of them.
 WRONG = {

@@ -47,7 +47,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How far an arm came, and why no farther."""
+    """How far an arm came, and why no farther, or what had to be assumed."""
 
     joints: int
     failed: str  # step, empty if none
@@ -57,7 +57,7 @@ class Outcome:
     @property
     def lacks(self):
         """Whether the package's files lack what the failed step needs."""
-        return self.failed == "load" or "no link that the arm moves has a mass" in self.reason
+        return self.failed == "load"
 
 
 def listed():
@@ -142,7 +142,12 @@ def failed_step(started):
 
 def after_start(said):
     """The step after `start` that fails and why, with what that said of the arm's torques."""
-    if code(result := invoked("simulate", "timed.json", "--json")):
+    simulation, assumed = ("simulate", "timed.json", "--json"), ""
+    result = invoked(*simulation)
+    if "--density" in result.output:
+        assumed = "--density 1000"
+        result = invoked(*simulation, *assumed.split())
+    if code(result):
         found = json.loads(result.stdout)
         why = found["error"]["message"] if "error" in found else "; ".join(found["findings"])
         return "simulate", said or why
@@ -150,7 +155,7 @@ def after_start(said):
     if code(result := invoked(*words, "-o", "timed.yaml")):
         return "export", error_of(result)
     assert lt.read_motion("timed.yaml").joint_names == lt.read_motion("timed.json").joint_names
-    return "", ""
+    return "", assumed
 
 
 def invoked(*words):
@@ -174,11 +179,12 @@ def write_page(rows):
     """Writes the table between its marks on the page."""
     passed = sum(not found.failed for _, found in rows)
     lacking = sum(found.lacks for _, found in rows)
-    said = f"{passed} of {len(rows)} arms pass; {lacking} others lack sound masses or meshes."
+    said = f"{passed} of {len(rows)} arms pass; {lacking} others lack their meshes."
     heads = ["| arm | file, first and last link | joints | result |", "|---|---|---|---|"]
     table = [said, "", *heads]
     for entry, found in rows:
-        result = f"{found.failed}: {_plain(found.reason)}" if found.failed else "passes"
+        remark = f", masses by `simulate {found.reason}`" if found.reason else ""
+        result = f"{found.failed}: {_plain(found.reason)}" if found.failed else f"passes{remark}"
         links = f"`{entry.urdf}`, `{entry.base}` to `{entry.tip}`"
         table.append(f"| {entry.name} | {links} | {found.joints or ''} | {result} |")
     head, begin, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
