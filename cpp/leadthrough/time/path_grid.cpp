@@ -19,6 +19,8 @@ using Eigen::VectorXd;
 // enough to keep the new parameter smooth where the motion stops and turns.
 constexpr double kOwnPace = 1.0;
 constexpr Index kMinPointsAPiece = 4;
+// More pieces than a quarter of so many, one a sample of minutes, have fewer points each.
+constexpr Index kMostInPieces = 1'000'000;
 // Share of the points that is spread over the turns.
 constexpr double kShareOfTurns = 1.0 / 3.0;
 
@@ -82,13 +84,17 @@ class Pace {
   double least_ = 0.0, speed_ = 0.0, bend_ = 0.0, value_ = 0.0;
 };
 
+Index least_in_a_piece(const PolynomialPath& path) {
+  return std::clamp<Index>(kMostInPieces / path.pieces(), 1, kMinPointsAPiece);
+}
+
 // The middles of equal parts of every piece, with their widths.
 struct Parts {
   VectorXd middle, width;
 };
 
 Parts parts(const PolynomialPath& path, Index points) {
-  const Index each = std::max(kMinPointsAPiece, points / path.pieces());
+  const Index each = std::max(least_in_a_piece(path), points / path.pieces());
   Parts result{VectorXd(each * path.pieces()), VectorXd(each * path.pieces())};
   for (Index p = 0; p < path.pieces(); ++p) {
     const double width = (path.breaks[p + 1] - path.breaks[p]) / static_cast<double>(each);
@@ -142,13 +148,13 @@ VectorXd spread(const PolynomialPath& path, Pace& pace, Index points) {
 std::vector<double> with_short_pieces(const PolynomialPath& path, const VectorXd& s,
                                       std::vector<double> result) {
   result.insert(result.end(), s.data(), s.data() + s.size());
+  const Index each = least_in_a_piece(path);
   for (Index p = 0, i = 0; p < path.pieces(); ++p) {
     const double first = path.breaks[p], width = path.breaks[p + 1] - first;
     while (i + 2 < s.size() && s[i + 1] <= first) ++i;
-    if (s[i + 1] - s[i] <= width / static_cast<double>(kMinPointsAPiece)) continue;
-    for (Index k = 0; k <= kMinPointsAPiece; ++k)
-      result.push_back(first +
-                       width * static_cast<double>(k) / static_cast<double>(kMinPointsAPiece));
+    if (s[i + 1] - s[i] <= width / static_cast<double>(each)) continue;
+    for (Index k = 0; k <= each; ++k)
+      result.push_back(first + width * static_cast<double>(k) / static_cast<double>(each));
   }
   std::sort(result.begin(), result.end());
   const double least = kTwins * std::max(std::abs(result.front()), std::abs(result.back()));

@@ -70,12 +70,12 @@ def retime(
         robots.refuse("--start", obstacle=obstacle)
     around = parse.obstacles(obstacle)
     arm = robots.load(robot, details)
-    recorded = path = robots.joints_in(arm, motion)
+    path = robots.joints_in(arm, motion)
     noise = 0.0
     tolerance: float | lt.timing.TipTolerance
     if path_tolerance is None:
         tolerance = _at_tip(arm, tip_tolerance or _TIP_TOLERANCE)
-        path, noise = _without_noise(recorded)
+        path, noise = _without_noise(path)
     else:
         robots.refuse("a path in m and rad, without --path-tolerance", tip_tolerance=tip_tolerance)
         tolerance = path_tolerance

@@ -209,15 +209,15 @@ def _fitted(
     tolerance = request.path_tolerance
     if request.smooth and (found := _smoothed(q, request)):
         return found
+    timed = request.earliest_times is not None  # each sample counts, for its time
     # Dropped samples and the fit share the tolerance.
-    kept, parameters = moving_samples(times, q, 0.5 * tolerance)
-    corners = request.earliest_times is None  # or each sample counts, for its time
-    spline = fit_within(parameters, q[kept], 0.5 * tolerance, corners=corners)
+    kept, parameters = moving_samples(times, q, 0.5 * tolerance, timed=timed)
+    spline = fit_within(parameters, q[kept], 0.5 * tolerance, corners=not timed)
     beyond = request.outside(_reached(spline))
     if beyond <= POSITION_ROUNDING or request.outside(q) > tolerance:
         return kept, parameters, spline
-    kept, parameters = moving_samples(times, q, 0.2 * tolerance)
-    near = fit_within(parameters, q[kept], 0.2 * tolerance, corners=corners)
+    kept, parameters = moving_samples(times, q, 0.2 * tolerance, timed=timed)
+    near = fit_within(parameters, q[kept], 0.2 * tolerance, corners=not timed)
     return kept, parameters, _bounded(near, parameters, q[kept], request)
 
 
@@ -412,10 +412,12 @@ _DEGREE = 5
 
 
 def moving_samples(
-    times: Float64Array, q: Float64Array, tolerance: float
+    times: Float64Array, q: Float64Array, tolerance: float, *, timed: bool
 ) -> tuple[NDArray[np.intp], Float64Array]:
-    """The samples that differ from the one kept before by more than the tolerance."""
+    """The samples farther than the tolerance from the one before, and times without waiting."""
     indices = _kept(q, tolerance)
+    if timed:  # a motion is smooth over its own times, also where it is slow
+        return indices, times[indices] - times[0]
     steps = np.diff(times[indices])
     usual = float(np.median(np.diff(times)))
     return indices, np.concatenate([[0.0], np.cumsum(np.minimum(steps, usual))])
