@@ -424,7 +424,6 @@ def simulate(
     from leadthrough.cli import parse, robot as robots
 
     arm = robots.load(robot, details)
-    joints = robots.joints_in(arm, motion)
     if density is not None:
         arm = arm.with_density(density)
     if mass:
@@ -435,7 +434,7 @@ def simulate(
     with output.busy("simulating"), output.naming(state="--start"):
         report = lt.simulate(
             arm,
-            joints,
+            robots.joints_in(arm, motion),
             lt.Scene(parse.obstacles(obstacle), margin),
             controller=made,
             state=None if start is None else parse.numbers(start, "--start"),

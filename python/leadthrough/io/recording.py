@@ -210,12 +210,14 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
 def lost(positions: Float64Array) -> NDArray[np.bool_]:
     """Rows (n,) of a motion (n, d) that a sensor without its target writes: zeros, or the last."""
     zero = np.asarray((positions == 0.0).all(axis=1))
-    steps = np.abs(np.diff(positions, axis=0))
+    steps = np.diff(positions, axis=0)
+    np.abs(steps, out=steps)  # of minutes, without a copy
     largest = steps.max(axis=1, initial=0.0)[~(zero[1:] | zero[:-1])]
     if len(largest) < _RECORDED or positions.shape[1] < _SPACE:  # a gripper opens at once
         return np.zeros_like(zero)
-    far = np.abs(positions[~zero]).max(axis=1).min() > _LEAP * largest.max()
-    return zero & bool(far) | _held(steps)
+    if zero.any() and np.abs(positions[~zero]).max(axis=1).min() <= _LEAP * largest.max():
+        zero[:] = False  # it is near
+    return zero | _held(steps)
 
 
 def _held(steps: Float64Array) -> NDArray[np.bool_]:
@@ -224,13 +226,15 @@ def _held(steps: Float64Array) -> NDArray[np.bool_]:
     moves = np.flatnonzero(steps.any(axis=1))
     if len(moves) < _RECORDED:
         return held
-    waits, steps = np.diff(moves, prepend=-1), steps[moves]
+    waits = np.diff(moves, prepend=-1)
     if steps.shape[1] == _SPACE:
         steps = steps.max(axis=1, keepdims=True)
     long = waits > _HELD * np.median(waits)
-    usual = steps[~long]
-    leaps = (steps > _LEAP * usual.max(axis=0)).sum(axis=1) >= min(_SPACE, steps.shape[1])
-    for move, wait in zip(moves[long & leaps], waits[long & leaps], strict=True):
+    usual = np.zeros((len(steps), 1), dtype=np.bool_)
+    usual[moves[~long]] = True
+    most = steps.max(axis=0, where=usual, initial=0.0)
+    leaps = (steps[moves[long]] > _LEAP * most).sum(axis=1) >= min(_SPACE, steps.shape[1])
+    for move, wait in zip(moves[long][leaps], waits[long][leaps], strict=True):
         held[move - wait + 2 : move + 1] = True
     return held
 

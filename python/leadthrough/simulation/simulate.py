@@ -82,6 +82,7 @@ def simulate(
     if tip_tolerance is not None:
         tolerances["tip"] = check.number(tip_tolerance, "tip_tolerance", above=0.0)
     plan = _plan(arm, trajectory, state, period)
+    del trajectory  # the plan of minutes takes as much again
     real = SimulatedArm(
         arm,
         plan.start,
