@@ -210,14 +210,12 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
 def lost(positions: Float64Array) -> NDArray[np.bool_]:
     """Rows (n,) of a motion (n, d) that a sensor without its target writes: zeros, or the last."""
     zero = np.asarray((positions == 0.0).all(axis=1))
-    steps = np.diff(positions, axis=0)
-    np.abs(steps, out=steps)  # of minutes, without a copy
+    steps = np.abs(np.diff(positions, axis=0))
     largest = steps.max(axis=1, initial=0.0)[~(zero[1:] | zero[:-1])]
     if len(largest) < _RECORDED or positions.shape[1] < _SPACE:  # a gripper opens at once
         return np.zeros_like(zero)
-    if zero.any() and np.abs(positions[~zero]).max(axis=1).min() <= _LEAP * largest.max():
-        zero[:] = False  # it is near
-    return zero | _held(steps)
+    far = zero.any() and np.abs(positions[~zero]).max(axis=1).min() > _LEAP * largest.max()
+    return zero & bool(far) | _held(steps)
 
 
 def _held(steps: Float64Array) -> NDArray[np.bool_]:
@@ -230,10 +228,8 @@ def _held(steps: Float64Array) -> NDArray[np.bool_]:
     if steps.shape[1] == _SPACE:
         steps = steps.max(axis=1, keepdims=True)
     long = waits > _HELD * np.median(waits)
-    usual = np.zeros((len(steps), 1), dtype=np.bool_)
-    usual[moves[~long]] = True
-    most = steps.max(axis=0, where=usual, initial=0.0)
-    leaps = (steps[moves[long]] > _LEAP * most).sum(axis=1) >= min(_SPACE, steps.shape[1])
+    usual = steps[moves[~long]].max(axis=0)
+    leaps = (steps[moves[long]] > _LEAP * usual).sum(axis=1) >= min(_SPACE, steps.shape[1])
     for move, wait in zip(moves[long][leaps], waits[long][leaps], strict=True):
         held[move - wait + 2 : move + 1] = True
     return held

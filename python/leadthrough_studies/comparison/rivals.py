@@ -8,6 +8,7 @@ it, the shift fading along the path.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -132,7 +133,8 @@ class TimeRegression:
 
     def fit(self, demonstrations: Shown) -> RivalSkill:
         """The mixture by the library's own expectation maximisation."""
-        import gmr  # noqa: PLC0415 - an optional peer
+        with warnings.catch_warnings(action="ignore"):  # of escapes in its sources
+            import gmr  # noqa: PLC0415 - an optional peer
 
         curves, middle, scale, duration = _columns(demonstrations)
         times = np.linspace(0.0, 1.0, _SAMPLES)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 import leadthrough._core as core
 from leadthrough.check import Float64Array, NoPath
+from leadthrough.models.curves import modes_of
 from leadthrough.models.marching.experience import Experience
 from leadthrough.models.marching.route import Query, Route, from_start, route_along, through_map
 from leadthrough.planning import maps
@@ -72,7 +73,7 @@ def branches(
     adapted = curves.adapted(shifted, start, goal)
     moved = float(np.linalg.norm(np.stack([start, goal]) - curves.nominal_ends, axis=1).max())
     region = curves.region(start, goal, _ROOM * moved)
-    for chosen in _branches_near(shifted, curves.starts, start, curves.nominal_length):
+    for chosen in _branches_near(shifted, curves, start):
         weights = _weights(curves.starts, start, chosen)
         path = np.einsum("j,jnd->nd", weights, adapted)
         if moved > 0.0:
@@ -87,6 +88,7 @@ class _Curves:
     def __init__(self, demonstrated: Sequence[Experience]) -> None:
         self.points = np.stack([by_arc_length(each.denoised, _SAMPLES) for each in demonstrated])
         self.starts = self.points[:, 0]
+        self.modes = modes_of(self.points)
         self.nominal_ends = self.points[:, [0, -1]].mean(axis=0)
         self.nominal_length = float(np.mean([each.length for each in demonstrated]))
         self._corners = self.points.min(axis=(0, 1)), self.points.max(axis=(0, 1))
@@ -128,11 +130,12 @@ _curves_of = lru_cache(maxsize=16)(_Curves)
 
 
 def _branches_near(
-    shifted: Float64Array, starts: Float64Array, start: Float64Array, length: float
+    shifted: Float64Array, curves: _Curves, start: Float64Array
 ) -> Iterator[NDArray[np.bool_]]:
-    """Groups of demonstrations connected by small steps, that with the nearest start first."""
-    neighbours = core.rms_apart(shifted) < _SAME_BRANCH * length
-    distance = np.linalg.norm(starts - start, axis=1)
+    """Groups connected by small steps, of one mode each, that with the nearest start first."""
+    neighbours = core.rms_apart(shifted) < _SAME_BRANCH * curves.nominal_length
+    neighbours &= curves.modes[:, None] == curves.modes
+    distance = np.linalg.norm(curves.starts - start, axis=1)
     left = np.ones(len(shifted), dtype=bool)
     while left.any():
         chosen = np.zeros(len(shifted), dtype=bool)
@@ -210,6 +213,9 @@ _ONE_DIRECTION = 0.5
 # A query whose ends are nearer to a demonstration's than this fraction of its distance from the
 # nominal ends asks for that demonstration.
 _ASKED_FOR = 0.5
+# A query whose ends are nearer by this factor to demonstrations of another way than to those of the
+# nominal route asks for that way.
+_NEARER = 0.4
 _FRECHET_SAMPLES = 200
 
 
@@ -404,13 +410,14 @@ def _near_nominal(
     if scales.workspace is not None:
         path = np.clip(path, *scales.workspace)
     blocked = maps.min_distance(path, query.obstacles) < scales.clearance
-    if blocked or _asks_for_one(known, query, moved, scales):
+    asked_for = moved > scales.radius and _gap(known, query) <= _ASKED_FOR * moved
+    asked_for = asked_for or _gap(route.used, query) < _NEARER * _gap(nominal.used, query)
+    if blocked or asked_for:
         return replace(route, leaves_nominal_route=True)
     return replace(nominal, path=path)
 
 
-def _asks_for_one(known: Sequence[Experience], query: Query, moved: float, scales: Scales) -> bool:
-    """Whether start and goal are clearly a demonstration's, and not the nominal ones."""
-    ends = [each.towards(query.start, query.goal).path[[0, -1]] for each in known]
-    gaps = [np.linalg.norm(each - query.ends, axis=1).max() for each in ends]
-    return moved > scales.radius and min(gaps) <= _ASKED_FOR * moved
+def _gap(some: Sequence[Experience], query: Query) -> float:
+    """How far start and goal are from those of the nearest of some demonstrations."""
+    ends = [each.towards(query.start, query.goal).path[[0, -1]] for each in some]
+    return min((float(np.linalg.norm(e - query.ends, axis=1).max()) for e in ends), default=np.inf)

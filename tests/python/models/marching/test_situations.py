@@ -227,3 +227,24 @@ def test_noise_in_a_pause_is_no_progress():
     still = lt.FastMarching().fit([noisy(0, 0.001, pause=200)]).generate()
     done = arc_length(still.positions)
     assert done[len(done) // 2] > 0.95 * done[-1]
+
+
+def test_two_groups_of_alike_strokes_are_not_averaged():
+    """Strokes that begin at two places and rise differently, each as from its own group alone."""
+    u, rng = np.linspace(0.0, 1.0, 100), np.random.default_rng(0)
+
+    def stroke(first, height, noise=0.0):
+        rise = height * u + noise * rng.normal()
+        path = np.column_stack([first + (1.0 - first) * u, rise * np.sin(np.pi * u)])
+        return lt.Trajectory(2.0 * u, path)
+
+    groups = [[stroke(*kind, noise=0.01) for _ in range(4)] for kind in ((0.0, 0.25), (0.3, 0.05))]
+    skill = lt.FastMarching().fit([*groups[0], *groups[1]])
+    for own, kind in zip(groups, ((0.0, 0.25), (0.3, 0.05)), strict=True):
+        wanted = stroke(*kind).positions
+        query = {"start": wanted[0], "goal": wanted[-1]}
+        made, alone = (
+            each.generate(**query).positions for each in (skill, lt.FastMarching().fit(own))
+        )
+        assert apart(made, alone) < 2e-3
+        assert apart(made, wanted) < 0.01
