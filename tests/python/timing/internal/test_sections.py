@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from motions import minimum_jerk
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 import leadthrough as lt
@@ -9,7 +10,7 @@ from leadthrough.arm import JointLimits
 from leadthrough.errors import LimitsInfeasible
 from leadthrough.timing import retiming
 from leadthrough.timing.section_law import Samples
-from leadthrough.timing.sections import Section, through
+from leadthrough.timing.sections import Section, fit_within, moving_samples, through
 from leadthrough.trajectories import Spline
 
 
@@ -41,6 +42,19 @@ def test_a_violation_raises_instead_of_being_returned(monkeypatch):
     limits = JointLimits(("j0", "j1"), [-9, -9], [9, 9], [0.1, 0.1], [2, 2], [20, 20])
     with pytest.raises(LimitsInfeasible, match="no motion was found that satisfies the limits: j"):
         lt.retime([[0.0, 0.0], [1.0, 1.0]], limits)
+
+
+def test_reaches_between_rests_are_a_few_pieces_over_their_own_times():
+    """Each of 20,000 samples was a piece, as the clock that skips slow parts has corners there."""
+    u = np.linspace(0.0, 10.0, 20_001)
+    from_rest = minimum_jerk(u % 1.0)
+    ends = np.random.default_rng(0).uniform(-0.4, 0.4, (12, 7))
+    first = u.astype(int)
+    q = ends[first] + from_rest[:, None] * (ends[first + 1] - ends[first])
+    kept, times = moving_samples(2.0 * u, q, 5e-6, timed=True)
+    spline = fit_within(times, q[kept], 5e-6, corners=False)
+    assert len(spline.knots) < 500
+    np.testing.assert_allclose(spline.evaluate(times), q[kept], atol=5e-6)
 
 
 @pytest.mark.parametrize("count", [2, 3, 4, 12, 100])
