@@ -73,8 +73,8 @@ def branches(
     adapted = curves.adapted(shifted, start, goal)
     moved = float(np.linalg.norm(np.stack([start, goal]) - curves.nominal_ends, axis=1).max())
     region = curves.region(start, goal, _ROOM * moved)
-    for chosen in _branches_near(shifted, curves, start):
-        weights = _weights(curves.starts, start, chosen)
+    for chosen in curves.branches_near(start):
+        weights = curves.weights(start, chosen)
         path = np.einsum("j,jnd->nd", weights, adapted)
         if moved > 0.0:
             path = bounded(path, curves.nominal_mean(chosen))
@@ -86,11 +86,18 @@ class _Curves:
     """Demonstrations, evenly spaced in arc length, with what is the same for every query."""
 
     def __init__(self, demonstrated: Sequence[Experience]) -> None:
+        from scipy.sparse.csgraph import connected_components
+
         self.points = np.stack([by_arc_length(each.denoised, _SAMPLES) for each in demonstrated])
         self.starts = self.points[:, 0]
-        self.modes = modes_of(self.points)
         self.nominal_ends = self.points[:, [0, -1]].mean(axis=0)
-        self.nominal_length = float(np.mean([each.length for each in demonstrated]))
+        # Laid on each other's ends, wherever these are.
+        apart = core.rms_apart(with_ends(self.points, *self.nominal_ends))
+        alike = apart < _SAME_BRANCH * np.mean([each.length for each in demonstrated])
+        modes = modes_of(self.points)
+        # The number of the group of each, connected by small steps, and of its part of one mode.
+        _, self._group = connected_components(alike)
+        _, self._branch = connected_components(alike & (modes[:, None] == modes))
         self._corners = self.points.min(axis=(0, 1)), self.points.max(axis=(0, 1))
         self._chords = Chords(self.points)
         self._nominal_means: dict[bytes, Float64Array] = {}
@@ -118,43 +125,33 @@ class _Curves:
         if key not in self._nominal_means:
             start, goal = self.nominal_ends
             adapted = self.adapted(with_ends(self.points, start, goal), start, goal)
-            weights = _weights(self.starts, start, chosen)
+            weights = self.weights(start, chosen)
             mean = np.asarray(np.einsum("j,jnd->nd", weights, adapted))
             mean.setflags(write=False)
             self._nominal_means[key] = mean
         return self._nominal_means[key]
 
+    def branches_near(self, start: Float64Array) -> Iterator[NDArray[np.bool_]]:
+        """The demonstrations (k,) of each branch, that with the nearest start first."""
+        nearest = np.argsort(np.linalg.norm(self.starts - start, axis=1), kind="stable")
+        for branch in dict.fromkeys(self._branch[nearest].tolist()):
+            yield self._branch == branch
+
+    def weights(self, start: Float64Array, chosen: NDArray[np.bool_]) -> Float64Array:
+        """Gaussian weights (k,) of those chosen in the distance of the starts; sum 1."""
+        squared = ((self.starts - start) ** 2).sum(axis=1)
+        # As wide as starts are spread, but for those of the other modes of its group.
+        counted = self.starts[chosen | (self._group != self._group[chosen][0])]
+        spread = float(counted.var(axis=0, ddof=1).sum()) if len(counted) > 1 else 0.0
+        nearer = np.zeros(len(squared))
+        if spread > 0.0:
+            nearer = -(squared - squared[chosen].min()) / (2.0 * spread)
+        weights = np.where(chosen, np.exp(np.where(chosen, nearer, 0.0)), 0.0)
+        return np.asarray(weights / weights.sum())
+
 
 # The demonstrations of a skill in one direction or the other, for the skills in use at a time.
 _curves_of = lru_cache(maxsize=16)(_Curves)
-
-
-def _branches_near(
-    shifted: Float64Array, curves: _Curves, start: Float64Array
-) -> Iterator[NDArray[np.bool_]]:
-    """Groups connected by small steps, of one mode each, that with the nearest start first."""
-    neighbours = core.rms_apart(shifted) < _SAME_BRANCH * curves.nominal_length
-    neighbours &= curves.modes[:, None] == curves.modes
-    distance = np.linalg.norm(curves.starts - start, axis=1)
-    left = np.ones(len(shifted), dtype=bool)
-    while left.any():
-        chosen = np.zeros(len(shifted), dtype=bool)
-        chosen[int(np.argmin(np.where(left, distance, np.inf)))] = True
-        for _ in shifted:
-            chosen = chosen | neighbours[chosen].any(axis=0)
-        yield chosen
-        left &= ~chosen
-
-
-def _weights(starts: Float64Array, start: Float64Array, chosen: NDArray[np.bool_]) -> Float64Array:
-    """Gaussian weights in the distance of the starts, as wide as these are spread; sum 1."""
-    squared = ((starts - start) ** 2).sum(axis=1)
-    spread = float(starts.var(axis=0, ddof=1).sum()) if len(starts) > 1 else 0.0
-    nearer = np.zeros(len(starts))
-    if spread > 0.0:
-        nearer = -(squared - squared[chosen].min()) / (2.0 * spread)
-    weights = np.where(chosen, np.exp(np.where(chosen, nearer, 0.0)), 0.0)
-    return np.asarray(weights / weights.sum())
 
 
 def _through(
