@@ -138,7 +138,8 @@ class Arm(ArmModel, CollisionQueries):
         from leadthrough.arm.link_geometry import filled
 
         each = check.number(density, "density", above=0.0)
-        arm = replace(self, assumed=filled(self.robot, self.mesh_folders, each))
+        stated = replace(self, assumed={})
+        arm = replace(self, assumed=filled(stated.robot, self.mesh_folders, each))
         if arm._chain.mass == 0.0:
             raise InvalidRobot("robot", "no link that the arm moves has a shape to be filled")
         return arm

@@ -183,7 +183,9 @@ def test_links_without_masses_are_filled_shapes_at_a_density():
     stated = lt.Arm.from_urdf(FILLED.format(upper=upper, lower=lower))
     assumed = lt.Arm.from_urdf(FILLED.format(upper="", lower="")).with_density(2000.0)
     partly = lt.Arm.from_urdf(FILLED.format(upper="", lower=lower)).with_density(2000.0)
+    again = assumed.with_density(1.0).with_density(2000.0)  # the last one counts
     q, qd, qdd = np.random.default_rng(0).uniform(-2.0, 2.0, (3, 20, 2))
+    np.testing.assert_array_equal(again.mass_matrix(q), assumed.mass_matrix(q))
     expected = stated.inverse_dynamics(q, qd, qdd)
     for arm, tolerance in ((partly, 1e-12), (pickle.loads(pickle.dumps(assumed)), 0.02)):
         within = tolerance * np.abs(expected).max()
@@ -196,4 +198,5 @@ def test_a_density_needs_shapes_and_is_positive():
     words = "no link that the arm moves has a mass.*arm.with_density"
     assert re.search(words, str(raised(InvalidRobot, bare.gravity_torques, [0.0, 0.0])))
     assert "has a shape to be filled" in str(raised(InvalidRobot, bare.with_density))
-    refused("density", bare.with_density, 0.0)
+    for wrong in (0.0, -1.0, np.nan, np.inf, "water"):
+        refused("density", bare.with_density, wrong)
