@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,9 +66,12 @@ class Curves:
         return Curves(self.rows.take(some, axis=1), self.times.take(some, axis=1))
 
 
+@lru_cache(maxsize=16)
 def even_phases(count: int) -> Float64Array:
-    """Evenly spaced phases (n,) from 0 to 1."""
-    return np.linspace(0.0, 1.0, count)
+    """Evenly spaced phases (n,) from 0 to 1, not to be written to."""
+    phases = np.linspace(0.0, 1.0, count)
+    phases.flags.writeable = False
+    return phases
 
 
 def arc_phases(rows: Float64Array) -> Float64Array:
@@ -75,8 +79,10 @@ def arc_phases(rows: Float64Array) -> Float64Array:
     steps = np.linalg.norm(np.diff(rows, axis=-2), axis=-1)
     total = steps.sum(axis=-1, keepdims=True)
     steps += np.where(total > 0.0, _PAUSE * total, 1.0) / steps.shape[-1]
-    covered = np.cumsum(steps, axis=-1)
-    return np.insert(covered / covered[..., -1:], 0, 0.0, axis=-1)
+    covered = np.zeros(rows.shape[:-1])
+    np.cumsum(steps, axis=-1, out=covered[..., 1:])
+    covered /= covered[..., -1:]
+    return covered
 
 
 def by_arc(columns: Sequence[Float64Array], times: Sequence[Float64Array]) -> Curves:
