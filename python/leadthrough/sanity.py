@@ -27,6 +27,8 @@ _RETURNS = 0.1  # extents between its ends, at most, of a motion that returns
 _TURNS = 4.0 * np.pi
 # rad: a step that is a turn but for the first is a leap, where the usual step is below the second.
 _OF_TURN, _USUAL_STEP = 0.6, 0.3
+# rad: joints that are this near to a whole number of turns apart are in one place.
+_OF_WHOLE = 1.0
 # rad: an orientation farther than the first from all demonstrated ones, and with its components in
 # another order nearer than the second to the demonstrated end, was given in that order. One
 # rotation in five thousand is as near by chance.
@@ -98,6 +100,11 @@ def joints(given: Float64Array, demonstrated: Float64Array, name: str) -> None:
             f"{name}: number {farthest + 1} is {given[farthest]:.4g} rad, more than two turns "
             "from the demonstrated ones; give joints in radians, not degrees"
         )
+    if turns(away)[farthest]:
+        warn(
+            f"{name}: number {farthest + 1} is {given[farthest]:.4g} rad, a whole turn from the "
+            "demonstrated ones, and the motion turns back; give it at their turn if it can be"
+        )
 
 
 def whole_turns(positions: Float64Array) -> NDArray[np.bool_]:
@@ -107,6 +114,12 @@ def whole_turns(positions: Float64Array) -> NDArray[np.bool_]:
     if len(positions) < _RECORDED or not leaps.any():
         return np.zeros_like(leaps)
     return leaps & (np.median(steps, axis=0) < _USUAL_STEP)
+
+
+def turns(angles: Float64Array) -> Float64Array:
+    """The turns in angles, rad, that are almost whole, and 0 where they are not."""
+    whole = (angles / (2.0 * np.pi)).round()
+    return np.where(np.abs(angles - 2.0 * np.pi * whole) < _OF_WHOLE, whole, 0.0)
 
 
 def degrees(outside: float) -> str:

@@ -107,10 +107,10 @@ def learn(
     with output.busy("learning"), output.naming(**words, path="--out"):
         if "rhythmic" not in repr(chosen).lower():  # a rhythm may be any number of periods long
             _refuse_contradictions(ctx, demonstrations)
-        with _reporting_misalignment(ctx, demonstrations):
+        with _reporting(ctx, demonstrations):
             fit = partial(lt.learn, outliers="keep") if chosen is None else partial(fit_all, chosen)
             skill = fit(demonstrations)
-        near = lt.models.reproduction(skill, demonstrations)
+            near = lt.models.reproduction(skill, demonstrations)
         skill.save(out)
     found: dict[str, Any] = {
         "skill": str(out),
@@ -228,22 +228,21 @@ def _refuse_other_kinds(model: str, demonstrations: list[lt.Demonstration]) -> N
 
 
 @contextmanager
-def _reporting_misalignment(
-    ctx: typer.Context, demonstrations: list[lt.Demonstration]
-) -> Iterator[None]:
-    """Prints warnings on stderr, of misaligned demonstrations with names and the cure."""
+def _reporting(ctx: typer.Context, demonstrations: list[lt.Demonstration]) -> Iterator[None]:
+    """Prints each warning once on stderr, with names, of misaligned ones with the cure."""
+    names = {f"demonstrations[{i}]": each.name for i, each in enumerate(demonstrations)}
     with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", lt.models.MisalignmentWarning)
+        warnings.simplefilter("always", UserWarning)
         yield
-    for each in caught:
+    for message, category in dict.fromkeys((str(each.message), each.category) for each in caught):
         text = re.sub(
             r"demonstrations \[([\d, ]+)\]",
             lambda found: ", ".join(demonstrations[int(i)].name for i in found[1].split(",")),
-            str(each.message),
+            message,
         )
-        text = output.in_words(text, {_ALIGN: "--align"})
+        text = output.in_words(text, {_ALIGN: "--align", **names})
         cure = output.line(ctx, *output.repeated(ctx, changed=("--align",)))
-        misaligned = issubclass(each.category, lt.models.MisalignmentWarning)
+        misaligned = issubclass(category, lt.models.MisalignmentWarning)
         output.warn(f"{text}: {cure}" if misaligned else text)
 
 
@@ -296,7 +295,9 @@ def _refuse_contradictions(ctx: typer.Context, demonstrations: Sequence[lt.Demon
     """Refuses a recording that contradicts all others, with the command that drops it."""
     from leadthrough.models.protocol import contradicting, motions_of
 
-    found = contradicting(motions_of(demonstrations))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # learning warns of them again
+        found = contradicting(motions_of(demonstrations))
     _refuse_named(
         ctx, {demonstrations[i].name: text for i, text in found.items()}, len(demonstrations)
     )

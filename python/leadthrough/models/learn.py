@@ -111,7 +111,7 @@ def _mean_error(model: Model, motions: Sequence[Motion], folds: list[int]) -> fl
         rest = [each for j, each in enumerate(motions) if j != i]
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore", protocol.MisalignmentWarning)
+                warnings.simplefilter("ignore", UserWarning)  # of all, they are given before
                 start, goal = (target_of(motions[i], row) for row in (0, -1))
                 dt = max(_DT, motions[i].duration / MAX_ROWS)
                 made = protocol.fit_all(model, rest).generate(start=start, goal=goal, dt=dt)

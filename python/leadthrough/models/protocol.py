@@ -24,6 +24,7 @@ from leadthrough.check import MAX_NUMBER, FitError, Float64Array, InvalidInput, 
 from leadthrough.io.files import StrPath
 from leadthrough.models.certificate import Certificate
 from leadthrough.models.contradictions import contradictions
+from leadthrough.models.turns import at_one_turn
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,
@@ -302,7 +303,7 @@ def motions_of(
         )
     motions: list[Any] = [_motion(each, i, kinds) for i, each in enumerate(demonstrations)]
     _refuse_mixed(motions)
-    motions = alike(motions, "demonstrations")
+    motions = at_one_turn(alike(motions, "demonstrations"))
     for i, motion in enumerate(motions):
         _refuse_unfit(motion, f"demonstrations[{i}]")
         sanity.clock(motion.times, f"demonstrations[{i}]")
