@@ -116,6 +116,24 @@ def whole_turns(positions: Float64Array) -> NDArray[np.bool_]:
     return leaps & (np.median(steps, axis=0) < _USUAL_STEP)
 
 
+def without_turns(positions: Float64Array) -> Float64Array:
+    """Joints (n, d) without the leaps of whole turns that encoders make."""
+    leaps = whole_turns(positions)
+    return np.where(leaps, np.unwrap(positions, axis=0), positions) if leaps.any() else positions
+
+
+def continuous(positions: Float64Array, names: Sequence[str]) -> Float64Array:
+    """Joints (n, d) of a file without leaps of whole turns, with a warning if there were any."""
+    rows = without_turns(positions)
+    if rows is not positions:
+        leaps = [name for name, x, y in zip(names, rows.T, positions.T, strict=True) if any(x != y)]
+        warn(
+            f"columns: {', '.join(leaps)} with leaps by whole turns, as encoders make, read as "
+            "continuous"
+        )
+    return rows
+
+
 def turns(angles: Float64Array) -> Float64Array:
     """The turns in angles, rad, that are almost whole, and 0 where they are not."""
     whole = (angles / (2.0 * np.pi)).round()

@@ -110,20 +110,15 @@ class Recording(ShortRepr):
         return "points" if self.orientations is None else "poses"
 
     def motion(self) -> Motion:
-        """The recording as a motion, unchanged.
+        """The recording as a motion, as it is; joints that leap by whole turns are continuous.
 
         Raises:
             InvalidInput: if anything is wrong with it; `leadthrough.preprocess.clean` repairs it.
         """
         if self.joint_names is not None:
-            return JointTrajectory(
-                self.times,
-                self.positions,
-                self.velocities,
-                self.accelerations,
-                self.joint_names,
-                self.events,
-            )
+            rows = sanity.continuous(self.positions, self.joint_names)
+            rates = self.velocities, self.accelerations
+            return JointTrajectory(self.times, rows, *rates, self.joint_names, self.events)
         if self.orientations is not None:
             rest = (self.orientations, self.events, self.joints)
             return PoseTrajectory(self.times, self.positions, *rest)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadthrough import check, rotations
+from leadthrough import check, rotations, sanity
 from leadthrough.check import UNIT_LENGTH_TOLERANCE, Float64Array, InvalidInput, ShortRepr
 from leadthrough.drawing import Drawn, Panel, spans_over_time
 from leadthrough.io.recording import Recording, lost, recording_of
@@ -55,6 +55,7 @@ class CleaningReport(Drawn):
         invalid: samples left out: a number was missing, a quaternion no rotation, a target lost.
         unordered: number of samples later in the file than a sample of a later time.
         repeated: number of samples left out because another one had the same time.
+        turns: number of leaps of joints by a whole turn, as encoders make, that were taken out.
         flipped: number of quaternions whose sign was changed.
         unnormalised: number of quaternions whose length was off 1 by more than rounding.
         spikes: times of samples left out because they jump away from their neighbours.
@@ -71,6 +72,7 @@ class CleaningReport(Drawn):
     invalid: tuple[int, ...] = ()
     unordered: int = 0
     repeated: int = 0
+    turns: int = 0
     flipped: int = 0
     unnormalised: int = 0
     spikes: tuple[float, ...] = ()
@@ -114,6 +116,7 @@ class CleaningReport(Drawn):
                 (len(self.invalid), "sample", f" with missing numbers, left out: {missing}"),
                 (self.unordered, "sample", " out of order, sorted"),
                 (self.repeated, "sample", " with a repeated time, left out"),
+                (self.turns, "leap", " of a joint by a whole turn, made continuous"),
                 (self.flipped, "quaternion", " of opposite sign, flipped"),
                 (self.unnormalised, "quaternion", " not of length 1, normalised"),
                 (len(self.spikes), "spike", f", left out: {_some(self.spikes)} s"),
@@ -221,7 +224,8 @@ def clean(
 
     Samples with a missing number or a quaternion that is no rotation are left out. The others are
     sorted by time, and of equal times the first is kept. Quaternions get length 1 and continuous
-    signs. No sample is made up: where some are left out, there are fewer.
+    signs, and joints that leap by whole turns are made continuous. No sample is made up: where some
+    are left out, there are fewer.
 
     Args:
         recording: with faults; a demonstration or a motion is cleaned as well.
@@ -375,15 +379,25 @@ def _without_faults(recording: Recording, factor: float | None) -> tuple[Recordi
     kept = _chosen(kept, _in_time(kept.times))
     fresh = np.diff(kept.times, prepend=-np.inf) > 0.0
     kept = _chosen(kept, np.flatnonzero(fresh))
+    kept, turns = _without_turns(kept)
     kept, rotation_counts = _with_rotations(kept)
     leaps = _leaps(kept, factor)
     return _chosen(kept, np.flatnonzero(~leaps)), {
         "invalid": tuple(np.flatnonzero(~valid).tolist()),
         "unordered": unordered,
         "repeated": int(np.count_nonzero(~fresh)),
+        "turns": turns,
         "spikes": tuple(kept.times[leaps].tolist()),
         **rotation_counts,
     }
+
+
+def _without_turns(recording: Recording) -> tuple[Recording, int]:
+    if recording.joint_names is None:
+        return recording, 0
+    positions = sanity.without_turns(recording.positions)
+    changes = np.diff(positions - recording.positions, axis=0)
+    return replace(recording, positions=positions), int(np.count_nonzero(np.abs(changes) > np.pi))
 
 
 def _in_time(times: Float64Array) -> NDArray[np.int64]:

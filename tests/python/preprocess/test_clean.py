@@ -112,6 +112,28 @@ def test_quaternions_get_one_sign_and_length():
     np.testing.assert_allclose(demonstration.motion.orientations, expected, atol=1e-12)
 
 
+def wrapped(angles):
+    return (angles + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def test_leaps_of_a_joint_by_a_whole_turn_are_made_continuous(tmp_path):
+    positions = SWING + np.array([0.0, 0.5 - np.pi])
+    recording = replace(JOINTS, positions=np.column_stack([SWING[:, 0], wrapped(positions[:, 1])]))
+    for options in ({}, {"rate": 250.0}, {"smoothing": 0.1}):
+        demonstration, report = clean(recording, **options)
+        continuous, none = clean(replace(JOINTS, positions=positions), **options)
+        np.testing.assert_allclose(
+            demonstration.motion.positions, continuous.motion.positions, atol=1e-9
+        )
+        assert (report.turns, none.turns) == (2, 0)
+    path = tmp_path / "wrapped.csv"
+    columns = np.column_stack([TIMES, recording.positions])
+    np.savetxt(path, columns, delimiter=",", header="time,joint_1,joint_2", comments="", fmt="%r")
+    with pytest.warns(UserWarning, match="joint_2 with leaps by whole turns"):
+        (shown,) = lt.read_demonstrations(path, rest=np.inf)
+    np.testing.assert_allclose(shown.motion.positions, positions, atol=1e-9)
+
+
 @pytest.mark.parametrize("rows", [[60], [60, 61], [60, 61, 62], [30, 90, 150], [0], [200]])
 def test_spikes_are_left_out_and_nothing_else(rows):
     recording = with_values(JOINTS, "positions", (rows, 1), 9.0)
