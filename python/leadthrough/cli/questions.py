@@ -9,8 +9,9 @@ from pathlib import Path
 import leadthrough as lt
 from leadthrough import check
 from leadthrough.cli import options, parse, robot as robots
+from leadthrough.io.guesses import guessed
 from leadthrough.io.headers import AngleUnit
-from leadthrough.io.recording import guessed, recording
+from leadthrough.io.recording import recording
 from leadthrough.io.table import ANGLES, ORDERS, Request, Table
 from leadthrough.preprocess.clean import summarize
 

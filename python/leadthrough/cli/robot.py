@@ -16,6 +16,7 @@ from leadthrough import check
 from leadthrough.arm.robot_files import find_robot
 from leadthrough.cli import output, parse, reading
 from leadthrough.cli.options import ArmDetails
+from leadthrough.io import headers
 from leadthrough.io.table import Ranges
 from leadthrough.motion import Motion, joints_with, with_derivatives
 
@@ -118,8 +119,10 @@ def own_joints(arm: lt.Arm, motion: Motion, name: str) -> lt.JointTrajectory:
 
 
 def _numbered(motion: lt.JointTrajectory, names: Sequence[str], name: str) -> lt.JointTrajectory:
-    """The motion without the names of its joints, if these only number them."""
+    """The motion with the arm's names, if its own number them: as these do, or else in order."""
     recorded = motion.joint_names
+    told = headers.told(recorded, names)
+    of = [names[i] for i in told if i is not None]
     found = [(each[1], int(each[2])) for each in map(_NUMBERED.fullmatch, recorded) if each]
     if not found or found != [(found[0][0], found[0][1] + i) for i in range(len(recorded))]:
         raise lt.errors.InvalidInput(
@@ -127,8 +130,9 @@ def _numbered(motion: lt.JointTrajectory, names: Sequence[str], name: str) -> lt
             "are the same joints in this order, learn with --column "
             f"joints={','.join(recorded)}, or name the columns q1, q2, ..."
         )
-    print(f"{name}: using joints {', '.join(recorded)} as {', '.join(names)}", file=sys.stderr)
-    return replace(motion, joint_names=())
+    of = of if len(of) == len(names) else list(names)
+    print(f"{name}: using joints {', '.join(recorded)} as {', '.join(of)}", file=sys.stderr)
+    return replace(motion, joint_names=tuple(of))
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,8 @@ A comma in a number is the decimal one if cells are split at anything else.
 
 The header is the first row that is no comment; where that row is numbers, it is the last comment
 before it. Of several rows above the first that begins with a number, those as wide as the last are
-the header, its names joined and its units last; titles before are left out. Comments begin with
+the header, its names joined and its units last; titles before are left out. A name above several
+columns, as in merged cells, is of all of them, if they need it to differ. Comments begin with
 `#` and are skipped, except `# event,<time in s>,"<name>"`; so are empty rows and a byte order mark.
 Numbers of JointState messages (`rostopic echo -p`) are named by the joints in their cells. Files
 are read in blocks, so that only numbers stay in memory.
@@ -21,6 +22,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import StringIO
+from itertools import accumulate
 from pathlib import Path
 from typing import TextIO
 
@@ -41,6 +43,8 @@ EVENT = "# event,"  # begins the comment of an event
 _DELIMITERS = ",;\t"
 _SPACES = " "  # any number of them, where a header has none of the delimiters
 _BETWEEN = re.compile(r"\s+(?![\[(])")  # cells: a unit in brackets belongs to the name before
+# Cells without a number, besides empty ones and "nan".
+_MISSING = {"", "na", "n/a", "#n/a", "none", "null", "-", "--"}
 # In columns of JointState messages, such as field.name0 with the joint of field.position0.
 _NAME = re.compile(r"name(?=[_.\[]?\d+\]?$)")
 _BLOCK = 2**20  # bytes
@@ -195,8 +199,9 @@ class _Rows:
 
     def _number(self, column: int, cell: str, number: int) -> float:
         text = cell.strip()
-        if not text or column in self._faults:
-            if text and text != self._faults[column][1]:
+        missing = text.lower() in _MISSING
+        if missing or column in self._faults:
+            if not missing and text != self._faults[column][1]:
                 self._changing.add(column)
             return np.nan
         try:
@@ -299,14 +304,21 @@ def _names(rows: list[tuple[str, ...]]) -> tuple[str, ...]:
     """The columns' names from the rows of a header, each with the unit that the last may state."""
     *above, last = rows
     units = above and all(is_unit(cell) for cell in last if cell)
-    names = [
-        "_".join(filter(None, cells)) for cells in zip(*(above if units else rows), strict=True)
-    ]
+    *titles, lowest = above if units else rows
+    if all(lowest) and len(set(lowest)) == len(lowest):
+        titles = [row for row in titles if all(row)]
+    parts = zip(*map(_merged, titles), lowest, strict=True)
+    names = ["_".join(filter(None, cells)) for cells in parts]
     if not units:
         return tuple(names)
     return tuple(
         f"{name} [{u.strip('[]()')}]" if u else name for name, u in zip(names, last, strict=True)
     )
+
+
+def _merged(cells: tuple[str, ...]) -> Iterator[str]:
+    """Cells with their texts, those behind one that are empty with its text."""
+    return accumulate(cells, lambda before, cell: cell or before)
 
 
 def _delimiter(header: str) -> str:

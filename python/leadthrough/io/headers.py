@@ -5,12 +5,12 @@
 - Positions: `x`, `y` and, where there is one, `z`, alone or after `p`, `pos`, `position` or
   `translation` (`px`, `pos_x`, `position.x`, `current_pos_x`), or `left` or `right` (`left_x`).
 - Orientations: `w`, `x`, `y`, `z`, alone or after `q`, `quat`, `quaternion`, `orientation`,
-  `rotation` or `rot` (`qw`, `orientation_w`, `current_orientation_w`).
+  `rotation`, `rot`, `ori` or `o` (`qw`, `orientation_w`, `current_orientation_w`).
 - Joints: `joint`, `j`, `q` or `q_d` with a number (`joint_1`, `panda_joint1`, `q0`, `q[0]`), or
   `joint` with a letter and a number (`joint_a1`), in the order of the numbers, which start at 0 or
   1 without a gap; names that end in `_joint` (`shoulder_pan_joint`), in the order of the file; or,
   where more names have a velocity and there are no positions, all that do (`lift`,
-  `lift_velocity`).
+  `lift_velocity`); or Yaskawa's `S`, `L`, `U`, `R`, `B`, `T`.
   Their derivatives are `<joint>_velocity` or `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
   Numbered joints of two arms, whose names begin with `left` and `right`, are one recording.
 - Arrays that hold all components at once: `positions`, `position`, `pos`; `orientations`,
@@ -40,7 +40,7 @@ JOINT_SUFFIXES = {"positions": "", "velocities": "_velocity", "accelerations": "
 _TIME = {"time", "times", "t", "timestamp", "stamp"}
 _NANO = re.compile(r"n(ano)?(?=(secs?|seconds)$)", re.IGNORECASE)
 _POSITION = {"p", "pos", "position", "translation"}
-_ORIENTATION = {"q", "quat", "quaternion", "orientation", "rotation", "rot"}
+_ORIENTATION = {"q", "quat", "quaternion", "orientation", "rotation", "rot", "ori", "o"}
 _WHOLE = {
     "positions": {"positions", "position", "pos"},
     "orientations": {"orientations", "orientation", "quaternions", "quaternion", "quat"},
@@ -60,9 +60,11 @@ OTHER = re.compile(
     r"|accel|jerk|force|moment|wrench|twist|temperature|voltage|error|pose|tcp|cart|cartesian|o_t_ee"
     r"|quat|v|[vwf][xyz]|stamp|seq|n?secs?|nanosec)([_.\-/ \d\[](?!joint$)|$)"
 )
-_SECOND = re.compile(r"(^|[_.\-/ ])(current|target|desired|cmd|command)([_.\-/ ]|$)")
+_SECOND = re.compile(
+    r"(^|[_.\-/ ])(current|target|desired|cmd|command(ed)?|ref(erence)?|setpoint)([_.\-/ ]|$)"
+)
 _MEASURED = re.compile(
-    r"^/?((joint_states|actual|measured|positions?|pos)[_.\-/ ])+|([_.\-/ ](positions?|pos))$"
+    r"(?i)^/?((joint_states|actual|measured|positions?|pos)[_.\-/ ])+|([_.\-/ ](positions?|pos))$"
 )
 _NAMED_JOINT = re.compile(r"(?!robot\d+_joint$).+_joint")  # robot0_joint_pos has all
 _WITH_UNIT = re.compile(
@@ -71,15 +73,23 @@ _WITH_UNIT = re.compile(
 )
 # Orientations of any kind; those that are read as quaternions are found before.
 _ROTATED = re.compile(
-    r"(.*[_.\-/ ])?([rq][xyz]|r\d\d|roll|pitch|yaw"
-    r"|(rot|rotation|rotvec|ori|orientation|quat|quaternion)([_.\-/ ].*)?)"
+    r"(.*[_.\-/ ])?([rqno][xyz]|q[ijkr]|r\d\d|roll|pitch|yaw|r|theta|axis[_.\-/ ][xyz]"
+    r"|(euler|rot|rotation|rotvec|ori|orientation|quat|quaternion)([_.\-/ ].*)?)"
 )
+_LETTERS = re.compile(r"[a-z]{0,2}")  # too short to tell a joint by
+# Names of three angles.
+_ANGLES = ("abc", "wpr", "ijk", ("alpha", "beta", "gamma"))
+# Axes of a Yaskawa arm, in their order.
+_AXES = tuple("slurbt")
 DEGREE = math.pi / 180.0
 _UNITS: dict[str, dict[str, float]] = {
-    "time": {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    "time": dict.fromkeys(("s", "sec", "seconds"), 1.0)
+    | dict.fromkeys(("ms", "msec", "millis", "milliseconds"), 1e-3)
+    | dict.fromkeys(("us", "usec", "micros", "microseconds"), 1e-6)
+    | {"ns": 1e-9},
     "positions": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
     "joints": {"mm": 1e-3, "rad": 1.0, "radians": 1.0, "mrad": 1e-3}
-    | dict.fromkeys(("deg", "degrees", "°"), DEGREE),
+    | dict.fromkeys(("deg", "degree", "degrees", "°"), DEGREE),
 }
 # Of columns that are no motion's.
 _MORE_UNITS = {"-", "rad/s", "deg/s", "°/s", "m/s", "mm/s", "n", "nm", "n m", "a", "v", "hz"}
@@ -129,9 +139,11 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
             for role, whole in _WHOLE.items()
         },
     }
+    plain = {unit(name, "joints")[0].lower(): name for name in names}
+    fanuc = {*"wpr"} <= plain.keys()
     for part, axes in _components(names).items():
         last_word = re.split(r"[_.\-/ ]", part)[-1]
-        if (last_word in _ORIENTATION or not part) and len(axes) == 4:
+        if (last_word in _ORIENTATION or not (part or fanuc)) and len(axes) == 4:
             found["orientations"].append(tuple(axes[axis] for axis in "wxyz"))
         elif (part in ("", *SIDES) or last_word in _POSITION) and {"x", "y"} <= axes.keys():
             found["positions"].append(tuple(axes[axis] for axis in "xyz" if axis in axes))
@@ -140,17 +152,64 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     measured = tuple(name for name in named if not _SECOND.search(name.lower())) or named
     numbered = list(_numbered_joints(may))
     groups = [group for group in numbered if not _SECOND.search(group[0].lower())] or numbered
-    found["joints"] += [*groups, *([measured] if measured else [])]
+    found["joints"] += [*groups, *(tuple(each.values()) for each in by_joint(measured))]
+    if {*_AXES} <= plain.keys():
+        found["joints"].append(tuple(plain[axis] for axis in _AXES))
     moving = tuple(name for name in names if name + JOINT_SUFFIXES["velocities"] in names)
     if not found["positions"] and set().union(*found["joints"]) < set(moving):
         found["joints"] = [moving]
     return found
 
 
-def unread_orientations(names: Sequence[str]) -> Columns:
-    """The columns of orientations that are not read: angles (also KUKA's, Fanuc's), matrices."""
+def by_joint(names: Sequence[str]) -> list[dict[str, str]]:
+    """Columns by their joints: the first of each, then the second of those that have several."""
+    groups: list[dict[str, str]] = []
+    for name in names:
+        own = joint(name)
+        group = next((each for each in groups if own not in each), None)
+        if group is None:
+            groups.append(group := {})
+        group[own] = name
+    return groups
+
+
+def told(columns: Sequence[str], joints: Sequence[str]) -> list[int | None]:
+    """For each column the joint that its name alone tells, as `Elbow` does elbow_joint."""
+    own, arm = ([re.sub(r"[\W_]", "", n.lower()) for n in each] for each in (columns, joints))
+    near = [[i for i, name in enumerate(arm) if each in name or name in each] for each in own]
+    found = [
+        each[0] if len(each) == 1 and not _LETTERS.fullmatch(name) else None
+        for each, name in zip(near, own, strict=True)
+    ]
+    return [i if found.count(i) == 1 else None for i in found]
+
+
+def of_a_pose(columns: Sequence[str]) -> bool:
+    """Whether some columns are lengths, x, y and z of one name, or an orientation: not joints."""
+    plain = {unit(name, "positions")[0].lower() for name in columns}
+    lengths = any(unit(name, "positions")[1] for name in columns)
+    whole = any({name[:-1] + axis for axis in "xyz"} <= plain for name in plain)
+    return lengths or whole or any(_ROTATED.fullmatch(name) for name in plain if name[1:])
+
+
+def owner(columns: Columns) -> str:
+    """The body that a position or orientation is of, as its columns' names begin; "" if none."""
+    if len(columns) == 1:
+        return ""
+    match = _COMPONENT.fullmatch(unit(columns[0], "positions")[0].lower())
+    words = re.split(r"[_.\-/ ]", match["part"]) if match else []
+    return "_".join(each for each in words if each not in _POSITION | _ORIENTATION)
+
+
+def unread_orientations(names: Sequence[str], beside: Columns | None = None) -> Columns:
+    """The columns of orientations that are not read: angles (also KUKA's, Fanuc's), matrices.
+
+    Beside positions that were asked for, those of the same body by their names.
+    """
+    if beside is not None:
+        names = [name for name in names if (own := owner(beside)) and name.lower().startswith(own)]
     plain = {unit(name, "joints")[0].lower(): name for name in names}
-    triples = {axis for axes in ("abc", "wpr", "ijk") if {*axes} <= plain.keys() for axis in axes}
+    triples = {axis for axes in _ANGLES if {*axes} <= plain.keys() for axis in axes}
     return tuple(name for p, name in plain.items() if p in triples or _ROTATED.fullmatch(p))
 
 
@@ -178,7 +237,8 @@ def _clocks(names: Sequence[str]) -> list[Columns]:
     whole = {name.lower(): name for name in names if not _NANO.search(name)}
     seconds = {name: _NANO.sub("", name.lower()) for name in names if _NANO.search(name)}
     pairs: list[Columns] = [(whole[s], name) for name, s in seconds.items() if s in whole]
-    times = [name for name in names if unit(name, "time")[0].lower().strip("%_") in _TIME]
+    known = _TIME - {*_AXES} if {*_AXES} <= {name.lower() for name in names} else _TIME
+    times = [name for name in names if unit(name, "time")[0].lower().strip("%_") in known]
     return [(name,) for name in times if not any(name in pair for pair in pairs)] or pairs
 
 
@@ -197,11 +257,14 @@ def _components(names: Sequence[str]) -> dict[str, dict[str, str]]:
 
 
 def _numbered_joints(names: Sequence[str]) -> Iterator[Columns]:
-    arms: dict[str, dict[int, str]] = {}
+    arms: dict[tuple[str, bool], dict[int, str]] = {}
     for name in names:
         plain = unit(name, "joints")[0].lower()
         if match := _NUMBERED_JOINT.fullmatch(plain) or _NUMBERED_JOINT.fullmatch(joint(plain)):
-            arms.setdefault(match["arm"], {})[int(match["number"])] = name
+            joints, number = arms.setdefault((match["arm"], False), {}), int(match["number"])
+            if number in joints:
+                joints = arms.setdefault((match["arm"], True), {})
+            joints[number] = name
     for joints in arms.values():
         numbers = sorted(joints)
         if numbers[0] in (0, 1) and numbers == list(range(numbers[0], numbers[0] + len(numbers))):

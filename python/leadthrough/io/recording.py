@@ -13,10 +13,8 @@ from __future__ import annotations
 
 import math
 import re
-import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from itertools import chain
 from typing import Literal
 
@@ -25,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leadthrough import check, sanity
 from leadthrough.check import Float64Array, InvalidInput, ShortRepr
-from leadthrough.io import headers
+from leadthrough.io import guesses, headers
 from leadthrough.io.headers import AngleUnit, Columns
 from leadthrough.io.joint_trajectory import checked_joint_names
 from leadthrough.io.table import Request, Table
@@ -153,7 +151,6 @@ _SPACE = 3  # coordinates of a position
 _RECORDED, _LEAP = 20, 3.0
 _HELD = 4  # times as many equal rows as usual are a sensor's that waits
 _MILLISECOND = 1e6  # ns: a clock that never gets so far beyond its seconds counts other parts
-_UNEVEN = 1.5  # times the lower quartile of a clock's steps is more than the upper one
 _SUFFIX = "_recorded"
 
 
@@ -185,7 +182,9 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
     orientations = data.get("orientations")
     if orientations is not None:
         orientations = _quaternions(table, chosen["orientations"], orientations, request)
-    elif not request.columns and (rotated := headers.unread_orientations(table.names)):
+    elif rotated := headers.unread_orientations(
+        table.names, beside=chosen["positions"] if request.columns else None
+    ):
         sanity.warn(
             f"columns: {', '.join(rotated)} are left out; orientations are read as quaternions, "
             "such as qw, qx, qy, qz"
@@ -249,7 +248,7 @@ def _check_there(table: Table, chosen: Mapping[str, Columns]) -> None:
             if column not in table.names:
                 raise InvalidInput(
                     f"columns[{role!r}]: no column {column!r}; there are {_listed(table.names)}"
-                    f"{_nearest(table, role, names)}"
+                    f"{guesses.nearest(table, role, names)}"
                 )
 
 
@@ -263,7 +262,10 @@ def _chosen(table: Table, request: Request) -> dict[str, Columns]:
     elif "orientations" in chosen and "positions" not in chosen:
         chosen["positions"] = _only(found["positions"], "positions")
     # A rate stands in for a clock of text, such as 12:30:01.
-    times = [c for c in found["time"] if not request.rate or _of_numbers(table, c[0]) is not None]
+    used = {*chain(*chosen.values())}
+    times = [c for c in found["time"] if not used & {*c}]
+    if request.rate:
+        times = [each for each in times if guesses.numbers_of(table, each[0]) is not None]
     if "time" not in chosen and times:
         chosen["time"] = _only(times, "time")
     joints = chosen.get("joints", ())
@@ -274,11 +276,9 @@ def _chosen(table: Table, request: Request) -> dict[str, Columns]:
 
 def _of_the_arm(names: Sequence[str], joints: Iterable[str]) -> dict[str, Columns]:
     """The columns named as the arm's joints, in the arm's order, if all are there."""
-    by_joint = {headers.joint(name): name for name in reversed(names)}
-    known = tuple(joints)
-    if not known or not by_joint.keys() >= set(known):
-        return {}
-    return {"joints": tuple(by_joint[joint] for joint in known)}
+    known, groups = tuple(joints), headers.by_joint(names)
+    found = [tuple(by[joint] for joint in known) for by in groups if by.keys() >= {*known}]
+    return {"joints": _only(found, "joints")} if known and found else {}
 
 
 def _matching(asked: Columns, names: Sequence[str]) -> Columns:
@@ -307,17 +307,33 @@ def _only_motion(
         raise InvalidInput(
             "columns: the file has both poses and joints; name the ones to read, positions "
             f"({_choices(found['positions'])}) or joints ({_choices(found['joints'])})"
-            f"{_guess(table, request)}"
+            f"{guesses.proposal(table, request)}"
         )
     if not found["positions"] and not found["joints"]:
         raise InvalidInput(
             "columns: no names of positions or joints found; name the columns to read, there are "
-            f"{_listed(table.names)}{_guess(table, request)}"
+            f"{_listed(table.names)}{guesses.proposal(table, request)}"
         )
     if both := _of_two_arms(found["joints"]):
         return {"joints": both}
     wanted = ["joints"] if found["joints"] else ["positions", "orientations"]
-    return {role: _only(found[role], role) for role in wanted if found[role]}
+    chosen = {role: _only(found[role], role) for role in wanted if found[role]}
+    _check_body(chosen)
+    return chosen
+
+
+def _check_body(chosen: Mapping[str, Columns]) -> None:
+    """Refuses a position and an orientation of two bodies by their columns' names."""
+    bodies = [headers.owner(columns) for columns in chosen.values()]
+    if len({*bodies}) < 2:
+        return
+    named = " ".join(guesses.words(role, columns) for role, columns in chosen.items())
+    if all(bodies):
+        raise InvalidInput(
+            f"columns: the position is of {bodies[0]}, the orientation of {bodies[1]}; name the "
+            f"columns to read, such as {named}"
+        )
+    sanity.warn(f"columns: taken for one pose: {named}; name those to read if it is none")
 
 
 def _of_two_arms(found: Sequence[Columns]) -> Columns:
@@ -332,64 +348,8 @@ def _only(found: Sequence[Columns], role: str) -> Columns:
     if len(found) == 1:
         return found[0]
     what = f"several fit, {_choices(found)}" if found else "none found by their names"
-    such = f", such as {_words(role, found[0])}" if found else ""
+    such = f", such as {guesses.words(role, found[0])}" if found else ""
     raise InvalidInput(f"columns: {role}: {what}; name the right ones in columns[{role!r}]{such}")
-
-
-def _guess(table: Table, request: Request) -> str:
-    words = [_words(role, names) for role, names in guessed(table, request).items()]
-    return f"; such as {' '.join(words)}" if words else ""
-
-
-def _words(role: str, names: Columns) -> str:
-    """The columns as on the command line, once the argument's name is the option's."""
-    return f"columns[{role!r}]={shlex.quote(','.join(names))}"
-
-
-def guessed(table: Table, request: Request) -> dict[str, Columns]:
-    """Columns by role, for a person to confirm: by their names, else the rising one as the time."""
-    found = headers.candidates(table.names) | {role: [own] for role, own in table.roles.items()}
-    if found["positions"] and [len(names) for names in found["joints"]] == [4]:  # ABB's q1 to q4
-        numbers = [_of_numbers(table, name) for name in found["joints"][0]]
-        if sanity.are_quaternions(np.array([each for each in numbers if each is not None])):
-            return {"positions": found["positions"][0], "orientations": found["joints"][0]}
-    if known := [role for role in ("joints", "positions") if found[role]]:
-        return {known[0]: found[known[0]][0]}
-    time = found["time"][0] if found["time"] else _rising(table)[:1]
-    turned = found["orientations"][0] if found["orientations"] else ()
-    names = [n for n in table.names if n not in (*time, *turned) and not headers.OTHER.search(n)]
-    rest = [name for name in names if _of_numbers(table, name) is not None]
-    count = 0 if turned else len(request.joints)
-    lengths = [n for n in rest if n.lower()[-2:] in ("_x", ".x") or headers.unit(n, "positions")[1]]
-    if len(rest) < max(count, 2) or (len(rest) > _SPACE and (turned or lengths)):
-        return {}
-    role = "joints" if count or len(rest) > _SPACE else "positions"
-    by_role = {"time": () if found["time"] else time, role: tuple(rest[: count or len(rest)])}
-    return {role: each for role, each in (by_role | {"orientations": turned}).items() if each}
-
-
-def _rising(table: Table) -> Columns:
-    """The columns whose numbers rise by similar steps, as times do, and joints hardly."""
-    used = {*chain(*chain(*headers.candidates(table.names).values()))}
-    columns = ((name, _of_numbers(table, name)) for name in table.names if name not in used)
-    steps = ((name, np.diff(rows)) for name, rows in columns if rows is not None and len(rows) > 1)
-    spread = ((name, each.min(), *np.percentile(each, [25, 75])) for name, each in steps)
-    return tuple(name for name, least, q1, q3 in spread if least > 0.0 and q3 < _UNEVEN * q1)
-
-
-def _of_numbers(table: Table, name: str) -> Float64Array | None:
-    try:
-        rows = table.numbers(name)
-    except (InvalidInput, ValueError):
-        return None
-    return rows if rows.ndim == 1 else None
-
-
-def _nearest(table: Table, role: str, names: Columns) -> str:
-    """Words with the columns whose names come nearest, where each has one."""
-    near = [get_close_matches(name, table.names, 1) for name in names]
-    found = tuple(dict.fromkeys(each[0] for each in near if each))
-    return f"; perhaps {_words(role, found)}" if len(found) == len(names) else ""
 
 
 def _stacked(
@@ -418,8 +378,8 @@ def _times(table: Table, time: Columns | None, asked: float | None, count: int) 
     if time is None:
         rate = asked or table.rate
         if rate is None:
-            rising = _rising(table)
-            named = f", or its column, as by {_words('time', rising[:1])}" if rising else ""
+            rising = guesses.rising(table)
+            named = f", or its column, as by {guesses.words('time', rising[:1])}" if rising else ""
             raise InvalidInput(
                 "rate: the file has no time column; give the rate in Hz, such as rate=100" + named
             )
@@ -427,7 +387,9 @@ def _times(table: Table, time: Columns | None, asked: float | None, count: int) 
     if asked is not None:
         raise InvalidInput(f"rate: the file has a time column, {time[0]!r}; leave rate out")
     stamps = table.numbers(time[0])
-    unit = headers.unit(time[0], "time")[1] or headers.unit_since_1970(stamps[:1].sum())
+    unit = headers.unit(time[0], "time")[1] or headers.unit_since_1970(
+        stamps[np.isfinite(stamps)][:1].sum()
+    )
     times = stamps * unit
     if time[1:]:
         beyond = table.numbers(time[1]) % 1e9  # some hold the seconds too
@@ -451,12 +413,19 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
 
 
 def _joints_stated(columns: Columns, joints: Columns) -> Columns:
-    """The joints that names tell (`Elbow` elbow_joint), each another one; or all in their order."""
-    own, arm = ([re.sub(r"[\W_]", "", n.lower()) for n in each] for each in (columns, joints))
-    told = [f[0] for n in own if len(f := [i for i, j in enumerate(arm) if n in j or j in n]) == 1]
-    if sorted(told) == [*range(len(columns))]:
-        return tuple(joints[i] for i in told)
-    return joints if len(columns) == len(joints) and not set(columns) & set(joints) else ()
+    """The joints that names tell, of each another one; or all in their order."""
+    told = headers.told(columns, joints)
+    if None not in told and len(told) == len(joints):
+        return tuple(joints[i] for i in told if i is not None)
+    if len(columns) != len(joints) or set(columns) & set(joints):
+        return ()
+    for place, i in enumerate(told):
+        if i not in (None, place):
+            raise InvalidInput(
+                f"columns['joints']: {columns[place]} stands for {joints[place]}; name the columns "
+                f"in the order {', '.join(joints)}"
+            )
+    return joints
 
 
 def _back_to_metres(

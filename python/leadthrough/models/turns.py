@@ -31,7 +31,7 @@ def at_one_turn(motions: Sequence[MotionT]) -> list[MotionT]:
 def _turns_apart(middles: Float64Array) -> Float64Array:
     """Whole turns (k, d) of joints from where they are in most of k motions, by their means."""
     turns = sanity.turns(middles - middles[0])
-    return turns - np.array([_usual(column) for column in turns.T])
+    return np.asarray(turns - [_usual(column) for column in turns.T])
 
 
 def _usual(turns: Float64Array) -> float:

@@ -48,3 +48,13 @@ def poses():
     s = np.linspace(0.0, 1.0, 51)
     turned = lt.rotations.exp(np.column_stack([np.sin(s), s**2, 0.5 - s]))
     return lt.PoseTrajectory(s, np.column_stack([s, s**2, np.cos(s)]), turned, GRIPPER)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def to_file(text, name="recording.csv"):
+        path = tmp_path / name
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return to_file

@@ -128,7 +128,9 @@ def test_leaps_of_a_joint_by_a_whole_turn_are_made_continuous(tmp_path):
         assert (report.turns, none.turns) == (2, 0)
     path = tmp_path / "wrapped.csv"
     columns = np.column_stack([TIMES, recording.positions])
-    np.savetxt(path, columns, delimiter=",", header="time,joint_1,joint_2", comments="", fmt="%r")
+    np.savetxt(
+        path, columns, delimiter=",", header="time,joint_1,joint_2", comments="", fmt="%.17g"
+    )
     with pytest.warns(UserWarning, match="joint_2 with leaps by whole turns"):
         (shown,) = lt.read_demonstrations(path, rest=np.inf)
     np.testing.assert_allclose(shown.motion.positions, positions, atol=1e-9)
