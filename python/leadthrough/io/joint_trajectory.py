@@ -258,8 +258,13 @@ def _write(parts: Iterable[str], path: StrPath) -> None:
         file.writelines(parts)
 
 
-def _seconds(due: Mapping[str, int]) -> float:
-    return stamp_nanoseconds(due["sec"], due["nanosec"]) / NANOSECONDS
+def _seconds(due: Any) -> float:  # Any: whatever a file holds
+    """A time of ROS 2 or of ROS 1, or a number of seconds."""
+    if isinstance(due, int | float):
+        return check.number(due, "time_from_start")
+    parts = ("sec", "nanosec") if "sec" in due else ("secs", "nsecs")
+    whole = (check.integer(due[part], part, at_least=-(2**63)) for part in parts)
+    return stamp_nanoseconds(*whole) / NANOSECONDS
 
 
 def _matrix(rows: Sequence[object], quantity: str, width: int) -> Float64Array:

@@ -191,6 +191,11 @@ def recording(table: Table, request: Request = Request(), *, name: str = "") -> 
         )
     if orientations is None:
         sanity.pose(data["positions"], "save positions (n, 3) and orientations (n, 4) apart")
+    if data["positions"].shape[1] > _SPACE and not request.columns:
+        named = guesses.words("joints", chosen["positions"])
+        sanity.warn(
+            f"columns: {data['positions'].shape[1]} numbers are read as a point; joints by {named}"
+        )
     return Recording(
         times,
         data["positions"],

@@ -1,5 +1,6 @@
 """Columns that names tell, or tell only to a person: proposed, named or refused, never mistaken."""
 
+import json
 import re
 
 import numpy as np
@@ -122,3 +123,23 @@ def test_the_position_of_one_body_has_no_orientation_of_another(write):
         lt.read_motion(write(f"time,x,y,z,{turned}\n{rows}"))
     poses = lt.read_motion(write(f"time,x,y,z,ox,oy,oz,ow\n{rows.replace('1,0,0,0', '0,0,0,1')}"))
     assert np.array_equal(poses.orientations[0], [1.0, 0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    "due", [{"secs": 1, "nsecs": 500_000_000}, 1.5, {"sec": 1.5, "nanosec": 0}]
+)
+def test_points_are_timed_as_in_ros_1_or_by_numbers_and_never_truncated(write, due):
+    points = [{"positions": [i], "time_from_start": each} for i, each in enumerate((0, due))]
+    path = write(json.dumps({"joint_names": ["a"], "points": points}), "motion.json")
+    if isinstance(due, dict) and "sec" in due:
+        refused("sec: expected an integer", lt.read_motion, path)
+    else:
+        assert np.array_equal(lt.read_motion(path).times, [0.0, 1.5])
+
+
+def test_arrays_of_more_numbers_than_a_point_has_are_asked_about(tmp_path):
+    np.savez(
+        tmp_path / "a.npz", time=np.arange(9.0), position=np.ones((9, 6)), velocity=np.ones((9, 6))
+    )
+    with pytest.warns(ImplausibleInputWarning, match="6 numbers are read as a point; joints by"):
+        lt.read_motion(tmp_path / "a.npz")
