@@ -75,10 +75,11 @@ py::tuple solve_one(const Chain& chain, const Vector3Ref& position, const Vector
 
 py::tuple solve_batch(const Chain& chain, const Rows3Ref& positions, const Rows4Ref& orientations,
                       const RowsRef& starts, const IkOptions& options, int threads,
-                      const ClosedForm* form) {
+                      const ClosedForm* form, bool own_restarts) {
   require_form(chain, form);
+  const Restarts restarts = own_restarts ? Restarts::kEachItsOwn : Restarts::kAlike;
   return solve_columns(chain.joints(), [&] {
-    return solve_ik_batch(chain, positions, orientations, starts, options, threads, form);
+    return solve_ik_batch(chain, positions, orientations, starts, options, threads, form, restarts);
   });
 }
 
@@ -184,7 +185,7 @@ void bind_ik(py::module_& module) {
   module.def("solve_ik", &solve_one, "chain"_a, "position"_array, "orientation"_array, "q0"_array,
              "options"_a, "form"_a);
   module.def("solve_ik_batch", &solve_batch, "chain"_a, "positions"_array, "orientations"_array,
-             "starts"_array, "options"_a, "threads"_a, "form"_a);
+             "starts"_array, "options"_a, "threads"_a, "form"_a, "own_restarts"_a);
   module.def("solve_ik_all", &solve_all, "chain"_a, "position"_array, "orientation"_array,
              "q0"_array, "options"_a, "count"_a, "separation"_a, "form"_a);
   module.def("solve_yang", &solve_plainly, "chain"_a, "positions"_array, "orientations"_array,

@@ -476,6 +476,7 @@ def solve_ik_batch(
     options: IkOptions,
     threads: int,
     form: ClosedForm | None,
+    own_restarts: bool,
 ) -> tuple[Float64Array, Int32Array, Float64Array, Float64Array, Int32Array, NDArray[np.bool_]]: ...
 def solve_ik_all(
     chain: Chain,

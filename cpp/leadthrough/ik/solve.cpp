@@ -149,8 +149,8 @@ IkResult solve_ik(const Chain& chain, const IkTarget& target, const VectorRef& q
 
 std::vector<IkResult> solve_ik_batch(const Chain& chain, const Rows3Ref& positions,
                                      const Rows4Ref& orientations, const RowsRef& starts,
-                                     const IkOptions& options, int threads,
-                                     const ClosedForm* form) {
+                                     const IkOptions& options, int threads, const ClosedForm* form,
+                                     Restarts restarts) {
   check_argument(orientations.rows() == positions.rows() || orientations.rows() == 0,
                  "orientations: expected a row for each position, or none");
   check_argument(starts.rows() == positions.rows() && starts.cols() == chain.joints(),
@@ -161,7 +161,9 @@ std::vector<IkResult> solve_ik_batch(const Chain& chain, const Rows3Ref& positio
   for_each_index(count, threads, [&](std::size_t i) {
     const auto row = static_cast<Eigen::Index>(i);
     const JointVector q0 = starts.row(row);
-    results[i] = solve_ik(chain, target_in_row(positions, orientations, row), q0, options, i, form);
+    const std::uint64_t stream = restarts == Restarts::kAlike ? 0 : i;
+    results[i] =
+        solve_ik(chain, target_in_row(positions, orientations, row), q0, options, stream, form);
   });
   return results;
 }

@@ -85,12 +85,16 @@ IkResult solve_ik(const Chain& chain, const IkTarget& target, const VectorRef& q
                   const IkOptions& options = {}, std::uint64_t stream = 0,
                   const ClosedForm* form = nullptr);
 
-// One target a row; orientations (w, x, y, z) may have no rows. The results do not depend on the
-// number of threads.
+enum class Restarts { kAlike, kEachItsOwn };
+
+// One target a row, solved as by itself; orientations (w, x, y, z) may have no rows. If one pose
+// stands in many rows, restarts of its own let each row look elsewhere. The results do not depend
+// on the number of threads.
 std::vector<IkResult> solve_ik_batch(const Chain& chain, const Rows3Ref& positions,
                                      const Rows4Ref& orientations, const RowsRef& starts,
                                      const IkOptions& options, int threads,
-                                     const ClosedForm* form = nullptr);
+                                     const ClosedForm* form = nullptr,
+                                     Restarts restarts = Restarts::kAlike);
 
 struct IkSolutions {
   std::vector<IkResult> found;             // nearest to the reference first

@@ -93,7 +93,7 @@ def _nearest(
     """Joints (m, joints) nearest to samples, status codes, errors in m and rad, limiting joints."""
     wanted, starts = path.only(samples), np.repeat(q0[None], len(samples), axis=0)
     q, codes, far, angles, _, bars = core.solve_ik_batch(
-        chain, wanted.positions, wanted.orientations, starts, path.options(), 1, None
+        chain, wanted.positions, wanted.orientations, starts, path.options(), 1, None, False
     )
     return q, codes, far, angles, bars
 
@@ -203,6 +203,7 @@ def _require_end(
             compiled(options, seed),
             1,
             arm._closed_form,
+            False,
         )
         if codes[0] == 0:
             return

@@ -74,8 +74,9 @@ def write_rows(
 def _columns(motion: Motion) -> dict[str, Float64Array]:
     if isinstance(motion, JointTrajectory):
         columns = joint_columns(checked_joint_names(motion), quantities(motion))
-        read = set().union(*candidates([*columns])["joints"])
-        if read and not read.issuperset(motion.joint_names or ()):
+        found = candidates([*columns])
+        read = set().union(*found["joints"])
+        if (read or found["positions"]) and not read.issuperset(motion.joint_names or ()):
             sanity.warn("motion: not all joints are told by their names here; .npz keeps them all")
         return columns
     width = motion.positions.shape[1]

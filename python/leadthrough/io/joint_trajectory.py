@@ -19,9 +19,9 @@ from typing import Any, NotRequired, TypedDict
 import numpy as np
 
 import leadthrough._core as core
-from leadthrough import check
+from leadthrough import check, sanity
 from leadthrough.check import Float64Array, InvalidInput
-from leadthrough.io import files
+from leadthrough.io import files, headers
 from leadthrough.io.files import ReadLimits, StrPath
 from leadthrough.io.headers import JOINT_SUFFIXES, Columns
 from leadthrough.io.table import ArrayTable
@@ -173,6 +173,7 @@ def message(trajectory: JointTrajectory) -> Message:
 
 def _frame(trajectory: JointTrajectory) -> Message:
     """The message without its points."""
+    warn_of_units(trajectory.joint_names or ())
     content: Message = {
         "header": {"stamp": to_stamp(0), "frame_id": ""},
         "joint_names": list(checked_joint_names(trajectory)),
@@ -354,8 +355,18 @@ def checked_joint_names(trajectory: JointTrajectory) -> Columns:
     return names
 
 
+def warn_of_units(names: Iterable[str]) -> None:
+    """Warns of joints whose names end in a unit, in which a reader takes their numbers."""
+    if stated := [name for name in names if headers.unit(name, "joints")[1] is not None]:
+        sanity.warn(
+            f"motion: joints {', '.join(stated)} are written in rad (m), and their names state "
+            "units, in which they are read; rename them"
+        )
+
+
 def quantities(trajectory: JointTrajectory) -> dict[str, Float64Array]:
     """The positions, velocities and accelerations (n, joints) that a trajectory has, by name."""
+    warn_of_units(trajectory.joint_names or ())
     found = {name: getattr(trajectory, name) for name in JOINT_SUFFIXES}
     return {name: values for name, values in found.items() if values is not None}
 

@@ -261,6 +261,8 @@ def _chosen(table: Table, request: Request) -> dict[str, Columns]:
     names = table.names
     named = {role: _matching(asked, names) for role, asked in request.columns.items()}
     found = headers.candidates(names) | {role: [own] for role, own in table.roles.items()}
+    joints = {*table.roles.get("joints", ())}  # of a gantry they may be x, y and z
+    found["positions"] = [each for each in found["positions"] if not joints >= {*each}]
     chosen = dict(named)
     if not chosen.keys() & {"positions", "orientations", "joints"}:
         chosen |= _of_the_arm(names, request.joints) or _only_motion(table, found, request)
@@ -273,9 +275,9 @@ def _chosen(table: Table, request: Request) -> dict[str, Columns]:
         times = [each for each in times if guesses.numbers_of(table, each[0]) is not None]
     if "time" not in chosen and times:
         chosen["time"] = _only(times, "time")
-    joints = chosen.get("joints", ())
-    if all(headers.unit(name, "joints")[1] is None for name in joints):
-        chosen |= headers.derivatives(names, joints) if joints else {}
+    own = chosen.get("joints", ())
+    if all(headers.unit(name, "joints")[1] is None for name in own):
+        chosen |= headers.derivatives(names, own) if own else {}
     return chosen
 
 

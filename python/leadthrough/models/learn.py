@@ -245,8 +245,8 @@ def _mean_distance(demonstrated: Motion, made: Motion) -> float:
     extent = float(np.linalg.norm(np.ptp(demonstrated.positions, axis=0))) or 1.0
     apart = (_even(demonstrated, demonstrated.positions) - _even(made, made.positions)) / extent
     if isinstance(demonstrated, PoseTrajectory) and isinstance(made, PoseTrajectory):
-        turned = [_even(each, rotations.lift(each.orientations)) for each in (demonstrated, made)]
-        turns = [rotations.exp(each) for each in turned]
+        turned = [_even(each, each.orientations) for each in (demonstrated, made)]
+        turns = [each / np.linalg.norm(each, axis=1, keepdims=True) for each in turned]
         reach = float(rotations.distance(turns[0], turns[0][:1].repeat(_EVEN, 0)).max())
         angle = rotations.distance(*turns) * (TURNING / max(reach, MIN_TURN))
         apart = np.column_stack([apart, angle])

@@ -118,7 +118,7 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
 
     def corrected(
         self,
-        time: float,
+        at: float | ArrayLike,
         position: Target,
         *,
         start: Target | None = None,
@@ -127,7 +127,7 @@ class Skill(Generator[MotionT_co], Protocol[MotionT_co]):
         obstacles: Sequence[Shape] = (),
         mode: int | None = None,
     ) -> Corrected[MotionT_co]:
-        """A skill whose motion passes a position at a time, as by `FittedSkill.corrected`."""
+        """A skill whose motion passes a position, as by `FittedSkill.corrected`."""
 
     def save(self, path: StrPath) -> None:
         """Writes the skill to a .npz file that `load_skill` reads."""

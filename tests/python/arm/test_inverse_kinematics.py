@@ -57,6 +57,17 @@ def test_one_target_is_solved_like_a_batch_of_one(arm, posture):
     assert one.iterations == batch.iterations[0]
 
 
+def test_a_pose_has_one_answer_wherever_it_stands_in_a_batch(arm, posture):
+    rng = np.random.default_rng(0)
+    low, high = np.maximum(arm.limits.lower, -2.0), np.minimum(arm.limits.upper, 2.0)
+    targets = arm.forward_kinematics(rng.uniform(low, high, (60, len(posture))))
+    batch = arm.inverse_kinematics_batch(*targets).q
+    backwards = arm.inverse_kinematics_batch(*(each[::-1] for each in targets)).q[::-1]
+    alone = [arm.inverse_kinematics(*target).q for target in zip(*targets, strict=True)]
+    np.testing.assert_allclose(batch, alone, atol=1e-9)
+    np.testing.assert_allclose(batch, backwards, atol=1e-9)
+
+
 def test_a_start_on_the_target_stays(arm, posture):
     position, orientation = arm.forward_kinematics(posture)
     result = arm.inverse_kinematics(position, orientation, q0=posture)

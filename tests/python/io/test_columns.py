@@ -143,3 +143,22 @@ def test_arrays_of_more_numbers_than_a_point_has_are_asked_about(tmp_path):
     )
     with pytest.warns(ImplausibleInputWarning, match="6 numbers are read as a point; joints by"):
         lt.read_motion(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize("suffix", ["csv", "npz", "json", "yaml"])
+def test_joints_whose_names_are_axes_or_end_in_units_come_back_or_are_named(tmp_path, suffix):
+    path, times = tmp_path / f"a.{suffix}", np.arange(3) / 10.0
+    gantry = lt.JointTrajectory(
+        times, np.ones((3, 3)), np.zeros((3, 3)), joint_names=("x", "y", "z")
+    )
+    if suffix == "csv":
+        with pytest.warns(ImplausibleInputWarning, match="not all joints are told"):
+            lt.io.write_motion(gantry, path)
+    else:
+        lt.io.write_motion(gantry, path)
+        back = lt.read_motion(path)
+        assert back.joint_names == ("x", "y", "z")
+        assert back.velocities is not None
+    tilted = lt.JointTrajectory(times, np.ones((3, 1)), np.zeros((3, 1)), joint_names=("tilt_deg",))
+    with pytest.warns(ImplausibleInputWarning, match="tilt_deg are written in rad"):
+        lt.io.write_motion(tilted, path)

@@ -207,6 +207,22 @@ def test_a_file_with_shares_that_are_none_is_refused(tmp_path, share):
     refused("damaged|shares", lt.load_skill, tmp_path / "skill.npz")
 
 
+@pytest.mark.parametrize("turn", [6.5, 12.0])
+def test_families_are_compared_beyond_whole_turns_about_an_axis_that_trembles(turn):
+    rng, u = np.random.default_rng(0), np.linspace(0.0, 1.0, 150)
+    way = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+    shown = [
+        lt.PoseTrajectory(
+            3.0 * u,
+            np.outer(way, [0.1, 0.05, -0.02]) + rng.normal(0.0, 0.002, 3),
+            lt.rotations.exp(np.outer(turn * way, [0.1, 0.2, 0.97]) + rng.normal(0.0, 0.01, 3)),
+        )
+        for _ in range(3)
+    ]
+    skill = lt.learn(shown, candidates=["dmp", "promp"])
+    assert np.isfinite(list(skill.choice.errors.values())).all()
+
+
 def test_a_model_with_settings_is_a_candidate():
     shown = [stroke((0.0, y)) for y in (-0.1, 0.0, 0.1)]
     skill = lt.learn(shown, candidates=[lt.ProMP(weights=12), "dmp"])
