@@ -383,7 +383,7 @@ class Demonstration(Drawn, Generic[MotionT_co]):
     @property
     def joints(self) -> JointTrajectory | None:
         """The arm's joints during the motion of its tip, or None; for joints, the motion itself."""
-        return of_arm(self.motion)
+        return _of_arm(self.motion)
 
     def _repr_parts(self) -> list[str]:
         return [repr(self.name), one_line(self.motion)]
@@ -479,20 +479,20 @@ def in_order(motion: object, names: Sequence[str], argument: str) -> JointTrajec
 
 def alike(motions: Sequence[MotionT], argument: str) -> list[MotionT]:
     """The motions with their joints, those beside a tip's too, in the order of the first's."""
-    named = [joints.joint_names for each in motions if (joints := of_arm(each)) is not None]
+    named = [joints.joint_names for each in motions if (joints := _of_arm(each)) is not None]
     return [
         _like(each, named[0], f"{argument}[{i}]") if named else each
         for i, each in enumerate(motions)
     ]
 
 
-def of_arm(motion: Motion) -> JointTrajectory | None:
+def _of_arm(motion: Motion) -> JointTrajectory | None:
     """The joints that a motion consists of, or that go along with it."""
     return motion if isinstance(motion, JointTrajectory) else motion.joints
 
 
 def _like(motion: MotionT, names: tuple[str, ...], argument: str) -> MotionT:
-    joints = of_arm(motion)
+    joints = _of_arm(motion)
     if joints is None or joints.joint_names == names:
         return motion
     ordered: Any = _selected(joints, names, argument)

@@ -16,8 +16,7 @@ from leadthrough import check
 from leadthrough.arm.robot_files import find_robot
 from leadthrough.cli import output, parse, reading
 from leadthrough.cli.options import ArmDetails
-from leadthrough.io import headers
-from leadthrough.io.table import Ranges
+from leadthrough.io.table import Ranges, joints_told
 from leadthrough.motion import Motion, joints_with, with_derivatives
 
 # m or rad; the tip is this near to a path that is followed without tolerances.
@@ -121,7 +120,7 @@ def own_joints(arm: lt.Arm, motion: Motion, name: str) -> lt.JointTrajectory:
 def _numbered(motion: lt.JointTrajectory, names: Sequence[str], name: str) -> lt.JointTrajectory:
     """The motion with the arm's names, if its own number them: as these do, or else in order."""
     recorded = motion.joint_names
-    told = headers.told(recorded, names)
+    told = joints_told(recorded, names)
     of = [names[i] for i in told if i is not None]
     found = [(each[1], int(each[2])) for each in map(_NUMBERED.fullmatch, recorded) if each]
     if not found or found != [(found[0][0], found[0][1] + i) for i in range(len(recorded))]:

@@ -22,7 +22,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import StringIO
-from itertools import accumulate
 from pathlib import Path
 from typing import TextIO
 
@@ -306,9 +305,7 @@ def _names(rows: list[tuple[str, ...]]) -> tuple[str, ...]:
     *above, last = rows
     units = above and all(is_unit(cell) for cell in last if cell)
     *titles, lowest = above if units else rows
-    if all(lowest) and len(set(lowest)) == len(lowest):
-        titles = [row for row in titles if all(row)]
-    parts = zip(*map(_merged, titles), lowest, strict=True)
+    parts = zip(*(_titled(row, lowest) for row in titles), lowest, strict=True)
     names = ["_".join(filter(None, cells)) for cells in parts]
     if not units:
         return tuple(names)
@@ -317,9 +314,16 @@ def _names(rows: list[tuple[str, ...]]) -> tuple[str, ...]:
     )
 
 
-def _merged(cells: tuple[str, ...]) -> Iterator[str]:
-    """Cells with their texts, those behind one that are empty with its text."""
-    return accumulate(cells, lambda before, cell: cell or before)
+def _titled(titles: tuple[str, ...], names: tuple[str, ...]) -> list[str]:
+    """The title above each name: of a row with gaps only where names of its columns need it."""
+    if all(titles):
+        return [*titles]
+    spread = list[str]()
+    for title in titles:
+        spread.append(title or (spread[-1] if spread else ""))
+    often = Counter(names)
+    needed = {title for title, name in zip(spread, names, strict=True) if often[name] > 1}
+    return [title if title in needed else "" for title in spread]
 
 
 def _delimiter(header: str) -> str:

@@ -13,7 +13,7 @@ from leadthrough import sanity
 from leadthrough.check import Float64Array, InvalidInput
 from leadthrough.io import headers
 from leadthrough.io.headers import Columns
-from leadthrough.io.table import Request, Table
+from leadthrough.io.table import Request, Table, joints_told
 
 _SPACE = 3  # coordinates of a position
 _UNEVEN = 1.5  # times the lower quartile of a clock's steps is more than the upper one
@@ -62,7 +62,7 @@ def guessed(table: Table, request: Request) -> dict[str, Columns]:
 
 def _of_joints(names: Sequence[str], joints: Columns) -> Columns:
     """As many columns as joints, first those that tell by their names which one they are of."""
-    told = headers.told(names, joints)
+    told = joints_told(names, joints)
     several = len(names) - len(joints)
     if any(joint is not None for joint in told):  # a counter or a mode stands before the others
         first = next(i for i, joint in enumerate(told) if joint is not None or i == several)

@@ -76,7 +76,6 @@ _ROTATED = re.compile(
     r"(.*[_.\-/ ])?([rqno][xyz]|q[ijkr]|r\d\d|roll|pitch|yaw|r|theta|axis[_.\-/ ][xyz]"
     r"|(euler|rot|rotation|rotvec|ori|orientation|quat|quaternion)([_.\-/ ].*)?)"
 )
-_LETTERS = re.compile(r"[a-z]{0,2}")  # too short to tell a joint by
 # Names of three angles.
 _ANGLES = ("abc", "wpr", "ijk", ("alpha", "beta", "gamma"))
 # Axes of a Yaskawa arm, in their order.
@@ -171,17 +170,6 @@ def by_joint(names: Sequence[str]) -> list[dict[str, str]]:
             groups.append(group := {})
         group[own] = name
     return groups
-
-
-def told(columns: Sequence[str], joints: Sequence[str]) -> list[int | None]:
-    """For each column the joint that its name alone tells, as `Elbow` does elbow_joint."""
-    own, arm = ([re.sub(r"[\W_]", "", n.lower()) for n in each] for each in (columns, joints))
-    near = [[i for i, name in enumerate(arm) if each in name or name in each] for each in own]
-    found = [
-        each[0] if len(each) == 1 and not _LETTERS.fullmatch(name) else None
-        for each, name in zip(near, own, strict=True)
-    ]
-    return [i if found.count(i) == 1 else None for i in found]
 
 
 def of_a_pose(columns: Sequence[str]) -> bool:

@@ -173,10 +173,11 @@ def message(trajectory: JointTrajectory) -> Message:
 
 def _frame(trajectory: JointTrajectory) -> Message:
     """The message without its points."""
-    warn_of_units(trajectory.joint_names or ())
+    names = list(checked_joint_names(trajectory))
+    warn_of_units(names)
     content: Message = {
         "header": {"stamp": to_stamp(0), "frame_id": ""},
-        "joint_names": list(checked_joint_names(trajectory)),
+        "joint_names": names,
         "points": [],
     }
     if trajectory.events:

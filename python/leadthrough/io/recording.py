@@ -26,7 +26,7 @@ from leadthrough.check import Float64Array, InvalidInput, ShortRepr
 from leadthrough.io import guesses, headers
 from leadthrough.io.headers import AngleUnit, Columns
 from leadthrough.io.joint_trajectory import checked_joint_names
-from leadthrough.io.table import Request, Table
+from leadthrough.io.table import Request, Table, joints_told
 from leadthrough.motion import (
     Demonstration,
     Event,
@@ -421,7 +421,7 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
 
 def _joints_stated(columns: Columns, joints: Columns) -> Columns:
     """The joints that names tell, of each another one; or all in their order."""
-    told = headers.told(columns, joints)
+    told = joints_told(columns, joints)
     if None not in told and len(told) == len(joints):
         return tuple(joints[i] for i in told if i is not None)
     if len(columns) != len(joints) or set(columns) & set(joints):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,6 +20,7 @@ Ranges = Mapping[str, tuple[float, float] | tuple[float, float, str]]
 ROLES = ("time", "positions", "orientations", "joints")
 ORDERS: tuple[QuaternionOrder, ...] = get_args(QuaternionOrder)
 ANGLES: tuple[AngleUnit, ...] = get_args(AngleUnit)
+_LETTERS = re.compile(r"[a-z]{0,2}")  # too short to tell a joint by
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -79,6 +81,17 @@ class Request:
     joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     prismatic: Sequence[str] = ()  # those of the joints that are in m
     part: tuple[int, int] | None = None
+
+
+def joints_told(columns: Sequence[str], joints: Sequence[str]) -> list[int | None]:
+    """For each column the joint that its name alone tells, as `Elbow` does elbow_joint."""
+    own, arm = ([re.sub(r"[\W_]", "", n.lower()) for n in each] for each in (columns, joints))
+    near = [[i for i, name in enumerate(arm) if each in name or name in each] for each in own]
+    found = [
+        each[0] if len(each) == 1 and not _LETTERS.fullmatch(name) else None
+        for each, name in zip(near, own, strict=True)
+    ]
+    return [i if found.count(i) == 1 else None for i in found]
 
 
 def as_request(

@@ -1,20 +1,22 @@
 """Demonstrations that contradict all others: reversed, of another task, rotated, of another pace.
 
 Only a lone one contradicts: two that agree with each other are a second way of doing the task.
+Joints at another turn are none: an encoder may wrap where they begin.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import leadthrough._core as core
-from leadthrough import rotations
+from leadthrough import rotations, sanity
 from leadthrough.check import Float64Array
-from leadthrough.motion import Motion, PoseTrajectory
+from leadthrough.motion import JointTrajectory, Motion, MotionT, PoseTrajectory
 from leadthrough.preprocess import arc_length, by_arc_length
 from leadthrough.preprocess.align import features
 from leadthrough.preprocess.moved_ends import with_ends
@@ -178,3 +180,37 @@ def _lone(
     for i, distances in enumerate(rows):
         if means[i] > max(far, _LONE * float(np.delete(means, i).max())):
             yield i, distances
+
+
+def at_one_turn(motions: Sequence[MotionT]) -> list[MotionT]:
+    """The motions, joints that are whole turns from those of most others moved to these."""
+    several: list[Any] = list(motions)
+    if len(several) < 2 or not isinstance(several[0], JointTrajectory):
+        return several
+    turns = _turns_apart(np.array([each.positions.mean(axis=0) for each in several]))
+    for i, j in np.argwhere(turns):
+        sanity.warn(
+            f"demonstrations[{i}]: {_name(several[i], j)} is {2.0 * np.pi * turns[i, j]:+.4g} rad, "
+            "whole turns, from the others and is learned at their turn; leave it out if the joint "
+            "has to be where it was"
+        )
+    moved = zip(several, 2.0 * np.pi * turns, strict=True)
+    return [
+        replace(each, positions=each.positions - by) if by.any() else each for each, by in moved
+    ]
+
+
+def _turns_apart(middles: Float64Array) -> Float64Array:
+    """Whole turns (k, d) of joints from where they are in most of k motions, by their means."""
+    turns = sanity.turns(middles - middles[0])
+    return np.asarray(turns - [_usual(column) for column in turns.T])
+
+
+def _usual(turns: Float64Array) -> float:
+    """The most frequent of numbers (k,), and of several the least."""
+    values, counts = np.unique(turns, return_counts=True)
+    return float(values[np.lexsort([np.abs(values), -counts])[0]])
+
+
+def _name(joints: JointTrajectory, number: int) -> str:
+    return joints.joint_names[number] if joints.joint_names else f"joint number {number + 1}"

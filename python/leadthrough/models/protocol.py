@@ -23,8 +23,7 @@ from leadthrough import check, sanity
 from leadthrough.check import MAX_NUMBER, FitError, Float64Array, InvalidInput, NotFitted, ShortRepr
 from leadthrough.io.files import StrPath
 from leadthrough.models.certificate import Certificate
-from leadthrough.models.contradictions import contradictions
-from leadthrough.models.turns import at_one_turn
+from leadthrough.models.contradictions import at_one_turn, contradictions
 from leadthrough.motion import (
     Demonstration,
     JointTrajectory,

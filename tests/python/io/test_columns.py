@@ -57,6 +57,14 @@ def test_merged_cells_above_several_columns_are_of_all_of_them(write):
         assert motion.joint_names == ("q1", "q2", "q3", "q4")
     path = write(f",Actual,,Target,\ntime,q1,q2,q1,q2\n{rows}")
     assert lt.read_motion(path).joint_names == ("Actual_q1", "Actual_q2")
+    rows = "0,0,1,2,3,0,0,0,1\n1,0.1,1,2,3,0,0,0,1\n"  # as OptiTrack writes them
+    title = (
+        ",Type,Body,Body,Body,Body,Body,Body,Body\n,,Position,Position,Position" + ",Rotation" * 4
+    )
+    poses = lt.read_motion(write(f"{title}\nFrame,Time (Seconds),X,Y,Z,X,Y,Z,W\n{rows}"))
+    assert np.array_equal(poses.times, [0.0, 0.1])
+    assert np.array_equal(poses.orientations[0], [1.0, 0.0, 0.0, 0.0])
+    rows = "0,1,2,3,4\n0.1,1,2,3,4\n"
     refused(
         "both poses and joints",
         lt.read_motion,

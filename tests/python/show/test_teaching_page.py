@@ -201,9 +201,8 @@ def test_taught_learned_moved_corrected_saved_and_planned(browser, taught, panda
     tab.context.close()
 
 
-@pytest.mark.parametrize(("width", "height"), [(1200, 800), (390, 844)])
-def test_a_recording_is_named_trimmed_and_brought_back_on_the_page(browser, taught, width, height):
-    tab = opened(browser, taught, width, height)
+def test_a_recording_is_named_trimmed_and_brought_back_on_the_page(browser, taught):
+    tab = opened(browser, taught, 1200, 800)
     record(tab, (0, -60), (-40, 40))
     settled(tab, "state.shown[0] === 0 && data.times.length > 10")
     folder = taught.session.recordings.folder
@@ -224,7 +223,7 @@ def test_a_recording_is_named_trimmed_and_brought_back_on_the_page(browser, taug
     (path,) = folder.glob("*.csv")
     assert path.stem == "up and over"
     assert lt.read_motion(path).duration == pytest.approx(cut, abs=1e-3)
-    assert tab.evaluate("document.documentElement.scrollWidth") <= width
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 1200
     press(tab, "delete up and over")
     settled(tab, "!state.demonstrations.length")
     assert list(folder.iterdir()) == []
@@ -251,9 +250,8 @@ def drawn(tab):
     }
 
 
-@pytest.mark.parametrize(("width", "height"), [(1200, 800), (390, 844)])
-def test_the_scene_that_was_saved_is_the_same_from_disk(browser, taught, width, height):
-    tab = opened(browser, taught, width, height)
+def test_the_scene_that_was_saved_is_the_same_from_disk(browser, taught):
+    tab = opened(browser, taught, 1200, 800)
     record(tab, (0, -60), (-40, 40))
     settled(tab, "state.demonstrations.length === 1")
     press(tab, "Learn")
@@ -272,7 +270,7 @@ def test_the_scene_that_was_saved_is_the_same_from_disk(browser, taught, width, 
     clear = re.findall(r"-?\d+ mm (?!off)", live["reading"])
     assert live["lengths"] == [text.strip() for text in clear]
     assert re.search(r"m/s, 0\.\d mm off its path", live["reading"])
-    assert tab.evaluate("document.documentElement.scrollWidth") <= width
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 1200
     assert tab.problems == []
     tab.context.close()
 

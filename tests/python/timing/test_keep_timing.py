@@ -238,3 +238,15 @@ def test_what_leaves_a_limit_is_refused_with_the_amount():
     beyond = 0.01 * (PANDA.upper[0] - MIDDLE[0])
     with pytest.raises(LimitsInfeasible, match=rf"position limits .* by {beyond:.2g}"):
         lt.retime(lt.JointTrajectory(times, q), PANDA)
+
+
+def test_a_smooth_path_that_leaves_limits_which_samples_touch_is_not_taken():
+    q = np.random.default_rng(7).normal(0.0, 1.0, (4, 3))
+    rates = [2.0] * 3, [10.0] * 3, [np.inf] * 3
+    limits = lt.arm.JointLimits(["a", "b", "c"], q.min(axis=0), q.max(axis=0), *rates)
+    path = lt.JointTrajectory(0.5 * np.arange(4), q)
+    durations = [
+        lt.retime(path, limits, rate=100.0, path_tolerance=tolerance).duration
+        for tolerance in (1e-5, 1e-3, 1e-2, 0.1)
+    ]
+    assert (np.diff(durations) <= 0.0).all()

@@ -580,18 +580,6 @@ def test_more_path_tolerance_never_takes_longer_and_is_a_tube(seed):
     assert durations[-1] < 0.7 * durations[0]  # the noise is not followed
 
 
-def test_a_smooth_path_that_leaves_limits_which_samples_touch_is_not_taken():
-    q = np.random.default_rng(7).normal(0.0, 1.0, (4, 3))
-    rates = [2.0] * 3, [10.0] * 3, [np.inf] * 3
-    limits = lt.arm.JointLimits(["a", "b", "c"], q.min(axis=0), q.max(axis=0), *rates)
-    path = lt.JointTrajectory(0.5 * np.arange(4), q)
-    durations = [
-        lt.retime(path, limits, rate=100.0, path_tolerance=tolerance).duration
-        for tolerance in (1e-5, 1e-3, 1e-2, 0.1)
-    ]
-    assert (np.diff(durations) <= 0.0).all()
-
-
 @pytest.mark.parametrize("seed", [1, 2])
 def test_corners_of_a_recording_slow_it_down_nowhere_else(seed):
     """The whole takes no longer than its smooth parts one after the other, from rest to rest."""

@@ -83,8 +83,8 @@ def fit_phases(
     mean = points.reshape(-1, samples, points.shape[1]).mean(axis=0)
     count, most, before, found = _FIRST_COMPONENTS, samples // POINTS_A_COMPONENT, np.inf, {}
     while True:
-        # One start of EM tells as well as all whether the components are enough.
-        found[count] = fitted(count, 1, LAST_ITERATIONS if count < _MANY_COMPONENTS else 0)
+        # One start of EM, ended early, tells as well whether the components are enough.
+        found[count] = fitted(count, 1, 0)
         missed = _missed(found[count].mixture, mean, poses=poses)
         if missed > _GAINED * before and before < _NEARLY * _MISSED:
             count //= 2
