@@ -103,7 +103,7 @@ def joints(given: Float64Array, demonstrated: Float64Array, name: str) -> None:
     if turns(away)[farthest]:
         warn(
             f"{name}: number {farthest + 1} is {given[farthest]:.4g} rad, a whole turn from the "
-            "demonstrated ones, and the motion turns back; give it at their turn if it can be"
+            "demonstrated ones, and the motion turns by as much; give it at theirs if it can be"
         )
 
 
