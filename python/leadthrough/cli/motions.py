@@ -18,7 +18,7 @@ from leadthrough.cli import options, output
 _NO_LIMIT = "no limit"
 _MAX_THREADS = 8  # of a check of collisions
 _TIP_TOLERANCE = "1e-4,1e-3"  # m and rad
-_NOISE = (1e-5, 2e-3)  # rad (m): less is rounding, more the motion's own
+_NOISE = (1e-7, 2e-3)  # rad (m): less is rounding, more the motion's own
 _ROUNDED = 1e-2  # rad (m), the tolerance of a path that is free of a hand's tremor
 _TORQUE_USED = 0.9  # of the limits with --torques
 

@@ -216,3 +216,16 @@ def test_a_log_of_five_minutes_is_learned_within_two_millimetres(recordings, tmp
     how = ("--rate", 20, "--column", joints, "--robot", "panda", "-o", tmp_path / "skill.npz")
     learned = facts("learn", recordings / "panda_execution" / trial, *how)
     assert learned["reproduction"]["position"] < 2e-3
+
+
+@pytest.mark.parametrize("noise", [3e-6, 3e-8])
+def test_noise_is_smoothed_that_the_fitted_path_would_follow_sample_by_sample(shown, noise):
+    times = np.arange(0.0, 4.0, 0.005)
+    share = minimum_jerk(times / times[-1])[:, None]
+    rows = HOME + 0.5 * share + np.random.default_rng(0).normal(0.0, noise, (len(times), 6))
+    write_table(
+        Path("fine.csv"), ",".join(["time", *shown.joint_names]), np.column_stack([times, rows])
+    )
+    found = facts("retime", "fine.csv", *LIMITED, "--keep-timing", "-o", "kept.npz")
+    assert found.get("smoothed", 0.0) == pytest.approx(noise if noise > 1e-7 else 0.0, rel=0.2)
+    assert found["duration"] == pytest.approx(times[-1], abs=0.1)
