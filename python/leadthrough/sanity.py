@@ -128,8 +128,8 @@ def continuous(positions: Float64Array, names: Sequence[str]) -> Float64Array:
     if rows is not positions:
         leaps = [name for name, x, y in zip(names, rows.T, positions.T, strict=True) if any(x != y)]
         warn(
-            f"columns: {', '.join(leaps)} with leaps by whole turns, as encoders make, read as "
-            "continuous"
+            "columns: read as continuous, without the leaps by whole turns that encoders make: "
+            f"{', '.join(leaps)}"
         )
     return rows
 

@@ -131,7 +131,7 @@ def test_leaps_of_a_joint_by_a_whole_turn_are_made_continuous(tmp_path):
     np.savetxt(
         path, columns, delimiter=",", header="time,joint_1,joint_2", comments="", fmt="%.17g"
     )
-    with pytest.warns(UserWarning, match="joint_2 with leaps by whole turns"):
+    with pytest.warns(UserWarning, match="leaps by whole turns that encoders make: joint_2"):
         (shown,) = lt.read_demonstrations(path, rest=np.inf)
     np.testing.assert_allclose(shown.motion.positions, positions, atol=1e-9)
 
