@@ -126,7 +126,8 @@ def continuous(positions: Float64Array, names: Sequence[str]) -> Float64Array:
     """Joints (n, d) of a file without leaps of whole turns, with a warning if there were any."""
     rows = without_turns(positions)
     if rows is not positions:
-        leaps = [name for name, x, y in zip(names, rows.T, positions.T, strict=True) if any(x != y)]
+        changed = (rows != positions).any(axis=0)
+        leaps = [name for name, leap in zip(names, changed, strict=True) if leap]
         warn(
             "columns: read as continuous, without the leaps by whole turns that encoders make: "
             f"{', '.join(leaps)}"

@@ -218,7 +218,13 @@ class Arm(ArmModel, CollisionQueries):
         starts = ik.many_starts(self._chain, q0, len(targets[0]), chosen.posture)
         core_options = ik.compiled(chosen, ik.random_seed(seed))
         columns = core.solve_ik_batch(
-            self._chain, *targets, starts, core_options, workers, self._closed_form, False
+            self._chain,
+            *targets,
+            starts,
+            core_options,
+            workers,
+            self._closed_form,
+            own_restarts=False,
         )
         return ik.batch_of_results(columns)
 

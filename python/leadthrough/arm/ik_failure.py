@@ -93,7 +93,14 @@ def _nearest(
     """Joints (m, joints) nearest to samples, status codes, errors in m and rad, limiting joints."""
     wanted, starts = path.only(samples), np.repeat(q0[None], len(samples), axis=0)
     q, codes, far, angles, _, bars = core.solve_ik_batch(
-        chain, wanted.positions, wanted.orientations, starts, path.options(), 1, None, False
+        chain,
+        wanted.positions,
+        wanted.orientations,
+        starts,
+        path.options(),
+        1,
+        None,
+        own_restarts=False,
     )
     return q, codes, far, angles, bars
 
@@ -203,7 +210,7 @@ def _require_end(
             compiled(options, seed),
             1,
             arm._closed_form,
-            False,
+            own_restarts=False,
         )
         if codes[0] == 0:
             return

@@ -120,7 +120,7 @@ def solve_sample(
     """Configurations (m, joints), status codes and errors (m,) for one sample from many guesses."""
     sample = path.only(np.full(len(guesses), i))
     q, status, position_errors, orientation_errors, *_ = core.solve_ik_batch(
-        chain, sample.positions, sample.orientations, guesses, options, 1, None, True
+        chain, sample.positions, sample.orientations, guesses, options, 1, None, own_restarts=True
     )
     return q, status, position_errors + orientation_errors
 

@@ -10,7 +10,8 @@
   `joint` with a letter and a number (`joint_a1`), in the order of the numbers, which start at 0 or
   1 without a gap; names that end in `_joint` (`shoulder_pan_joint`), in the order of the file; or,
   where more names have a velocity and there are no positions, all that do (`lift`,
-  `lift_velocity`); or Yaskawa's `S`, `L`, `U`, `R`, `B`, `T`.
+  `lift_velocity`); or Yaskawa's `S`, `L`, `U`, `R`, `B`, `T`
+  and `E`.
   Their derivatives are `<joint>_velocity` or `d<joint>`, and `<joint>_acceleration` or `dd<joint>`.
   Numbered joints of two arms, whose names begin with `left` and `right`, are one recording.
 - Arrays that hold all components at once: `positions`, `position`, `pos`; `orientations`,
@@ -78,8 +79,8 @@ _ROTATED = re.compile(
 )
 # Names of three angles.
 _ANGLES = ("abc", "wpr", "ijk", ("alpha", "beta", "gamma"))
-# Axes of a Yaskawa arm, in their order.
-_AXES = tuple("slurbt")
+# Axes of a Yaskawa arm, in their order; an arm of seven has E too.
+_AXES, _ALL_AXES = "slurbt", "sleurbt"
 DEGREE = math.pi / 180.0
 _UNITS: dict[str, dict[str, float]] = {
     "time": dict.fromkeys(("s", "sec", "seconds"), 1.0)
@@ -153,7 +154,7 @@ def candidates(names: Sequence[str]) -> dict[str, list[Columns]]:
     groups = [group for group in numbered if not _SECOND.search(group[0].lower())] or numbered
     found["joints"] += [*groups, *(tuple(each.values()) for each in by_joint(measured))]
     if {*_AXES} <= plain.keys():
-        found["joints"].append(tuple(plain[axis] for axis in _AXES))
+        found["joints"].append(tuple(plain[axis] for axis in _ALL_AXES if axis in plain))
     moving = tuple(name for name in names if name + JOINT_SUFFIXES["velocities"] in names)
     if not found["positions"] and set().union(*found["joints"]) < set(moving):
         found["joints"] = [moving]

@@ -422,8 +422,9 @@ def _joint_names(columns: Columns, positions: Float64Array, request: Request) ->
 def _joints_stated(columns: Columns, joints: Columns) -> Columns:
     """The joints that names tell, of each another one; or all in their order."""
     told = joints_told(columns, joints)
-    if None not in told and len(told) == len(joints):
-        return tuple(joints[i] for i in told if i is not None)
+    known = [i for i in told if i is not None]
+    if sorted(known) == [*range(len(columns))]:
+        return tuple(joints[i] for i in known)
     if len(columns) != len(joints) or set(columns) & set(joints):
         return ()
     for place, i in enumerate(told):

@@ -302,10 +302,11 @@ def motions_of(
         )
     motions: list[Any] = [_motion(each, i, kinds) for i, each in enumerate(demonstrations)]
     _refuse_mixed(motions)
-    motions = at_one_turn(alike(motions, "demonstrations"))
+    motions = alike(motions, "demonstrations")
     for i, motion in enumerate(motions):
         _refuse_unfit(motion, f"demonstrations[{i}]")
         sanity.clock(motion.times, f"demonstrations[{i}]")
+    motions = at_one_turn(motions)
     return motions if outliers == "keep" else _agreeing(motions, outliers)
 
 

@@ -79,6 +79,8 @@ def test_axis_t_of_a_yaskawa_is_no_time(write):
     motion = lt.read_motion(path, rate=10.0)
     assert motion.joint_names == ("S", "L", "U", "R", "B", "T")
     assert motion.times[1] == pytest.approx(0.1)
+    seven = lt.read_motion(write("S,L,U,R,B,T,E\n1,2,3,4,5,6,7\n1,2,3,4,5,6,8\n"), rate=10.0)
+    assert seven.joint_names == ("S", "L", "E", "U", "R", "B", "T")
     named = {"joints": ["a", "T"]}
     assert lt.read_motion(write("a,T\n1,2\n1,3\n"), columns=named, rate=10.0).positions[1, 1] == 3.0
 
