@@ -136,9 +136,10 @@ def continuous(positions: Float64Array, names: Sequence[str]) -> Float64Array:
 
 
 def turns(angles: Float64Array) -> Float64Array:
-    """The turns in angles, rad, that are almost whole, and 0 where they are not."""
+    """The turns in angles, rad, that are almost whole and two at most, and 0 for all others."""
     whole = (angles / (2.0 * np.pi)).round()
-    return np.where(np.abs(angles - 2.0 * np.pi * whole) < _OF_WHOLE, whole, 0.0)
+    near = np.abs(angles - 2.0 * np.pi * whole) < _OF_WHOLE
+    return np.where(near & (np.abs(angles) < _TURNS + _OF_WHOLE), whole, 0.0)
 
 
 def degrees(outside: float) -> str:

@@ -53,6 +53,13 @@ def test_joints_that_are_no_whole_turn_apart_stay_where_they_are():
     assert skill.generate(start=far.positions[0]).positions[0] == pytest.approx(far.positions[0])
 
 
+def test_numbers_too_large_to_be_turns_stay_as_they_are():
+    shown = [replace(each, positions=1e20 * each.positions) for each in reaches((0, 1))]
+    start = np.mean([each.positions[0] for each in shown], axis=0)
+    made = AlignedMean().fit(shown).generate()
+    np.testing.assert_allclose(made.positions[0], start, rtol=1e-9, atol=1e10)
+
+
 def test_a_query_a_whole_turn_from_the_demonstrations_is_named():
     skill = AlignedMean().fit(reaches((0, 0)))
     with pytest.warns(ImplausibleInputWarning, match="start: number 2 is -3.15 rad, a whole turn"):
